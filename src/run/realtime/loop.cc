@@ -20,7 +20,7 @@ bool is_zero(const ForceCommand& command) noexcept {
   return command.force.isZero(0.0) && command.torque.isZero(0.0) && command.gripper_force == 0.0;
 }
 
-/// When a gap between two ticks counts as a stall [ns]; 0: never.
+/// Gap between two ticks that counts as a stall [ns]; 0: never.
 std::int64_t stalled_after_ns(const LoopOptions& options, double rate_Hz) noexcept {
   if (options.offline || options.stalled_after_ns <= 0) return 0;
   return std::max(options.stalled_after_ns, static_cast<std::int64_t>(kStalledPeriods * 1e9 / rate_Hz));
@@ -36,7 +36,7 @@ struct StopAtEnd {
 
 class Loop final {
  public:
-  /// @param watchdog null: nobody watches
+  /// @param watchdog null: none
   Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
        const std::vector<TickObserver*>& observers, const LoopOptions& options, Watchdog* watchdog,
        LoopReport& report)
@@ -76,7 +76,7 @@ class Loop final {
   }
 
  private:
-  /// What is latched on a hand, from its rows.
+  /// Latched fault of a hand, from its rows.
   struct Latched {
     Fault fault = Fault::kNone;
     std::size_t entry = LoopReport::kMaxFaults;  // in report_.faults
@@ -96,7 +96,7 @@ class Loop final {
            options_.control->pausing();
   }
 
-  /// Zero force on every device until the run is to go on, or to end. No tick is late for it.
+  /// Zero force on every device until the run resumes or ends. A pause makes no tick late.
   void wait_through_pause() noexcept {
     constexpr std::int64_t kLookEvery = 2'000'000;  // ns
     for (Device* device : devices_) device->stop();
@@ -108,7 +108,7 @@ class Loop final {
     last_begin_ += lasted;
   }
 
-  /// Accounts for when a tick begins, and sees whether the loop had stood still. @return how late it is [ns].
+  /// Records the begin of a tick and detects a stall. @return lateness [ns].
   std::int64_t begin_in_time(Schedule& schedule, std::uint64_t number) noexcept {
     const std::int64_t now = monotonic_ns();
     if (watchdog_ != nullptr) watchdog_->beat(number, now);
@@ -127,7 +127,7 @@ class Loop final {
     return begin.late_ns;
   }
 
-  /// Whether the watchdog stopped the devices since this was last dealt with.
+  /// Whether the watchdog has stopped the devices since the last call.
   [[nodiscard]] bool stopped_meanwhile() const noexcept {
     return watchdog_ != nullptr && watchdog_->stops() != stops_known_;
   }
@@ -178,7 +178,7 @@ class Loop final {
       refused_[hand] = devices_[hand]->write(command_D) ? 0 : 1;
     }
     if (held_at_zero_ && std::all_of(commands_.begin(), commands_.end(), is_zero)) held_at_zero_ = false;
-    // A stop that came while these were written must have the last word; the next tick latches the fault.
+    // A stop during these writes must prevail; the next tick latches the fault.
     if (!zero && stopped_meanwhile()) {
       for (Device* device : devices_) device->stop();
     }
@@ -215,7 +215,7 @@ class Loop final {
       return;
     }
     latched.entry = report_.faults.size();
-    report_.faults.push_back(seen);  // within what was reserved
+    report_.faults.push_back(seen);  // capacity is reserved
   }
 
   const SimulationWorld& world_;
@@ -230,12 +230,12 @@ class Loop final {
   std::vector<DeviceState> samples_;
   std::vector<ForceCommand> commands_;
   std::vector<TickRow> rows_;
-  std::vector<char> refused_;     // a hand's last command was
+  std::vector<char> refused_;     // per hand: the last command was refused
   std::vector<Latched> latched_;  // of each hand
   std::int64_t last_begin_ = 0;
-  std::uint64_t stops_known_ = 0;  // of the watchdog, dealt with
+  std::uint64_t stops_known_ = 0;  // stops by the watchdog that were handled
   bool stalled_ = false;           // this tick began after a stall
-  bool held_at_zero_ = false;      // since a stop by the watchdog, until the gate's own commands are zero
+  bool held_at_zero_ = false;      // from a stop by the watchdog until the gate's command is zero
 };
 
 void check_core(const LoopOptions& options) {
@@ -246,7 +246,7 @@ void check_core(const LoopOptions& options) {
   }
 }
 
-/// What the loop's thread asks of the system before its first tick.
+/// Real-time settings that the loop's thread requests before its first tick.
 void prepare_thread(const LoopOptions& options, LoopReport& report) {
   if (options.thread.core && !pin_to_core(*options.thread.core)) {
     report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.thread.core));

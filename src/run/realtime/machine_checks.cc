@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr unsigned kMayRaisePriority = 23;  // bits of a process's capabilities: CAP_SYS_NICE
 constexpr unsigned kMayLockMemory = 14;     // CAP_IPC_LOCK
-constexpr double kLockedBytes = 512e6;      // what the largest built-in scenes take, with room
-constexpr long kWantedPriority = 85;        // of the watchdog, the highest that palpate asks for
+constexpr double kLockedBytes = 512e6;      // memory of the largest built-in scenes, with a margin
+constexpr long kWantedPriority = 85;        // of the watchdog, the highest that Palpate requests
 
 std::optional<std::string> first_line(const fs::path& file) {
   std::ifstream in(file);
@@ -53,7 +53,7 @@ bool may(const fs::path& root, unsigned capability) {
   return ((std::strtoull(mask->c_str(), nullptr, 16) >> capability) & 1ULL) != 0;
 }
 
-/// The soft limit of the process, in words: a number or "unlimited".
+/// The soft limit of the process as text: a number or "unlimited".
 std::optional<std::string> limit(const fs::path& root, const std::string& name) {
   const std::optional<std::string> line = line_after(root / "proc/self/limits", name);
   if (!line) return std::nullopt;
@@ -182,7 +182,7 @@ MachineCheck preemption(const fs::path& root) {
     check.found = "/proc/version cannot be read";
   } else {
     const bool dynamic = version.find("PREEMPT_DYNAMIC") != std::string::npos;
-    // Which of the dynamic ones is in force stands in brackets; only root may read it.
+    // The active mode of dynamic preemption is in brackets; only root may read it.
     const std::string chosen = first_line(root / "sys/kernel/debug/sched/preempt").value_or("");
     const bool full =
         dynamic ? chosen.find("(full)") != std::string::npos : version.find(" PREEMPT ") != std::string::npos;

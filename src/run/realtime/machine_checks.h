@@ -12,29 +12,29 @@ namespace palpate::haptics {
 
 enum class Verdict { kGood, kBad, kUnknown };
 
-/// One thing that real time needs of a machine.
+/// One requirement of real time on a machine.
 struct MachineCheck {
   std::string name;  // "real-time priority"
   Verdict verdict = Verdict::kUnknown;
-  std::string found;   // what there is, in words
-  std::string advice;  // what to do; empty when it is good
+  std::string found;   // the present state
+  std::string advice;  // remedy; empty for kGood
 };
 
-/// [setup] What the files under /proc and /sys say about this machine and process, in a fixed order:
+/// [setup] Checks this machine and process by the files under /proc and /sys, in a fixed order:
 /// priority, memory lock, real-time throttling, timer slack, timers and clock, kernel, processors, their
 /// frequency. A file that is missing or unreadable gives kUnknown, never an error.
 /// @param root in place of /, for tests
 [[nodiscard]] std::vector<MachineCheck> check_machine(const std::filesystem::path& root = "/");
 
-/// How late a thread gets on that does nothing but wait for the loop's deadlines.
+/// Wake-up latency of a thread that only waits for the loop's deadlines.
 struct WakeUps {
   Histogram late;                  // ns
-  std::uint64_t missed = 0;        // a full period or more late
-  bool realtime_priority = false;  // what the measuring thread was granted
+  std::uint64_t missed = 0;        // wake-ups a full period or more late
+  bool realtime_priority = false;  // granted to the measuring thread
   bool memory_locked = false;
 };
 
-/// [setup] Measures for ticks / rate_Hz seconds on a thread that asks for all that the loop asks for.
+/// [setup] Measures for ticks / rate_Hz seconds on a thread with the loop's settings.
 [[nodiscard]] WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks, Waiting waiting);
 
 }  // namespace palpate::haptics

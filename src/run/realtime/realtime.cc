@@ -14,9 +14,9 @@ namespace palpate::haptics {
 namespace {
 
 constexpr int kLoopPriority = 80;         // above interrupt threads (50), below the kernel's own (99)
-constexpr int kWatchdogPriority = 85;     // it must get through when the loop spins
-constexpr unsigned long kTimerSlack = 1;  // ns, the smallest; without priority the system's own is 50 us
-constexpr std::size_t kTouchedStack = 256UL * 1024UL;  // bytes; a tick uses some thirty kilobytes
+constexpr int kWatchdogPriority = 85;     // it must run while the loop polls
+constexpr unsigned long kTimerSlack = 1;  // ns, the smallest; the system's default is 50 us
+constexpr std::size_t kTouchedStack = 256UL * 1024UL;  // bytes; a tick uses about 30 kB
 constexpr std::size_t kPage = 4096;
 
 std::string describe_error(int error) { return std::generic_category().message(error); }

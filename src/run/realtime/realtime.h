@@ -7,36 +7,36 @@
 
 namespace palpate::haptics {
 
-/// Which of a run's threads goes first when several want a processor.
+/// Threads of a run, by rising real-time priority.
 enum class Urgency { kLoop, kWatchdog };
 
-/// [setup] Asks for SCHED_FIFO for the calling thread, and for wake-ups that are never put off to be taken
-/// together with others (timer slack). @return why the priority was not granted, in words; none: it was.
+/// [setup] Requests SCHED_FIFO and the smallest timer slack for the calling thread. @return why the priority
+/// was not granted; none: granted.
 [[nodiscard]] std::optional<std::string> ask_for_priority(Urgency urgency);
 
-/// What Linux lets real-time threads have together: so long of every period; then it stops them until the
-/// next.
+/// Linux's real-time throttling: all real-time threads together may run for `runtime_us` in every period,
+/// then are stopped until the next.
 struct RealtimeBudget {
-  long runtime_us = 0;  // below 0: all of it
+  long runtime_us = 0;  // below 0: no limit
   long period_us = 0;   // > 0
 };
 
-/// [setup] This machine's; none where it cannot be read. @param root in place of /, for tests
+/// [setup] This machine's throttling; none when unreadable. @param root in place of /, for tests
 [[nodiscard]] std::optional<RealtimeBudget> realtime_budget(const std::filesystem::path& root = "/");
 
 /// [setup] Numbers of the cores that this program may use, ascending.
 [[nodiscard]] std::vector<int> usable_cores();
 
-/// [setup] Lets the calling thread run on one core only. @return whether that was granted.
+/// [setup] Pins the calling thread to one core. @return whether that was granted.
 [[nodiscard]] bool pin_to_core(int core) noexcept;
 
-/// [setup] Touches the calling thread's stack, so that no tick meets a page of it for the first time.
+/// [setup] Touches the pages of the calling thread's stack, so that no tick causes a page fault there.
 void touch_stack() noexcept;
 
-/// Keeps the program's memory from being paged out while it lives, where that is allowed.
+/// Locks the memory of the program (mlockall) during its lifetime, where permitted.
 class MemoryLock final {
  public:
-  /// [setup] @param remarks says in words when it is not allowed
+  /// [setup] @param remarks gets the reason when it is not permitted
   explicit MemoryLock(std::vector<std::string>& remarks);
   ~MemoryLock();
   MemoryLock(const MemoryLock&) = delete;
@@ -48,8 +48,8 @@ class MemoryLock final {
   bool granted_;
 };
 
-/// Signals from outside wait while this lives, and so in every thread started meanwhile: Ctrl-C is for the
-/// main thread.
+/// Blocks external signals in the calling thread during its lifetime, and so in threads started meanwhile.
+/// The main thread handles Ctrl-C.
 class SignalsHeld final {
  public:
   SignalsHeld() noexcept;

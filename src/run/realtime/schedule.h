@@ -4,9 +4,9 @@
 
 namespace palpate::haptics {
 
-/// When ticks are due: evenly from an anchor, computed from it each time, so that rounding never adds up. A
-/// tick that begins a full period or more late moves the anchor to its own begin: what was missed is not
-/// caught up in a burst, and no tick number is skipped.
+/// Deadlines of ticks: an anchor plus whole periods, so that rounding does not accumulate. A tick that begins
+/// a full period or more late moves the anchor to its begin: missed time is not made up by a burst, and no
+/// tick number is skipped.
 class Schedule final {
  public:
   /// [setup] @param first_due monotonic time of the first tick [ns]
@@ -22,7 +22,7 @@ class Schedule final {
     bool missed = false;       // a full period or more late
   };
 
-  /// [rt] The tick that was due begins at `now` [ns]; the next one becomes due.
+  /// [rt] The tick due begins at `now` [ns]; due() then gives the next deadline.
   Begin begin(std::int64_t now) noexcept {
     const std::int64_t late = now - due();
     const bool missed = static_cast<double>(late) >= period_ns_;

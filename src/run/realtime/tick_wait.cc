@@ -7,16 +7,15 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kLeastRest = 0.05;  // share, so that the kernel's own threads get their turn on that core
-constexpr double kRestBeyond =
-    0.03;  // share, beside what the kernel asks for, since rests are no exact measure
-constexpr double kLongestDebt = 1.0;    // s, whose rest may be made up for
-constexpr double kShortest = 50e3;      // ns
-constexpr double kMargin = 100e3;       // ns
+constexpr double kLeastRest = 0.05;   // fraction, for the kernel's threads on that core
+constexpr double kRestBeyond = 0.03;  // fraction in addition to the throttled one, because sleeps are inexact
+constexpr double kLongestDebt = 1.0;  // s, longest time whose sleep is made up later
+constexpr double kShortest = 50e3;    // ns
+constexpr double kMargin = 100e3;     // ns
 constexpr double kShortestShare = 0.4;  // of a period, at high rates
 constexpr double kMarginShare = 0.25;
 
-/// Tells the processor that this is a loop that waits.
+/// Tells the processor that this is a spin loop.
 void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();

@@ -7,29 +7,30 @@
 
 namespace palpate::haptics {
 
-/// [any] The share of the time that a polling thread must leave to others, 0..1, so that the kernel never
-/// stops it for having used up its budget. @param budget none: Linux's own, 95 %
+/// [any] Fraction of the time, 0..1, that a polling thread must sleep so that real-time throttling never
+/// stops it.
+/// @param budget none: Linux's default, 95 %
 [[nodiscard]] double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept;
 
-/// When a polling thread rests: it sleeps a while right after a tick, well before the next one is due, so
-/// that over time it sleeps its share. What a late tick leaves no room for is made up for after later ones.
+/// Sleeps of a polling thread: short sleeps right after ticks, well before the next deadline, give the
+/// required fraction on average. Sleep that a late tick leaves no time for is made up after later ticks.
 class PollingRest final {
  public:
   /// [setup] @param share of the time to sleep, 0..1
   PollingRest(double rate_Hz, double share) noexcept;
 
-  /// [rt] Once a tick: how long to sleep at `now` when the next tick is due at `due` [ns]; 0: not at all.
+  /// [rt] Once per tick: time to sleep at `now` when the next tick is due at `due` [ns]; 0: no sleep.
   std::int64_t next(std::int64_t now, std::int64_t due) noexcept;
 
  private:
   double share_ns_;        // of a period
   double most_owed_;       // ns
   double owed_ = 0.0;      // ns
-  std::int64_t shortest_;  // ns; less is not worth a sleep
-  std::int64_t margin_;    // ns between a rest's end and the next tick: sleeps end late
+  std::int64_t shortest_;  // ns, shortest sleep
+  std::int64_t margin_;    // ns between the end of a sleep and the next tick, because sleeps end late
 };
 
-/// How a loop's thread gets from one tick to the next.
+/// Waits for the next tick by sleeping or polling.
 class TickWait final {
  public:
   /// [setup]

@@ -10,7 +10,7 @@ namespace palpate::haptics {
 namespace {
 
 constexpr std::int64_t kLongestNap = 20'000'000;         // ns, so that finish() does not wait longer
-constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; while no tick began, or after a stop
+constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; before the first tick or after a stop
 
 }  // namespace
 
@@ -32,7 +32,7 @@ std::vector<WatchdogStop> Watchdog::finish() {
 void Watchdog::watch() noexcept {
   (void)ask_for_priority(Urgency::kWatchdog);
   std::int64_t first_begin = kResting;
-  std::int64_t stopped_at = kResting;  // the begin after which the devices were stopped
+  std::int64_t stopped_at = kResting;  // begin of the tick after which the devices were stopped [ns]
   while (!ending_.load()) {
     const std::int64_t last = last_begin_.load();
     const std::int64_t now = monotonic_ns();
@@ -52,7 +52,7 @@ void Watchdog::watch() noexcept {
 }
 
 void Watchdog::stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept {
-  stops_.fetch_add(1);  // before the stop: the loop that wakes meanwhile sees that one may have begun
+  stops_.fetch_add(1);  // before the stop, so that a loop that wakes sees it
   for (Device* device : devices_) device->stop();
   if (kept_.size() < WatchdogStop::kMaxKept) {
     kept_.push_back({tick_.load(std::memory_order_relaxed), last_begin + stalled_after_ns_ - first_begin});

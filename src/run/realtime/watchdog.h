@@ -10,9 +10,9 @@
 
 namespace palpate::haptics {
 
-/// A second thread that calls Device::stop() on all devices when no tick began for too long: a loop that
-/// hangs must leave no force behind. It runs at a higher priority than the loop where that is granted, and
-/// shares nothing with it but atomics, so that it never holds the loop up.
+/// A second thread that calls Device::stop() on all devices when no tick begins for too long, so that a loop
+/// that hangs leaves no force. It runs at a higher priority than the loop where permitted. Both share only
+/// atomics, so it never delays the loop.
 class Watchdog final {
  public:
   /// [setup] Starts the thread; it does nothing before the first beat(). @param devices outlive it
@@ -27,9 +27,9 @@ class Watchdog final {
     tick_.store(tick, std::memory_order_relaxed);
     last_begin_.store(now_ns);
   }
-  /// [rt] No further tick is to come: it stops no device from now on, but for a stop that is under way.
+  /// [rt] No further tick follows: it starts no stop from now on. A stop in progress goes on.
   void rest() noexcept { last_begin_.store(kResting); }
-  /// [rt] How often it has stopped the devices; counted before each stop begins.
+  /// [rt] Number of stops; counted before each stop begins.
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_.load(); }
 
   /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMaxKept stops.
@@ -43,7 +43,7 @@ class Watchdog final {
 
   std::span<Device* const> devices_;
   std::int64_t stalled_after_ns_;
-  std::vector<WatchdogStop> kept_;  // of the thread, until it has ended
+  std::vector<WatchdogStop> kept_;  // used by the thread until it has ended
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> stops_{0};
   alignas(64) std::atomic<std::int64_t> last_begin_{kResting};
