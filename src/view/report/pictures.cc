@@ -23,7 +23,7 @@ struct NamedMoment {
   std::size_t row;
 };
 
-std::array<NamedMoment, 4> named(const KeyTicks& moments) {
+std::array<NamedMoment, 4> named(const KeyTicks& key_ticks) {
   return {{{"before contact", "1-before", key_ticks.rest},
            {key_ticks.contact ? "at contact" : "at its nearest", "2-contact", key_ticks.touch},
            {"at depth", "3-depth", key_ticks.deepest},
