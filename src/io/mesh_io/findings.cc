@@ -16,9 +16,9 @@ namespace {
 // Above this number of shells only their orientation is checked, not which lies inside which.
 constexpr std::size_t kMostShellsNested = 100;
 
-class Analysis final {
+class MeshInspection final {
  public:
-  explicit Analysis(const TriangleMesh& mesh)
+  explicit MeshInspection(const TriangleMesh& mesh)
       : mesh_(mesh), shells_(mesh.triangles.size()), fans_(3 * mesh.triangles.size()) {}
 
   MeshFindings run() {
@@ -136,6 +136,6 @@ class Analysis final {
 
 }  // namespace
 
-MeshFindings findings_of(const TriangleMesh& mesh) { return Analysis(mesh).run(); }
+MeshFindings findings_of(const TriangleMesh& mesh) { return MeshInspection(mesh).run(); }
 
 }  // namespace palpate::geometry
