@@ -36,7 +36,7 @@ struct HandState {
 };
 
 /// A simulation at its newest tick.
-struct LiveState {
+struct NewestState {
   std::uint64_t change = 0;
   bool running = false;
   std::vector<HandState> hands;
@@ -114,8 +114,8 @@ void leave(LiveSimulation& live, const py::object& type, const py::object& /*val
   if (type.is_none()) raise_failure(live);  // what the block raised goes before
 }
 
-std::optional<LiveState> state_of(LiveSimulation& live) {
-  LiveState state;
+std::optional<NewestState> state_of(LiveSimulation& live) {
+  NewestState state;
   state.change = live.change();
   state.running = live.running();
   for (const TickRow& row : live.newest()) state.hands.push_back({row, live.fault_words(row)});
@@ -219,15 +219,15 @@ void bind_hand_state(py::module_& module) {
 }
 
 void bind_state(py::module_& module) {
-  py::class_<LiveState>(module, "State", "A running simulation at its newest tick.")
+  py::class_<NewestState>(module, "State", "A running simulation at its newest tick.")
       .def_property_readonly(
-          "tick", [](const LiveState& state) { return state.hands.front().row.tick; }, "Counted from 0.")
+          "tick", [](const NewestState& state) { return state.hands.front().row.tick; }, "Counted from 0.")
       .def_property_readonly(
-          "time", [](const LiveState& state) { return state.hands.front().row.time; }, "s, tick / rate.")
-      .def_readonly("change", &LiveState::change,
+          "time", [](const NewestState& state) { return state.hands.front().row.time; }, "s, tick / rate.")
+      .def_readonly("change", &NewestState::change,
                     "Number of the last change of tissue or noise that a tick has used; 0: none.")
-      .def_readonly("running", &LiveState::running, "Whether the run goes on.")
-      .def_readonly("hands", &LiveState::hands, "One HandState a hand.");
+      .def_readonly("running", &NewestState::running, "Whether the run goes on.")
+      .def_readonly("hands", &NewestState::hands, "One HandState a hand.");
 }
 
 py::class_<LiveSimulation, Live> bind_simulation(py::module_& module) {
