@@ -69,7 +69,7 @@ struct Look {
 Look look_at(const std::string& what) {
   constexpr std::uint64_t kReads = 200;
   constexpr std::int64_t kPeriod_ns = 1'000'000;
-  const devices::Opened opened = devices::open_connected(what);
+  const devices::OpenedDevice opened = devices::open_connected(what);
   Look look;
   look.name = opened.name;
   const std::int64_t begin = monotonic_ns();

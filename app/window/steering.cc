@@ -118,8 +118,8 @@ void Steering::say(const OrbitCamera& camera) {
     const Vec3 way = mouse.target_D - mouse.device->start();
     const double far =
         way.norm();  // beyond reach the target waits at its edge, so that it turns round at once
-    if (far > devices::SteadyHand::kReach) {
-      mouse.target_D = mouse.device->start() + devices::SteadyHand::kReach / far * way;
+    if (far > devices::TargetFollower::kMaxDistance) {
+      mouse.target_D = mouse.device->start() + devices::TargetFollower::kMaxDistance / far * way;
     }
     mouse.device->input().writable() = {mouse.target_D, mouse.held ? 0.0 : mouse.rest, mouse.held ? 1U : 0U,
                                         true};

@@ -155,17 +155,17 @@ Probe probe_installed_touch(const Machine& machine) {
 
 /// Opens a device outside a scene, made of `what`.
 template <typename AnyDevice, typename... What>
-Opened connected(const What&... what) {
+OpenedDevice connected(const What&... what) {
   auto device = std::make_unique<AnyDevice>(what...);
   std::string name = device->description();
   return {std::move(device), std::move(name)};
 }
 
-Opened connect_forcedimension(const std::string& path) {
+OpenedDevice connect_forcedimension(const std::string& path) {
   return connected<ForceDimensionDevice>(path, std::size_t{0});
 }
-Opened connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
-Opened connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
+OpenedDevice connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
+OpenedDevice connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
 
 std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size_t hand) {
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
@@ -176,7 +176,7 @@ struct Kind {
   std::string_view name;
   std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand);
   Probe (*probe)(const Machine& machine);
-  Opened (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
+  OpenedDevice (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
 };
 
 constexpr Kind kKinds[] = {
@@ -234,7 +234,7 @@ std::vector<Probe> probe_devices(const Machine& machine) {
   return probes;
 }
 
-Opened open_connected(const std::string& what) {
+OpenedDevice open_connected(const std::string& what) {
   const std::size_t colon = what.find(':');
   const Kind* kind = find_kind(what.substr(0, colon));
   if (kind == nullptr || kind->connect == nullptr) {

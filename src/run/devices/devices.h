@@ -25,7 +25,7 @@ namespace palpate::devices {
 [[nodiscard]] std::vector<Probe> probe_devices(const Machine& machine = {});
 
 /// A device that was opened outside a scene.
-struct Opened {
+struct OpenedDevice {
   std::unique_ptr<haptics::Device> device;
   std::string name;  // the vendor's name of the device, and how it was opened
 };
@@ -33,6 +33,6 @@ struct Opened {
 /// [setup] Opens one device that is connected to this computer, outside a scene.
 /// @param what KIND or KIND:PATH as on the command line
 /// @throws InputError as open_device(), and when a device of this KIND cannot be connected.
-[[nodiscard]] Opened open_connected(const std::string& what);
+[[nodiscard]] OpenedDevice open_connected(const std::string& what);
 
 }  // namespace palpate::devices

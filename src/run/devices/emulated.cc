@@ -40,7 +40,7 @@ EmulatedDevice::EmulatedDevice(scene::ToolPath path, const scene::DeviceSetup& s
     : path_(std::move(path)),
       resolution_(resolution_of(setup)),
       rate_Hz_(rate_Hz),
-      velocity_share_(1.0 / (1.0 + kVelocityFilter * rate_Hz)),
+      velocity_weight_(1.0 / (1.0 + kVelocityFilter * rate_Hz)),
       faults_(setup.emulated.faults, rate_Hz),
       hand_(mass_of(setup), path_.at(0.0).position),
       target_(path_.at(0.0).position) {}
@@ -48,7 +48,7 @@ EmulatedDevice::EmulatedDevice(scene::ToolPath path, const scene::DeviceSetup& s
 Vec3 EmulatedDevice::force_on_hand() const noexcept {
   const bool let_go = static_cast<double>(refused_) > kOwnWatchdog * rate_Hz_;
   const bool off = stopped_.load(std::memory_order_relaxed) ||
-                   (started_ && faults_.on(scene::EmulatedFaultKind::kForceOff, tick_));
+                   (started_ && faults_.is_active(scene::EmulatedFaultKind::kForceOff, tick_));
   return let_go || off ? Vec3::Zero() : force_;
 }
 
@@ -66,7 +66,7 @@ haptics::DeviceState EmulatedDevice::read(std::uint64_t tick, double time) noexc
     hand_.advance(target_, wanted.position, force_on_hand(), 1.0 / rate_Hz_);
     const Vec3 before = reading_;
     reading_ = encoder_reading();
-    velocity_ += velocity_share_ * ((reading_ - before) * rate_Hz_ - velocity_);
+    velocity_ += velocity_weight_ * ((reading_ - before) * rate_Hz_ - velocity_);
   }
   tick_ = tick;
   target_ = wanted.position;
@@ -75,14 +75,14 @@ haptics::DeviceState EmulatedDevice::read(std::uint64_t tick, double time) noexc
   sample.orientation_D = wanted.orientation;
   sample.velocity_D = velocity_;
   sample.gripper = wanted.gripper;
-  if (const auto fault = faults_.first_on(tick)) {
+  if (const auto fault = faults_.first_active(tick)) {
     last_fault_.store(static_cast<int>(*fault), std::memory_order_relaxed);
   }
-  return faults_.spoil(tick, sample);
+  return faults_.with_faults(tick, sample);
 }
 
 bool EmulatedDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  if (faults_.on(scene::EmulatedFaultKind::kRefuse, tick_)) {
+  if (faults_.is_active(scene::EmulatedFaultKind::kRefuse, tick_)) {
     ++refused_;
     return false;
   }

@@ -50,7 +50,7 @@ class EmulatedDevice final : public haptics::Device {
   scene::ToolPath path_;
   double resolution_;
   double rate_Hz_;
-  double velocity_share_;  // weight of a new difference in the filtered velocity, 0..1
+  double velocity_weight_;  // weight of a new difference in the filtered velocity, 0..1
   FaultSchedule faults_;
   HandMass hand_;
   Vec3 target_;

@@ -86,10 +86,10 @@ void FaultSchedule::apply(const Span& span, std::uint64_t tick, DeviceState& sam
   }
 }
 
-DeviceState FaultSchedule::spoil(std::uint64_t tick, const DeviceState& fresh) noexcept {
+DeviceState FaultSchedule::with_faults(std::uint64_t tick, const DeviceState& fresh) noexcept {
   past_[kept_ % past_.size()] = fresh;
   ++kept_;
-  if (!on(EmulatedFaultKind::kFreeze, tick) || kept_ == 1) {
+  if (!is_active(EmulatedFaultKind::kFreeze, tick) || kept_ == 1) {
     frozen_ = fresh;
     frozen_tick_ = tick;
   }
@@ -100,12 +100,12 @@ DeviceState FaultSchedule::spoil(std::uint64_t tick, const DeviceState& fresh) n
   return sample;
 }
 
-bool FaultSchedule::on(EmulatedFaultKind kind, std::uint64_t tick) const noexcept {
+bool FaultSchedule::is_active(EmulatedFaultKind kind, std::uint64_t tick) const noexcept {
   return std::any_of(spans_.begin(), spans_.end(),
                      [&](const Span& span) { return span.kind == kind && span.holds(tick); });
 }
 
-std::optional<EmulatedFaultKind> FaultSchedule::first_on(std::uint64_t tick) const noexcept {
+std::optional<EmulatedFaultKind> FaultSchedule::first_active(std::uint64_t tick) const noexcept {
   for (const Span& span : spans_) {
     if (span.holds(tick)) return span.kind;
   }

@@ -18,12 +18,13 @@ class FaultSchedule final {
 
   /// [rt] The sample `fresh` as the faults of this tick change it. Call once per tick, in rising order.
   /// Simultaneous faults apply in the scene's order.
-  [[nodiscard]] haptics::DeviceState spoil(std::uint64_t tick, const haptics::DeviceState& fresh) noexcept;
+  [[nodiscard]] haptics::DeviceState with_faults(std::uint64_t tick,
+                                                 const haptics::DeviceState& fresh) noexcept;
 
   /// [rt] Whether a fault of that kind is active at the tick.
-  [[nodiscard]] bool on(scene::EmulatedFaultKind kind, std::uint64_t tick) const noexcept;
+  [[nodiscard]] bool is_active(scene::EmulatedFaultKind kind, std::uint64_t tick) const noexcept;
   /// [rt] The first active fault, in the scene's order.
-  [[nodiscard]] std::optional<scene::EmulatedFaultKind> first_on(std::uint64_t tick) const noexcept;
+  [[nodiscard]] std::optional<scene::EmulatedFaultKind> first_active(std::uint64_t tick) const noexcept;
 
  private:
   struct Span {

@@ -8,16 +8,16 @@
 namespace palpate::devices {
 
 /// Passes the newest force from the loop to a device's thread. Neither waits for the other.
-class ForceHandOver final {
+class ForceHandover final {
  public:
   /// [rt] Called by the loop. @return false when the force [N] is not finite; zero is then passed
   bool write(const Vec3& force_D) noexcept;
   /// [any] Zero until the next write().
   void stop() noexcept;
   /// [rt] Called by the device's thread: the force [N] at a monotonic time [ns]. Zero before the first
-  /// write(), after stop(), and when the last write() is older than `no_write_ns`, because the loop then
+  /// write(), after stop(), and when the last write() is older than `write_timeout_ns`, because the loop then
   /// hangs.
-  [[nodiscard]] Vec3 wanted(std::int64_t now_ns, std::int64_t no_write_ns) noexcept;
+  [[nodiscard]] Vec3 wanted(std::int64_t now_ns, std::int64_t write_timeout_ns) noexcept;
 
  private:
   struct Command {

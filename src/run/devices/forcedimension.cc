@@ -66,7 +66,7 @@ std::uint32_t force_off_in(const int* status) noexcept {
 }  // namespace
 
 ForceDimensionDevice::ForceDimensionDevice(const std::string& library, std::size_t ordinal)
-    : library_(library), place_("device forcedimension: ") {
+    : library_(library), message_prefix_("device forcedimension: ") {
   open(ordinal);
   try {
     begin();
@@ -81,10 +81,10 @@ ForceDimensionDevice::~ForceDimensionDevice() { close(); }
 void ForceDimensionDevice::open(std::size_t ordinal) {
   const DhdFunctions& call = library_.call();
   const int count = call.GetDeviceCount();
-  if (count < 0) throw InputError(place_ + "cannot look for devices: " + library_.last_error());
+  if (count < 0) throw InputError(message_prefix_ + "cannot look for devices: " + library_.last_error());
   if (static_cast<std::size_t>(count) <= ordinal) {
     throw InputError(fmt::format(
-        "{}{}, must be at least {}, switched on and open to this user (docs/devices.md)", place_,
+        "{}{}, must be at least {}, switched on and open to this user (docs/devices.md)", message_prefix_,
         count == 0 ? "no device is connected" : std::to_string(count) + " connected", ordinal + 1));
   }
   // Without dhdOpenID, dhdOpen takes the first that is not open yet, which is the next in order.
@@ -93,7 +93,7 @@ void ForceDimensionDevice::open(std::size_t ordinal) {
     throw InputError(
         fmt::format("{}device {} cannot be opened: {}, must be switched on, open to this user and used by no "
                     "other program (docs/devices.md)",
-                    place_, ordinal, library_.last_error()));
+                    message_prefix_, ordinal, library_.last_error()));
   }
   id_ = static_cast<char>(id);
 }
@@ -109,13 +109,13 @@ void ForceDimensionDevice::begin() {
   require_calibrated();
   set_force({});
   if (call.EnableForce(kOn, id_) < 0) {
-    throw InputError(place_ + "its force cannot be switched on: " + library_.last_error());
+    throw InputError(message_prefix_ + "its force cannot be switched on: " + library_.last_error());
   }
   // The velocity needs a few samples, and the force a moment.
   for (int step = 0;; ++step) {
     haptics::DeviceState first;
     if (set_force({}) && read_pose(first) >= 0 && ask_status() && !force_off_) break;
-    if (step == kOpeningSteps) throw InputError(place_ + last_error());
+    if (step == kOpeningSteps) throw InputError(message_prefix_ + last_error());
     std::this_thread::sleep_for(kOpeningStep);
   }
   read_gripper();
@@ -125,9 +125,9 @@ void ForceDimensionDevice::begin() {
 void ForceDimensionDevice::require_calibrated() const {
   int status[kDhdStatusSize] = {};
   if (library_.call().GetStatus(status, id_) < 0) {
-    throw InputError(place_ + "its status cannot be read: " + library_.last_error());
+    throw InputError(message_prefix_ + "its status cannot be read: " + library_.last_error());
   }
-  if (status[kDhdStatusReset] == kOn) throw InputError(place_ + calibration_text());
+  if (status[kDhdStatusReset] == kOn) throw InputError(message_prefix_ + calibration_text());
 }
 
 void ForceDimensionDevice::close() noexcept {
@@ -150,7 +150,7 @@ haptics::DeviceState ForceDimensionDevice::read(std::uint64_t tick, double time)
   bool status_read = true;
   if (time >= next_status_ || force_off_) {
     status_read = ask_status();
-    next_status_ = time + kStatusEvery;
+    next_status_ = time + kStatusPeriod;
   }
   if (force_off_) {
     state.fault = haptics::Fault::kForceOff;

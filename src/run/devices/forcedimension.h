@@ -23,7 +23,7 @@ class ForceDimensionDevice final : public haptics::Device {
   /// Gripper angle [rad] of open jaws; 0 is closed. Its sign differs between left- and right-handed devices.
   static constexpr double kOpenAngle = 0.5;
   /// Period of the status queries [s]; each is a separate message to the device.
-  static constexpr double kStatusEvery = 2e-3;
+  static constexpr double kStatusPeriod = 2e-3;
 
   /// [setup] Opens the connected device number `ordinal` (0 is the first), enables its force at zero and
   /// waits at most 0.2 s for a sample.
@@ -66,7 +66,7 @@ class ForceDimensionDevice final : public haptics::Device {
   void note(std::uint32_t what, int code) noexcept;
 
   DhdLibrary library_;
-  std::string place_;  // prefix of messages
+  std::string message_prefix_;  // prefix of messages
   char id_ = -1;
   bool falcon_ = false;
   bool has_wrist_ = true;

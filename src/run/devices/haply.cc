@@ -12,8 +12,9 @@
 namespace palpate::devices {
 namespace {
 
-constexpr std::int64_t kLastWords = 200'000'000;  // ns, for the last zero force, and again for the farewell
-constexpr std::int64_t kLookOut = 5'000'000;      // ns, between two looks at whether to end, in a pause
+constexpr std::int64_t kShutdownLimit =
+    200'000'000;                                 // ns, for the last zero force, and again for the farewell
+constexpr std::int64_t kPollPeriod = 5'000'000;  // ns, between two looks at whether to end, in a pause
 
 const char* const kKind = "haply";
 const char* const kHowToStart =
@@ -30,7 +31,7 @@ std::string first_message(HaplyLink& link, std::int64_t limit_ns, const std::ato
           fmt::format("the service sent nothing within {} ms of the handshake", limit_ns / 1'000'000));
     }
     if (give_up.load(std::memory_order_relaxed)) throw HaplyLinkError("given up");
-    link.wait_until(std::min(deadline, now + kLookOut));
+    link.wait_until(std::min(deadline, now + kPollPeriod));
   }
 }
 
@@ -152,7 +153,7 @@ void HaplyDevice::take_replies(Exchange& exchange) {
 
 void HaplyDevice::send_if_due(Exchange& exchange) {
   const std::int64_t now = monotonic_ns();
-  const Vec3 force_D = forces_.wanted(now, times_.no_write);
+  const Vec3 force_D = forces_.wanted(now, times_.write_timeout);
   const bool releases = force_D.isZero(0.0) && !exchange.sent_D.isZero(0.0);
   const bool due = exchange.awaited == 0 && now >= exchange.next_send_ns;
   if (link_.sending() || !(due || releases)) return;
@@ -196,7 +197,7 @@ void HaplyDevice::set_error(const std::string& what) {
 void HaplyDevice::pause() const noexcept {
   const std::int64_t end = monotonic_ns() + times_.retry;
   for (std::int64_t now = monotonic_ns(); now < end && !closing_.load(); now = monotonic_ns()) {
-    sleep_until_ns(std::min(end, now + kLookOut));
+    sleep_until_ns(std::min(end, now + kPollPeriod));
   }
 }
 
@@ -204,13 +205,13 @@ void HaplyDevice::pause() const noexcept {
 void HaplyDevice::let_go() noexcept {
   if (!link_.is_open()) return;
   try {
-    const std::int64_t deadline = monotonic_ns() + kLastWords;
+    const std::int64_t deadline = monotonic_ns() + kShutdownLimit;
     while (link_.sending() && monotonic_ns() < deadline) link_.wait_until(deadline);
     if (!link_.sending()) link_.send(haply_force_command(arm_, Vec3::Zero(), force_field_));
   } catch (const std::exception&) {
     return;  // the connection has ended; the service lets go of an arm that has no client
   }
-  link_.close(kLastWords);
+  link_.close(kShutdownLimit);
 }
 
 Probe probe_haply(const std::string& address) {
@@ -222,7 +223,7 @@ Probe probe_haply(const std::string& address) {
     HaplyLink link(parsed, never);
     link.open();
     const HaplyInventory found = read_haply_inventory(first_message(link, HaplyLink::kOpeningLimit, never));
-    link.close(kLastWords);
+    link.close(kShutdownLimit);
     if (found.arms.empty()) return {kKind, false, "the service at " + where + " has no Inverse3"};
     const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + list_of(found.grips);
     return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, list_of(found.arms), grips)};

@@ -18,11 +18,11 @@ namespace palpate::devices {
 /// Times of the exchange with the service [ns].
 struct HaplyTimes {
   std::int64_t opening =
-      HaplyLink::kOpeningLimit;        // for connection and handshake; then for the first message
-  std::int64_t period = 500'000;       // between two commands, when replies come at once
-  std::int64_t reply = 1'000'000'000;  // longest wait for a reply before the connection is closed
-  std::int64_t retry = 1'000'000'000;  // from the end of a connection to the next attempt
-  std::int64_t no_write = 20'000'000;  // longest gap between write() calls before the force is zero
+      HaplyLink::kOpeningLimit;             // for connection and handshake; then for the first message
+  std::int64_t period = 500'000;            // between two commands, when replies come at once
+  std::int64_t reply = 1'000'000'000;       // longest wait for a reply before the connection is closed
+  std::int64_t retry = 1'000'000'000;       // from the end of a connection to the next attempt
+  std::int64_t write_timeout = 20'000'000;  // longest gap between write() calls before the force is zero
 };
 
 /// A Haply Inverse3 behind Haply's Inverse Service: JSON over a WebSocket, one state message a command.
@@ -85,7 +85,7 @@ class HaplyDevice final : public haptics::Device {
   const HaplyAddress address_;
   std::atomic<bool> closing_{false};
   TripleBuffer<Sample> samples_;  // thread to loop
-  ForceHandOver forces_;          // loop to thread
+  ForceHandover forces_;          // loop to thread
   mutable std::mutex mutex_;      // of trouble_
   std::string trouble_;
 

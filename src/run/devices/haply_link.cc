@@ -26,7 +26,7 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::int64_t kLinkLookOut = 5'000'000;  // ns, between two looks at whether to give up
+constexpr std::int64_t kLinkPollPeriod = 5'000'000;  // ns, between two looks at whether to give up
 
 std::string describe(const error_code& error) {
   if (error == asio::error::connection_refused) return "connection refused";
@@ -221,7 +221,7 @@ class HaplyLink::Socket final {
         drop();
         throw HaplyLinkError(now >= deadline ? too_long : "given up");
       }
-      wait_until(std::min(deadline, now + kLinkLookOut));
+      wait_until(std::min(deadline, now + kLinkPollPeriod));
     }
     if (!operation.error) return;
     const error_code error = operation.error;

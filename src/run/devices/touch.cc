@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::int64_t kFirstFrameLimit = 500'000'000;     // ns
 constexpr std::int64_t kCalibrationLimit = 2'000'000'000;  // ns
-constexpr std::int64_t kReadyLookOut = 1'000'000;          // ns
+constexpr std::int64_t kReadyPollPeriod = 1'000'000;       // ns
 constexpr std::size_t kLongestArmName = 64;
 
-const char* const kTouchPlace = "device touch: ";
+const char* const kTouchPrefix = "device touch: ";
 
 /// The vendor's library makes a file's name of it, so it must be none of another folder's.
 const std::string& checked_arm_name(const std::string& name) {
@@ -61,7 +61,7 @@ TouchDevice::~TouchDevice() { scheduler_->remove(arm_); }
 /// Until a frame shows a calibrated arm without an error.
 void TouchDevice::wait_until_ready() {
   const std::int64_t begun = monotonic_ns();
-  for (;; sleep_until_ns(monotonic_ns() + kReadyLookOut)) {
+  for (;; sleep_until_ns(monotonic_ns() + kReadyPollPeriod)) {
     arm_.samples.refresh();
     const TouchSample& sample = arm_.samples.value();
     const std::int64_t waited = monotonic_ns() - begun;
@@ -70,12 +70,12 @@ void TouchDevice::wait_until_ready() {
       throw InputError(
           fmt::format("{}the vendor's scheduler called nothing back for {} ms: switch the arm "
                       "off and on, look at it with Touch_Diagnostic, then begin again",
-                      kTouchPlace, kFirstFrameLimit / 1'000'000));
+                      kTouchPrefix, kFirstFrameLimit / 1'000'000));
     }
-    if (sample.state.fault == haptics::Fault::kDevice) throw InputError(kTouchPlace + last_error());
+    if (sample.state.fault == haptics::Fault::kDevice) throw InputError(kTouchPrefix + last_error());
     if (sample.calibration == kHdCalibrated) return;
     if (sample.calibration == kHdNeedsUpdate && waited < kCalibrationLimit) continue;
-    throw InputError(fmt::format("{}the arm is not calibrated: {}", kTouchPlace,
+    throw InputError(fmt::format("{}the arm is not calibrated: {}", kTouchPrefix,
                                  calibration_text(arm_.calibration_style)));
   }
 }
@@ -85,7 +85,7 @@ haptics::DeviceState TouchDevice::read(std::uint64_t tick, double time) noexcept
   const TouchSample& newest = arm_.samples.value();
   haptics::DeviceState state = newest.state;
   state.age = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, monotonic_ns() - newest.taken_ns));
-  if (state.age > haptics::kStaleAfter) arm_.note(TouchTrouble::kSlow);
+  if (state.age > haptics::kStaleAfter) arm_.note(TouchError::kSlow);
   const double most = tick == 0 ? 0.0 : kJawSpeed * std::max(0.0, time - read_time_);
   const double wanted = (state.buttons & 1U) != 0 ? 0.0 : 1.0;
   gripper_ += std::clamp(wanted - gripper_, -most, most);
@@ -102,20 +102,20 @@ void TouchDevice::stop() noexcept { arm_.forces.stop(); }
 
 std::string TouchDevice::last_error() const {
   const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);
-  switch (static_cast<TouchTrouble>(trouble >> 16U)) {
-    case TouchTrouble::kError:
+  switch (static_cast<TouchError>(trouble >> 16U)) {
+    case TouchError::kError:
       return describe_hd_error(trouble & 0xFFFFU);
-    case TouchTrouble::kInkwell:
+    case TouchError::kInkwell:
       return "the stylus is in the inkwell: take it out, then reset the fault";
-    case TouchTrouble::kNotHeld:
+    case TouchError::kNotHeld:
       return "the stylus was let go: hold it, then reset the fault";
-    case TouchTrouble::kForceDisabled:
+    case TouchError::kForceDisabled:
       return "the arm switched its force off: let it rest for some minutes, then begin again";
-    case TouchTrouble::kSlow:
+    case TouchError::kSlow:
       return "the vendor's scheduler gives samples too slowly or none: end other programs, look at the arm "
              "with "
              "Touch_Diagnostic, then reset the fault";
-    case TouchTrouble::kNone:
+    case TouchError::kNone:
       break;
   }
   return {};
@@ -132,7 +132,7 @@ Probe probe_touch(const std::string& library) {
   } catch (const InputError& error) {
     const std::string words = error.what();
     const bool installed = words.find("is not installed") == std::string::npos;
-    return {"touch", false, words.substr(std::string(kTouchPlace).size()), installed};
+    return {"touch", false, words.substr(std::string(kTouchPrefix).size()), installed};
   }
 }
 

@@ -226,22 +226,22 @@ void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) n
   call.GetBooleanv(kHdSafetySwitch, in_hand);
   call.GetBooleanv(kHdInkwellSwitch, out_of_inkwell);
   arm.was_held = arm.was_held || in_hand[0] != 0;
-  TouchTrouble trouble = TouchTrouble::kNone;
+  TouchError trouble = TouchError::kNone;
   if (out_of_inkwell[0] == 0) {
-    trouble = TouchTrouble::kInkwell;
+    trouble = TouchError::kInkwell;
   } else if (arm.was_held && in_hand[0] == 0) {
-    trouble = TouchTrouble::kNotHeld;
+    trouble = TouchError::kNotHeld;
   } else if (call.IsEnabled(kHdForceOutput) == 0) {
-    trouble = TouchTrouble::kForceDisabled;
+    trouble = TouchError::kForceDisabled;
   }
-  if (trouble == TouchTrouble::kNone) return;
+  if (trouble == TouchError::kNone) return;
   state.fault = haptics::Fault::kForceOff;
   arm.note(trouble);
 }
 
 /// An arm that does not tell its motors' temperature answers with an error, which is no fault.
 void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept {
-  if (now - arm.temperature_ns < kTemperatureEvery) return;
+  if (now - arm.temperature_ns < kTemperaturePeriod) return;
   arm.temperature_ns = now;
   take_errors(arm, now);  // those of before are not the temperature's
   double motors[kMostMotors] = {};
@@ -265,17 +265,17 @@ void TouchScheduler::take_errors(TouchArm& current, std::int64_t now) noexcept {
 
 void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std::int64_t now) noexcept {
   if (arm.error == kHdSuccess) return;
-  if (now - arm.error_ns > kErrorShown) {
+  if (now - arm.error_ns > kErrorHoldTime) {
     arm.error = kHdSuccess;
     return;
   }
   state.fault = fault_of_hd_error(arm.error);
-  arm.note(TouchTrouble::kError, arm.error);
+  arm.note(TouchError::kError, arm.error);
 }
 
 /// The loop's newest force, no more than the arm can give; zero when it was stopped or writes no more.
 Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
-  const Vec3 force_D = arm.forces.wanted(now, kNoWrite);
+  const Vec3 force_D = arm.forces.wanted(now, kWriteTimeout);
   const double size = force_D.norm();
   return size > arm.max_force ? Vec3(arm.max_force / size * force_D) : force_D;
 }

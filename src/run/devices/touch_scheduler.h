@@ -21,7 +21,7 @@ struct TouchSample {
 };
 
 /// Causes of an arm's fault; kError: an error of the vendor's library.
-enum class TouchTrouble : std::uint32_t { kNone, kError, kInkwell, kNotHeld, kForceDisabled, kSlow };
+enum class TouchError : std::uint32_t { kNone, kError, kInkwell, kNotHeld, kForceDisabled, kSlow };
 
 /// One arm: data that the loop and the vendor's thread exchange without waiting for each other.
 struct TouchArm {
@@ -33,12 +33,12 @@ struct TouchArm {
   unsigned handle = kHdInvalidHandle;
 
   TripleBuffer<TouchSample> samples;      // vendor's thread to loop
-  ForceHandOver forces;                   // loop to vendor's thread
+  ForceHandover forces;                   // loop to vendor's thread
   std::atomic<bool> opening{true};        // calibration is monitored
-  std::atomic<std::uint32_t> trouble{0};  // TouchTrouble << 16 | code of the last error
+  std::atomic<std::uint32_t> trouble{0};  // TouchError << 16 | code of the last error
 
   /// [rt] Stores the error for TouchDevice::last_error().
-  void note(TouchTrouble what, unsigned code = 0) noexcept {
+  void note(TouchError what, unsigned code = 0) noexcept {
     trouble.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
   }
 
@@ -58,11 +58,11 @@ struct TouchArm {
 class TouchScheduler final {
  public:
   /// Longest gap between writes before the force is zero, because the loop then hangs [ns].
-  static constexpr std::int64_t kNoWrite = 20'000'000;
+  static constexpr std::int64_t kWriteTimeout = 20'000'000;
   /// How long an error of the vendor's library stays in the samples, so that every tick sees it [ns].
-  static constexpr std::int64_t kErrorShown = 20'000'000;
+  static constexpr std::int64_t kErrorHoldTime = 20'000'000;
   /// Period of the queries of the motor temperatures [ns].
-  static constexpr std::int64_t kTemperatureEvery = 100'000'000;
+  static constexpr std::int64_t kTemperaturePeriod = 100'000'000;
   /// A motor above this is warm. 0 is room temperature; at 1 the arm switches its force off (0x0200). The
   /// vendor's example lowers the force above this value.
   static constexpr double kWarm = 0.7;

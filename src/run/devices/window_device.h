@@ -4,12 +4,12 @@
 
 #include "palpate/device.h"
 #include "palpate/triple_buffer.h"
-#include "run/devices/steady_hand.h"
+#include "run/devices/target_follower.h"
 
 namespace palpate::devices {
 
 /// A tool that the window of a run moves. The window writes an Input into input(); the tick filters it to
-/// hand motion (SteadyHand). Forces are ignored, so it is not a held device. It starts at the pose of the
+/// hand motion (TargetFollower). Forces are ignored, so it is not a held device. It starts at the pose of the
 /// scripted device and keeps that orientation.
 template <typename Input>
 class WindowDevice : public haptics::Device {
@@ -44,7 +44,7 @@ class WindowDevice : public haptics::Device {
   }
   [[nodiscard]] bool gone() const noexcept { return gone_.load(std::memory_order_relaxed); }
 
-  SteadyHand hand_;
+  TargetFollower hand_;
   Input wanted_;  // used by the tick only
 
  private:

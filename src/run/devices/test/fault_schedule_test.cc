@@ -28,7 +28,7 @@ DeviceState fresh(std::uint64_t tick) {
 std::vector<DeviceState> spoiled(EmulatedFaultKind kind, double duration, double age = 8e-3) {
   FaultSchedule schedule({{kind, 0.05, duration, age}}, 1000.0);
   std::vector<DeviceState> samples;
-  for (std::uint64_t tick = 0; tick < 100; ++tick) samples.push_back(schedule.spoil(tick, fresh(tick)));
+  for (std::uint64_t tick = 0; tick < 100; ++tick) samples.push_back(schedule.with_faults(tick, fresh(tick)));
   return samples;
 }
 
@@ -44,8 +44,8 @@ TEST(FaultSchedule, EveryFaultIsOnForItsTicksOnlyAndOneTickWithoutADuration) {
     FaultSchedule schedule({{known.kind, 0.05, 0.01, 8e-3}, {known.kind, 0.0701, 0.0, 8e-3}}, 1000.0);
     for (std::uint64_t tick = 0; tick < 100; ++tick) {
       const bool expected = (tick >= 50 && tick < 60) || tick == 71;
-      ASSERT_EQ(schedule.on(known.kind, tick), expected) << known.name << " " << tick;
-      ASSERT_EQ(schedule.first_on(tick).has_value(), expected) << known.name << " " << tick;
+      ASSERT_EQ(schedule.is_active(known.kind, tick), expected) << known.name << " " << tick;
+      ASSERT_EQ(schedule.first_active(tick).has_value(), expected) << known.name << " " << tick;
     }
     const std::vector<DeviceState> samples = spoiled(known.kind, 0.01);
     expect_fresh(samples, 49);
@@ -64,8 +64,8 @@ TEST(FaultSchedule, AFrozenDeviceRepeatsTheLastGoodSampleAsItGrowsOld) {
 
 TEST(FaultSchedule, AFreezeFromTheFirstTickRepeatsThatTicksSample) {
   FaultSchedule schedule({{EmulatedFaultKind::kFreeze, 0.0, 1.0, 8e-3}}, 1000.0);
-  EXPECT_EQ(schedule.spoil(0, fresh(0)).age, 0.0);
-  const DeviceState second = schedule.spoil(1, fresh(1));
+  EXPECT_EQ(schedule.with_faults(0, fresh(0)).age, 0.0);
+  const DeviceState second = schedule.with_faults(1, fresh(1));
   EXPECT_EQ(second.position_D, fresh(0).position_D);
   EXPECT_EQ(second.age, 1e-3);
 }
@@ -93,7 +93,7 @@ TEST(FaultSchedule, LateSamplesAreThoseOfThenAndSayTheirAge) {
     EXPECT_NEAR(samples[tick].age, 8e-3, 1e-15);
   }
   FaultSchedule early({{EmulatedFaultKind::kLate, 0.0, 1.0, 8e-3}}, 1000.0);
-  EXPECT_EQ(early.spoil(0, fresh(0)).position_D, fresh(0).position_D) << "there is no older one";
+  EXPECT_EQ(early.with_faults(0, fresh(0)).position_D, fresh(0).position_D) << "there is no older one";
 }
 
 TEST(FaultSchedule, ARefusingDeviceStillGivesItsSamples) {
@@ -104,8 +104,8 @@ TEST(FaultSchedule, FaultsAtOneTimeWorkInTheScenesOrder) {
   FaultSchedule schedule(
       {{EmulatedFaultKind::kSpike, 0.0, 1.0, 8e-3}, {EmulatedFaultKind::kWrongUnits, 0.0, 1.0, 8e-3}},
       1000.0);
-  EXPECT_NEAR(schedule.spoil(0, fresh(0)).position_D.z(), 1000.0 * (0.03 - 0.05), 1e-9);
-  EXPECT_EQ(schedule.first_on(0), EmulatedFaultKind::kSpike);
+  EXPECT_NEAR(schedule.with_faults(0, fresh(0)).position_D.z(), 1000.0 * (0.03 - 0.05), 1e-9);
+  EXPECT_EQ(schedule.first_active(0), EmulatedFaultKind::kSpike);
 }
 
 TEST(FaultSchedule, RefusesTimesDurationsAndAgesThatAreNone) {

@@ -359,7 +359,7 @@ TEST_F(ForceDimension, TheStatusIsSeenWithinTwoMilliseconds) {
     while (device.read(tick, static_cast<double>(tick) / rate).fault == haptics::Fault::kNone) {
       ASSERT_LT(++tick, begun + 1000);
     }
-    EXPECT_LE(static_cast<double>(tick - begun) / rate, ForceDimensionDevice::kStatusEvery);
+    EXPECT_LE(static_cast<double>(tick - begun) / rate, ForceDimensionDevice::kStatusPeriod);
   }
 }
 
@@ -474,7 +474,7 @@ TEST(OpenConnected, RefusesWhatCannotBeConnected) {
 
 TEST_F(ForceDimension, CanBeOpenedOutsideAScene) {
   hardware_.position[0] = 0.01;
-  const Opened opened = open_connected("forcedimension:" + dhd_.path);
+  const OpenedDevice opened = open_connected("forcedimension:" + dhd_.path);
   EXPECT_THAT(opened.name, HasSubstr("stand-in.7"));
   EXPECT_EQ(opened.device->read(0, 0.0).position_D.x(), 0.01);
 }

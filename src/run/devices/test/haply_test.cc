@@ -46,7 +46,7 @@ HaplyTimes patient() {
   times.opening = 20'000 * kMillisecond;
   times.reply = kForever;
   times.retry = 20 * kMillisecond;
-  times.no_write = kForever;
+  times.write_timeout = kForever;
   return times;
 }
 
@@ -84,7 +84,7 @@ TEST(Haply, GivesTheServicesNewestStateAndPassesTheForceOn) {
 TEST(Haply, SendsZeroWhenTheLoopWritesNoMore) {
   HaplyService service(one_arm());
   HaplyTimes times = patient();
-  times.no_write = 50 * kMillisecond;
+  times.write_timeout = 50 * kMillisecond;
   HaplyDevice device(service.address(), 0, times);
   // Until one of them is felt: on a busy machine a write may be too old when it is found.
   EXPECT_TRUE(

@@ -55,7 +55,7 @@ TEST(MouseDevice, ArrivesAtItsTargetWithoutPassingItOrHurrying) {
   Vec3 before = Vec3::Zero();
   for (std::uint64_t tick = 0; tick < 1000; ++tick) {
     const haptics::DeviceState sample = mouse.read(tick, 0.0);
-    EXPECT_LE((sample.position_D - before).norm(), 1.0001 * SteadyHand::kFastest / kRate);
+    EXPECT_LE((sample.position_D - before).norm(), 1.0001 * TargetFollower::kMaxSpeed / kRate);
     EXPECT_NEAR((sample.position_D - before).norm() * kRate, sample.velocity_D.norm(), 1e-9);
     EXPECT_GE(sample.position_D.z(), -0.03 - 1e-6);
     before = sample.position_D;
@@ -85,7 +85,7 @@ TEST(MouseDevice, ClosesTheJawsInAQuarterOfASecond) {
 TEST(MouseDevice, DrawsFarAndSenselessTargetsInToItsReach) {
   MouseDevice mouse(start_at(Vec3(0.1, 0.0, 0.0)), kRate);
   say(mouse, Vec3(100.0, 0.0, 0.0), 1.0);
-  EXPECT_NEAR(after(mouse, 5000).position_D.x(), 0.1 + SteadyHand::kReach, 1e-6);
+  EXPECT_NEAR(after(mouse, 5000).position_D.x(), 0.1 + TargetFollower::kMaxDistance, 1e-6);
   say(mouse, Vec3(std::nan(""), 0.0, 0.0), std::nan(""));
   const haptics::DeviceState sample = after(mouse, 100);
   EXPECT_TRUE(sample.position_D.allFinite());
@@ -137,7 +137,7 @@ TEST(GamepadDevice, TheSticksDoNotLeadOutOfReach) {
   say(pad, {.velocity_D = Vec3(0.1, 0.0, 0.0), .gripper = 1.0});
   after(pad, 10000);
   say(pad, {.velocity_D = Vec3(-0.1, 0.0, 0.0), .gripper = 1.0});
-  EXPECT_LT(after(pad, 500).position_D.x(), SteadyHand::kReach - 0.03) << "it turns round at once";
+  EXPECT_LT(after(pad, 500).position_D.x(), TargetFollower::kMaxDistance - 0.03) << "it turns round at once";
   EXPECT_EQ(pad.last_tick(kRate), ~std::uint64_t{0});
   EXPECT_TRUE(pad.write({}));
 }

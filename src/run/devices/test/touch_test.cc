@@ -209,7 +209,7 @@ TEST_F(Touch, ALoopThatWritesNoMoreLeavesTheHandWithoutForce) {
   TouchDevice device("");
   hold();
   give(device, Vec3(0.0, 0.0, 1.0));
-  std::this_thread::sleep_for(std::chrono::nanoseconds(TouchScheduler::kNoWrite));
+  std::this_thread::sleep_for(std::chrono::nanoseconds(TouchScheduler::kWriteTimeout));
   hd_.step();
   EXPECT_THAT(force_at_the_arm(), testing::Each(0.0));
   let_run();
@@ -277,7 +277,7 @@ TEST_F(Touch, TheTemperatureIsAskedForSeldomAndAnArmThatTellsNoneIsInOrder) {
   while (hd_.arm([](const HdArm& arm) { return arm.temperatures_asked; }) < 3) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  EXPECT_GE(monotonic_ns() - begun, 2 * TouchScheduler::kTemperatureEvery) << "the third one";
+  EXPECT_GE(monotonic_ns() - begun, 2 * TouchScheduler::kTemperaturePeriod) << "the third one";
   EXPECT_EQ(silent.read(0, 0.0).fault, Fault::kNone);
   EXPECT_EQ(silent.last_error(), "");
   EXPECT_EQ(telling.read(0, 0.0).fault, Fault::kNone);
@@ -363,7 +363,7 @@ TEST_F(Touch, AnErrorIsThatOfTheArmItNames) {
   EXPECT_EQ(right.last_error(), "");
   EXPECT_EQ(right.read(1, 0.001).fault, Fault::kNone);
   EXPECT_EQ(left.read(1, 0.001).fault, Fault::kDevice);
-  std::this_thread::sleep_for(std::chrono::nanoseconds(TouchScheduler::kErrorShown));
+  std::this_thread::sleep_for(std::chrono::nanoseconds(TouchScheduler::kErrorHoldTime));
   hd_.step();
   EXPECT_EQ(left.read(2, 0.002).fault, Fault::kNone);
   let_run();

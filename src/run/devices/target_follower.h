@@ -9,17 +9,18 @@ namespace palpate::devices {
 /// speed limit, so that a mouse moves no faster than the contact model assumes of hands. Only basic
 /// arithmetic and square roots are used, so results are bit-identical on all processors. The orientation
 /// stays constant.
-class SteadyHand final {
+class TargetFollower final {
  public:
-  static constexpr double kSwiftness = 40.0;  // 1/s, natural frequency: a step settles within about 0.15 s
-  static constexpr double kFastest = 0.1;     // m/s
-  static constexpr double kFastestGripper = 4.0;  // 1/s: from open to closed in 0.25 s
-  static constexpr double kReach = 0.15;          // m, largest distance of a target from the start
+  static constexpr double kNaturalFrequency =
+      40.0;                                 // 1/s, natural frequency: a step settles within about 0.15 s
+  static constexpr double kMaxSpeed = 0.1;  // m/s
+  static constexpr double kMaxGripperSpeed = 4.0;  // 1/s: from open to closed in 0.25 s
+  static constexpr double kMaxDistance = 0.15;     // m, largest distance of a target from the start
 
   /// [setup] At rest. @param period s
-  SteadyHand(const scene::PathRow& start, double period) noexcept;
+  TargetFollower(const scene::PathRow& start, double period) noexcept;
 
-  /// [rt] The point nearest to `position` within kReach of the start.
+  /// [rt] The point nearest to `position` within kMaxDistance of the start.
   [[nodiscard]] Vec3 within_reach(const Vec3& position) const noexcept;
   /// [rt] Advances one period towards a target [m] and a gripper opening (0 closed .. 1 open). Ignores a
   /// target that is not finite.
