@@ -25,12 +25,12 @@ constexpr double kGoodLateness = 100e3;  // ns, p99.9: a tenth of a period at 1 
 
 /// How late ticks begin here, asleep and polling.
 struct Lateness {
-  haptics::WakeUps slept;
-  haptics::WakeUps polled;
+  haptics::WakeUpLatency slept;
+  haptics::WakeUpLatency polled;
 };
 
 haptics::MachineCheck judged(const Lateness& lateness) {
-  const haptics::WakeUps& wake_ups = lateness.slept;
+  const haptics::WakeUpLatency& wake_ups = lateness.slept;
   haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
   const std::int64_t late = wake_ups.late.percentile(0.999);
   check.found = fmt::format(
@@ -99,7 +99,7 @@ void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness
 }
 
 void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
-  const haptics::WakeUps& wake_ups = lateness.slept;
+  const haptics::WakeUpLatency& wake_ups = lateness.slept;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const haptics::MachineCheck& check : checks) {
     list.push_back({{"name", check.name},
@@ -127,8 +127,8 @@ void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness
 
 void doctor(bool json) {
   std::vector<haptics::MachineCheck> checks = haptics::check_machine();
-  const Lateness lateness{haptics::measure_wake_ups(kRate, kTicks, haptics::Waiting::kSleep),
-                          haptics::measure_wake_ups(kRate, kTicks, haptics::Waiting::kPoll)};
+  const Lateness lateness{haptics::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kSleep),
+                          haptics::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kPoll)};
   checks.push_back(judged(lateness));
   if (json) {
     print_json(checks, lateness);

@@ -168,7 +168,7 @@ class ParallelHands final {
     RowTaker taker(hands.size());  // started first, so that it does not inherit this thread's priority and
                                    // core
     (void)haptics::pin_to_core(core);
-    (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
+    (void)haptics::request_priority(haptics::Urgency::kLoop);
     Rounds rounds;
     rounds.times_us.reserve(periods);
     rounds.wall_us.reserve(periods);

@@ -56,8 +56,8 @@ LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::Si
   std::vector<std::string> remarks;
   const haptics::MemoryLock memory(remarks);
   std::thread thread([&] {
-    (void)haptics::ask_for_priority(haptics::Urgency::kLoop);
-    haptics::touch_stack();
+    (void)haptics::request_priority(haptics::Urgency::kLoop);
+    haptics::prefault_stack();
     haptics::TickWait wait(waiting, world.rate_Hz);
     for (std::uint64_t number = 0; number < last;) {
       watch(static_cast<double>(number) / static_cast<double>(last),

@@ -60,7 +60,7 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   } catch (const std::exception& error) {
     throw InputError(fmt::format("device haply: {}: {}", address_.text(), error.what()));
   }
-  const haptics::SignalsHeld signals;
+  const haptics::BlockedSignals signals;
   thread_ = std::thread([this] { run(); });
 } catch (const HaplyLinkError& error) {  // of the link's own making: its host's name
   throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));

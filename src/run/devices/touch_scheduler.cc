@@ -141,7 +141,7 @@ void TouchScheduler::resume() {
   if (call.SetSchedulerRate != nullptr) call.SetSchedulerRate(kHdRate);
   library_.take_error();  // a rate that the arm does not have leaves its own, and slow samples show
   runs_ = true;
-  const haptics::SignalsHeld signals;  // the program's signals are no business of the vendor's threads
+  const haptics::BlockedSignals signals;  // the program's signals are no business of the vendor's threads
   callback_ = call.ScheduleAsynchronous(&TouchScheduler::frame, this, kHdDefaultPriority);
   call.StartScheduler();
   const HdErrorInfo error = library_.take_error();

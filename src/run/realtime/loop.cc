@@ -252,10 +252,10 @@ void prepare_thread(const LoopOptions& options, LoopReport& report) {
     report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.thread.core));
   }
   if (options.offline) return;
-  const std::optional<std::string> refusal = ask_for_priority(Urgency::kLoop);
+  const std::optional<std::string> refusal = request_priority(Urgency::kLoop);
   report.realtime_priority = !refusal;
   if (refusal) report.remarks.push_back(*refusal);
-  touch_stack();
+  prefault_stack();
 }
 
 std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_cast<double>(ns) * 1e-6)); }
@@ -307,7 +307,7 @@ LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::s
   Loop loop(world, state, devices, observers, options, watchdog ? &*watchdog : nullptr, report);
 
   std::exception_ptr failure;
-  std::optional<SignalsHeld> signals(std::in_place);
+  std::optional<BlockedSignals> signals(std::in_place);
   std::thread thread([&] {
     try {
       prepare_thread(options, report);

@@ -247,14 +247,14 @@ std::vector<MachineCheck> check_machine(const fs::path& root) {
           clock_source(root), preemption(root),  processors(root), governor(root)};
 }
 
-WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks, Waiting waiting) {
-  WakeUps result;
+WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, Waiting waiting) {
+  WakeUpLatency result;
   std::vector<std::string> remarks;
   const MemoryLock memory(remarks);
   result.memory_locked = memory.granted();
   std::thread thread([&] {
-    result.realtime_priority = !ask_for_priority(Urgency::kLoop).has_value();
-    touch_stack();
+    result.realtime_priority = !request_priority(Urgency::kLoop).has_value();
+    prefault_stack();
     TickWait wait(waiting, rate_Hz);
     Schedule schedule(rate_Hz, monotonic_ns() + static_cast<std::int64_t>(1e9 / rate_Hz));
     for (std::uint64_t tick = 0; tick < ticks; ++tick) {

@@ -27,7 +27,7 @@ struct MachineCheck {
 [[nodiscard]] std::vector<MachineCheck> check_machine(const std::filesystem::path& root = "/");
 
 /// Wake-up latency of a thread that only waits for the loop's deadlines.
-struct WakeUps {
+struct WakeUpLatency {
   Histogram late;                  // ns
   std::uint64_t missed = 0;        // wake-ups a full period or more late
   bool realtime_priority = false;  // granted to the measuring thread
@@ -35,6 +35,6 @@ struct WakeUps {
 };
 
 /// [setup] Measures for ticks / rate_Hz seconds on a thread with the loop's settings.
-[[nodiscard]] WakeUps measure_wake_ups(double rate_Hz, std::uint64_t ticks, Waiting waiting);
+[[nodiscard]] WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, Waiting waiting);
 
 }  // namespace palpate::haptics

@@ -23,7 +23,7 @@ std::string describe_error(int error) { return std::generic_category().message(e
 
 }  // namespace
 
-std::optional<std::string> ask_for_priority(Urgency urgency) {
+std::optional<std::string> request_priority(Urgency urgency) {
   (void)prctl(PR_SET_TIMERSLACK, kTimerSlack, 0, 0, 0);
   sched_param wanted{};
   wanted.sched_priority = urgency == Urgency::kLoop ? kLoopPriority : kWatchdogPriority;
@@ -60,7 +60,7 @@ bool pin_to_core(int core) noexcept {
   return pthread_setaffinity_np(pthread_self(), sizeof(set), &set) == 0;
 }
 
-[[gnu::noinline]] void touch_stack() noexcept {
+[[gnu::noinline]] void prefault_stack() noexcept {
   [[maybe_unused]] volatile unsigned char pages[kTouchedStack];
   for (std::size_t i = 0; i < kTouchedStack; i += kPage) pages[i] = 0;
 }
@@ -76,7 +76,7 @@ MemoryLock::~MemoryLock() {
   if (granted_) munlockall();
 }
 
-SignalsHeld::SignalsHeld() noexcept {
+BlockedSignals::BlockedSignals() noexcept {
   sigset_t all;
   sigfillset(&all);
   for (const int own_doing : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGABRT}) {
@@ -85,6 +85,6 @@ SignalsHeld::SignalsHeld() noexcept {
   pthread_sigmask(SIG_SETMASK, &all, &before_);
 }
 
-SignalsHeld::~SignalsHeld() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+BlockedSignals::~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 }  // namespace palpate::haptics

@@ -12,7 +12,7 @@ enum class Urgency { kLoop, kWatchdog };
 
 /// [setup] Requests SCHED_FIFO and the smallest timer slack for the calling thread. @return why the priority
 /// was not granted; none: granted.
-[[nodiscard]] std::optional<std::string> ask_for_priority(Urgency urgency);
+[[nodiscard]] std::optional<std::string> request_priority(Urgency urgency);
 
 /// Linux's real-time throttling: all real-time threads together may run for `runtime_us` in every period,
 /// then are stopped until the next.
@@ -31,7 +31,7 @@ struct RealtimeBudget {
 [[nodiscard]] bool pin_to_core(int core) noexcept;
 
 /// [setup] Touches the pages of the calling thread's stack, so that no tick causes a page fault there.
-void touch_stack() noexcept;
+void prefault_stack() noexcept;
 
 /// Locks the memory of the program (mlockall) during its lifetime, where permitted.
 class MemoryLock final {
@@ -50,12 +50,12 @@ class MemoryLock final {
 
 /// Blocks external signals in the calling thread during its lifetime, and so in threads started meanwhile.
 /// The main thread handles Ctrl-C.
-class SignalsHeld final {
+class BlockedSignals final {
  public:
-  SignalsHeld() noexcept;
-  ~SignalsHeld();
-  SignalsHeld(const SignalsHeld&) = delete;
-  SignalsHeld& operator=(const SignalsHeld&) = delete;
+  BlockedSignals() noexcept;
+  ~BlockedSignals();
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
 
  private:
   sigset_t before_;

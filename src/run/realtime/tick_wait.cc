@@ -26,7 +26,7 @@ void relax() noexcept {
 
 }  // namespace
 
-double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept {
+double polling_sleep_fraction(const std::optional<RealtimeBudget>& budget) noexcept {
   constexpr double kUsual = 0.05;  // where it cannot be read
   double asked = kUsual;
   if (budget) asked = 1.0 - static_cast<double>(budget->runtime_us) / static_cast<double>(budget->period_us);
@@ -34,13 +34,13 @@ double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept 
   return std::clamp(asked + kRestBeyond, kLeastRest, 1.0);
 }
 
-PollingRest::PollingRest(double rate_Hz, double share) noexcept
+PollingSleep::PollingSleep(double rate_Hz, double share) noexcept
     : share_ns_(share * 1e9 / rate_Hz),
       most_owed_(share * 1e9 * kLongestDebt),
       shortest_(static_cast<std::int64_t>(std::min(kShortest, kShortestShare * 1e9 / rate_Hz))),
       margin_(static_cast<std::int64_t>(std::min(kMargin, kMarginShare * 1e9 / rate_Hz))) {}
 
-std::int64_t PollingRest::next(std::int64_t now, std::int64_t due) noexcept {
+std::int64_t PollingSleep::next(std::int64_t now, std::int64_t due) noexcept {
   owed_ = std::min(owed_ + share_ns_, most_owed_);
   const std::int64_t rest = std::min(static_cast<std::int64_t>(owed_), due - now - margin_);
   if (rest < shortest_) return 0;
@@ -50,7 +50,7 @@ std::int64_t PollingRest::next(std::int64_t now, std::int64_t due) noexcept {
 
 TickWait::TickWait(Waiting waiting, double rate_Hz)
     : waiting_(waiting),
-      rest_(rate_Hz, waiting == Waiting::kPoll ? polling_rest_share(realtime_budget()) : 0.0) {}
+      rest_(rate_Hz, waiting == Waiting::kPoll ? polling_sleep_fraction(realtime_budget()) : 0.0) {}
 
 void TickWait::until(std::int64_t due) noexcept {
   if (waiting_ == Waiting::kSleep) {

@@ -10,14 +10,14 @@ namespace palpate::haptics {
 /// [any] Fraction of the time, 0..1, that a polling thread must sleep so that real-time throttling never
 /// stops it.
 /// @param budget none: Linux's default, 95 %
-[[nodiscard]] double polling_rest_share(const std::optional<RealtimeBudget>& budget) noexcept;
+[[nodiscard]] double polling_sleep_fraction(const std::optional<RealtimeBudget>& budget) noexcept;
 
 /// Sleeps of a polling thread: short sleeps right after ticks, well before the next deadline, give the
 /// required fraction on average. Sleep that a late tick leaves no time for is made up after later ticks.
-class PollingRest final {
+class PollingSleep final {
  public:
   /// [setup] @param share of the time to sleep, 0..1
-  PollingRest(double rate_Hz, double share) noexcept;
+  PollingSleep(double rate_Hz, double share) noexcept;
 
   /// [rt] Once per tick: time to sleep at `now` when the next tick is due at `due` [ns]; 0: no sleep.
   std::int64_t next(std::int64_t now, std::int64_t due) noexcept;
@@ -41,7 +41,7 @@ class TickWait final {
 
  private:
   Waiting waiting_;
-  PollingRest rest_;
+  PollingSleep rest_;
 };
 
 }  // namespace palpate::haptics

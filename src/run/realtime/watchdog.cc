@@ -17,7 +17,7 @@ constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; before the first
 Watchdog::Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns)
     : devices_(devices), stalled_after_ns_(stalled_after_ns) {
   kept_.reserve(WatchdogStop::kMaxKept);
-  const SignalsHeld signals;
+  const BlockedSignals signals;
   thread_ = std::thread([this] { watch(); });
 }
 
@@ -30,7 +30,7 @@ std::vector<WatchdogStop> Watchdog::finish() {
 }
 
 void Watchdog::watch() noexcept {
-  (void)ask_for_priority(Urgency::kWatchdog);
+  (void)request_priority(Urgency::kWatchdog);
   std::int64_t first_begin = kResting;
   std::int64_t stopped_at = kResting;  // begin of the tick after which the devices were stopped [ns]
   while (!ending_.load()) {

@@ -117,9 +117,9 @@ TEST(MachineChecks, ADynamicKernelIsJudgedByWhatIsInForce) {
   EXPECT_EQ(root.check("kernel preemption").verdict, Verdict::kGood);
 }
 
-TEST(WakeUps, EveryDeadlineIsCountedHoweverItIsWaitedFor) {
+TEST(WakeUpLatency, EveryDeadlineIsCountedHoweverItIsWaitedFor) {
   for (const Waiting waiting : {Waiting::kSleep, Waiting::kPoll}) {
-    const WakeUps wake_ups = measure_wake_ups(1000.0, 50, waiting);
+    const WakeUpLatency wake_ups = measure_wake_up_latency(1000.0, 50, waiting);
     EXPECT_EQ(wake_ups.late.count(), 50u);
     EXPECT_LE(wake_ups.missed, 50u);
   }

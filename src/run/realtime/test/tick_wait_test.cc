@@ -22,19 +22,19 @@ namespace palpate::haptics {
 namespace {
 
 TEST(PollingRestShare, IsMoreThanTheKernelAsksOfRealTimeThreads) {
-  EXPECT_NEAR(polling_rest_share(RealtimeBudget{950'000, 1'000'000}), 0.08, 1e-12);  // Linux's own
-  EXPECT_NEAR(polling_rest_share(RealtimeBudget{500'000, 1'000'000}), 0.53, 1e-12);
-  EXPECT_NEAR(polling_rest_share(RealtimeBudget{99'000, 100'000}), 0.05, 1e-12);
-  EXPECT_EQ(polling_rest_share(RealtimeBudget{0, 1'000'000}), 1.0);
+  EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{950'000, 1'000'000}), 0.08, 1e-12);  // Linux's own
+  EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{500'000, 1'000'000}), 0.53, 1e-12);
+  EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{99'000, 100'000}), 0.05, 1e-12);
+  EXPECT_EQ(polling_sleep_fraction(RealtimeBudget{0, 1'000'000}), 1.0);
 }
 
 TEST(PollingRestShare, LeavesTheKernelsThreadsTheirTurnWhereItAsksForNone) {
-  EXPECT_EQ(polling_rest_share(RealtimeBudget{-1, 1'000'000}), 0.05);
-  EXPECT_EQ(polling_rest_share(RealtimeBudget{1'000'000, 1'000'000}), 0.05);
+  EXPECT_EQ(polling_sleep_fraction(RealtimeBudget{-1, 1'000'000}), 0.05);
+  EXPECT_EQ(polling_sleep_fraction(RealtimeBudget{1'000'000, 1'000'000}), 0.05);
 }
 
 TEST(PollingRestShare, IsTheUsualWhereTheKernelSaysNothing) {
-  EXPECT_NEAR(polling_rest_share(std::nullopt), 0.08, 1e-12);
+  EXPECT_NEAR(polling_sleep_fraction(std::nullopt), 0.08, 1e-12);
 }
 
 /// What is read where the kernel's files say so; empty: there is no such file.
@@ -70,7 +70,7 @@ struct Simulated {
 template <typename Work>
 Simulated simulate(double rate_Hz, double share, std::uint64_t ticks, const Work& work) {
   const auto period = static_cast<std::int64_t>(1e9 / rate_Hz);
-  PollingRest rest(rate_Hz, share);
+  PollingSleep rest(rate_Hz, share);
   Simulated result;
   double slept = 0.0;
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
@@ -87,7 +87,7 @@ Simulated simulate(double rate_Hz, double share, std::uint64_t ticks, const Work
   return result;
 }
 
-TEST(PollingRest, AtEveryRateTheShareIsSleptAndEndsWellBeforeTheNextTick) {
+TEST(PollingSleep, AtEveryRateTheShareIsSleptAndEndsWellBeforeTheNextTick) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> fraction(0.0, 0.35);
   for (const double rate : {100.0, 500.0, 1000.0, 2000.0, 4000.0, 10'000.0, 20'000.0}) {
@@ -101,14 +101,14 @@ TEST(PollingRest, AtEveryRateTheShareIsSleptAndEndsWellBeforeTheNextTick) {
   }
 }
 
-TEST(PollingRest, WhatBusyTicksLeaveNoRoomForIsMadeUpForLater) {
+TEST(PollingSleep, WhatBusyTicksLeaveNoRoomForIsMadeUpForLater) {
   // A tenth of a second with no room at all, then room enough.
   const auto work = [](std::uint64_t tick) { return tick % 1000 < 100 ? 0.95 : 0.1; };
   EXPECT_NEAR(simulate(1000.0, 0.08, 2000, work).slept, 0.08, 1e-3);
 }
 
-TEST(PollingRest, LateTicksAreNotMadeLater) {
-  PollingRest rest(1000.0, 0.08);
+TEST(PollingSleep, LateTicksAreNotMadeLater) {
+  PollingSleep rest(1000.0, 0.08);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(rest.next(1'000'000 + i * 10'000, 1'000'000), 0);
 }
 
