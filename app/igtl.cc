@@ -23,9 +23,9 @@ void IgtlService::report_where() const {
                         : ": whoever can reach it over the network sees the run; there is no password"));
 }
 
-std::optional<net::IgtlTally> IgtlService::finish() {
+std::optional<net::IgtlStatistics> IgtlService::finish() {
   if (server_ == nullptr) return std::nullopt;
-  net::IgtlTally tally = server_->finish();
+  net::IgtlStatistics tally = server_->finish();
   server_.reset();
   std::string text = fmt::format("OpenIGTLink: {}, {} sent, {} left out for slow clients",
                                  counted(tally.clients, "client", "clients"),

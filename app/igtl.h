@@ -24,7 +24,7 @@ class IgtlService final {
   /// Tells people where it is, and who can reach it.
   void report_where() const;
   /// After the last run: ends the server and tells how it went. @return that; nothing without a server
-  std::optional<net::IgtlTally> finish();
+  std::optional<net::IgtlStatistics> finish();
 
  private:
   net::IgtlAddress address_;

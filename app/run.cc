@@ -163,7 +163,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const std::string title = title_of(session->setup());
   igtl.report_where();
   const Played played = play_as_asked(session, flags, recorded, window, igtl.server());
-  const std::optional<net::IgtlTally> tally = igtl.finish();
+  const std::optional<net::IgtlStatistics> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
   // SDL holds on to a display that is gone, and cannot have another.

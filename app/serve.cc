@@ -83,7 +83,7 @@ void report_place(const net::LiveServer& server, const ServeFlags& flags, const 
   std::cout << net::text_of({{"listening", line}}) << std::endl;
 }
 
-void report_account(const net::LiveAccount& account, std::uint64_t runs, bool json) {
+void report_account(const net::LiveStatistics& account, std::uint64_t runs, bool json) {
   if (json) {
     std::cout << net::text_of({{"served",
                                 {{"runs", runs},
@@ -118,7 +118,7 @@ int serve(const ServeFlags& flags) {
   if (!flags.wait) runs.begin_first();
   server.run(signals.flag());
   runs.finish();
-  report_account(server.account(), runs.runs(), flags.runs.json);
+  report_account(server.statistics(), runs.runs(), flags.runs.json);
   if (runs.fault()) return kFault;
   return runs.failed() ? kBadInput : kDone;
 }

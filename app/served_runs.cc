@@ -55,7 +55,7 @@ const scene::Scene& ServedRuns::setup() const {
 }
 
 void ServedRuns::send_event(const std::string& event, Json members) {
-  news_.push_back({std::nullopt, event, std::move(members)});
+  events_.push_back({std::nullopt, event, std::move(members)});
 }
 
 /// The recording with the run's number, or with the next number that no file has: a client must not replace
@@ -77,8 +77,8 @@ fs::path ServedRuns::next_recording() const {
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   ++runs_;
   const std::size_t hands = session->hands();
-  run_ = std::make_unique<LiveRun<net::LiveTap>>(std::move(session), std::move(recording), options_.thread,
-                                                 nullptr, hands);
+  run_ = std::make_unique<LiveRun<net::LiveObserver>>(std::move(session), std::move(recording),
+                                                      options_.thread, nullptr, hands);
   run_->start();
   accounted_ = false;
   surface_.reset();
@@ -110,12 +110,12 @@ void ServedRuns::begin_first(fs::path recording) {
   }
 }
 
-ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net::Asker& asker) {
-  if (std::holds_alternative<net::AskScene>(command)) return describe();
-  if (const auto* ask = std::get_if<net::AskSurface>(&command)) return surface(ask->at_rest);
-  if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, asker);
-  if (std::holds_alternative<net::Start>(command)) return start(asker);
-  if (std::holds_alternative<net::Stop>(command)) return stop(asker);
+ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net::ClientRef& client) {
+  if (std::holds_alternative<net::GetScene>(command)) return describe();
+  if (const auto* ask = std::get_if<net::GetSurface>(&command)) return surface(ask->at_rest);
+  if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, client);
+  if (std::holds_alternative<net::Start>(command)) return start(client);
+  if (std::holds_alternative<net::Stop>(command)) return stop(client);
   if (const auto* tissue = std::get_if<net::SetTissue>(&command)) return set_tissue(tissue->edit);
   if (const auto* noise = std::get_if<net::SetNoise>(&command)) return set_noise(noise->edit);
   if (std::holds_alternative<net::ResetFaults>(command)) {
@@ -196,7 +196,7 @@ void ServedRuns::require_no_loading() const {
 /// is not joined here.
 void ServedRuns::break_off_loading(const std::string& why) {
   if (is_loading()) {
-    news_.push_back({std::exchange(next_asker_, std::nullopt), "", {}, LiveError("state", why)});
+    events_.push_back({std::exchange(next_client_, std::nullopt), "", {}, LiveError("state", why)});
   }
   load_next_.reset();
   if (next_ != nullptr) next_->break_off();
@@ -241,16 +241,16 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
   return request;
 }
 
-ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::Asker& asker) {
+ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRef& client) {
   scene::Overrides request = request_of(wanted);
   break_off_loading("the load was broken off by the next load");
   load_next_ = std::move(request);
-  next_asker_ = asker;
+  next_client_ = client;
   look_after_next();
   return std::nullopt;
 }
 
-ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
+ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
   if (first_ != nullptr && !first_->devices().empty()) {
@@ -260,17 +260,17 @@ ServedRuns::Answer ServedRuns::start(const net::Asker& asker) {
   next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_},
                                         next_recording(), require_windowless);
   next_is_clients_ = request_is_clients_;
-  next_asker_ = asker;
+  next_client_ = client;
   return std::nullopt;
 }
 
-ServedRuns::Answer ServedRuns::stop(const net::Asker& asker) {
+ServedRuns::Answer ServedRuns::stop(const net::ClientRef& client) {
   const bool loading = is_loading();
   if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
   break_off_loading("the load was broken off by stop");
   if (!running()) return Json{{"run", about_run()}};
   run_->session().control().stop();
-  stop_askers_.push_back(asker);
+  stop_clients_.push_back(client);
   return std::nullopt;
 }
 
@@ -302,7 +302,7 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
   return answer;
 }
 
-std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
+std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
   if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
     report_message("the last client has gone: the run ends (--stop-when-alone)");
     run_->session().control().stop();
@@ -316,11 +316,11 @@ std::vector<net::News> ServedRuns::look_after(std::size_t clients) {
     if (ended) account_for_run();
   }
   look_after_next();
-  return std::exchange(news_, {});
+  return std::exchange(events_, {});
 }
 
 void ServedRuns::report_faults() {
-  while (const std::optional<net::FaultTurn> turn = run_->tap().take_fault()) {
+  while (const std::optional<net::FaultTransition> turn = run_->tap().take_fault()) {
     const std::string trouble = run_->session().devices()[turn->hand]->last_error();
     Json fault{{"run", runs_},
                {"tick", turn->tick},
@@ -352,8 +352,8 @@ void ServedRuns::account_for_run() {
     report_error(run_->failure());
   }
   send_event("run", {{"run", about_run()}});
-  for (const net::Asker& asker : std::exchange(stop_askers_, {})) {
-    news_.push_back({asker, "", {{"run", about_run()}}});
+  for (const net::ClientRef& client : std::exchange(stop_clients_, {})) {
+    events_.push_back({client, "", {{"run", about_run()}}});
   }
 }
 
@@ -376,12 +376,12 @@ void ServedRuns::look_after_next() {
       options_.request = next->request();
       request_is_clients_ = next_is_clients_;
       begin(next->take(), next->recording());
-      news_.push_back({std::exchange(next_asker_, std::nullopt), "", {{"run", about_run()}}});
+      events_.push_back({std::exchange(next_client_, std::nullopt), "", {{"run", about_run()}}});
       break;
     }
     case NextSession::State::kFailed:
-      news_.push_back(
-          {std::exchange(next_asker_, std::nullopt), "", {}, LiveError("refused", next_failure())});
+      events_.push_back(
+          {std::exchange(next_client_, std::nullopt), "", {}, LiveError("refused", next_failure())});
       next_.reset();
       break;
     case NextSession::State::kReading:

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "net/live_observer.h"
 #include "net/live_server.h"
 #include "net/live_surface.h"
-#include "net/live_tap.h"
 
 #include "app/live_run.h"
 #include "app/next_session.h"
@@ -33,7 +33,7 @@ struct ServedOptions {
 
 /// The runs of one `palpate serve`, one after the other, as its clients drive them. All members: [setup], the
 /// server's thread.
-class ServedRuns final : public net::LiveHost {
+class ServedRuns final : public net::RunService {
  public:
   /// @param first is not played yet
   ServedRuns(ServedOptions options, std::unique_ptr<Session> first);
@@ -50,10 +50,10 @@ class ServedRuns final : public net::LiveHost {
   [[nodiscard]] std::uint64_t runs() const noexcept { return runs_; }
 
   std::optional<nlohmann::ordered_json> answer(const net::LiveCommand& command,
-                                               const net::Asker& asker) override;
+                                               const net::ClientRef& client) override;
   [[nodiscard]] nlohmann::ordered_json about_run() override;
   [[nodiscard]] net::LiveState newest() override;
-  std::vector<net::News> look_after(std::size_t clients) override;
+  std::vector<net::Event> poll(std::size_t clients) override;
 
  private:
   using Answer = std::optional<nlohmann::ordered_json>;
@@ -62,9 +62,9 @@ class ServedRuns final : public net::LiveHost {
   [[nodiscard]] const scene::Scene& setup() const;
   Answer describe() const;
   Answer surface(bool at_rest);
-  Answer load(const net::Load& wanted, const net::Asker& asker);
-  Answer start(const net::Asker& asker);
-  Answer stop(const net::Asker& asker);
+  Answer load(const net::Load& wanted, const net::ClientRef& client);
+  Answer start(const net::ClientRef& client);
+  Answer stop(const net::ClientRef& client);
   Answer set_tissue(const net::TissueEdit& edit);
   Answer set_noise(const net::NoiseEdit& edit);
   [[nodiscard]] scene::Overrides request_of(const net::Load& wanted) const;
@@ -83,20 +83,20 @@ class ServedRuns final : public net::LiveHost {
 
   ServedOptions options_;
   std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
-  std::unique_ptr<LiveRun<net::LiveTap>> run_;  // the newest, also after its end
-  bool accounted_ = false;                      // it has ended, and that was dealt with
-  std::optional<net::LiveSurface> surface_;     // of the newest run's organ, once it was asked for
-  std::int64_t moved_ns_ = 0;                   // when the next moved_ may be made
-  nlohmann::ordered_json moved_;                // of surface_: where it has moved to
+  std::unique_ptr<LiveRun<net::LiveObserver>> run_;  // the newest, also after its end
+  bool accounted_ = false;                           // it has ended, and that was dealt with
+  std::optional<net::LiveSurface> surface_;          // of the newest run's organ, once it was asked for
+  std::int64_t moved_ns_ = 0;                        // when the next moved_ may be made
+  nlohmann::ordered_json moved_;                     // of surface_: where it has moved to
   bool request_is_clients_ = false;  // options_.request is what a client loaded, not the command line's
   std::unique_ptr<NextSession> next_;
   bool next_is_clients_ = false;
-  std::optional<net::Asker> next_asker_;
-  std::optional<scene::Overrides> load_next_;  // once next_, which is broken off, has ended: for next_asker_
-  std::vector<net::Asker> stop_askers_;
+  std::optional<net::ClientRef> next_client_;
+  std::optional<scene::Overrides> load_next_;  // once next_, which is broken off, has ended: for next_client_
+  std::vector<net::ClientRef> stop_clients_;
   model::TissueParameters tissue_;  // in force, or of the next run
   noise::NoiseSettings noise_;
-  std::vector<net::News> news_;
+  std::vector<net::Event> events_;
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t runs_ = 0;
   bool had_clients_ = false;

@@ -30,7 +30,7 @@ const char* phase_name(std::uint32_t phase) {
   return "approach";
 }
 
-nlohmann::ordered_json igtl_json(const std::optional<net::IgtlTally>& tally) {
+nlohmann::ordered_json igtl_json(const std::optional<net::IgtlStatistics>& tally) {
   if (!tally) return nullptr;
   return {{"clients", tally->clients},
           {"refused", tally->refused},
@@ -146,7 +146,7 @@ std::vector<std::string> remarks(const RunResult& run) {
 }
 
 nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& files,
-                                    const std::optional<net::IgtlTally>& igtl) {
+                                    const std::optional<net::IgtlStatistics>& igtl) {
   const auto text_or_null = [](const std::string& text) {
     return text.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(text);
   };

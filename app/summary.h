@@ -31,8 +31,9 @@ struct OutputFiles {
 
 /// [setup] The document that `palpate run --json` prints (docs/file-formats.md). @param igtl what --igtl did;
 /// none: it was not asked for
-[[nodiscard]] nlohmann::ordered_json summary_json(const session::RunResult& run, const OutputFiles& files,
-                                                  const std::optional<net::IgtlTally>& igtl = std::nullopt);
+[[nodiscard]] nlohmann::ordered_json summary_json(
+    const session::RunResult& run, const OutputFiles& files,
+    const std::optional<net::IgtlStatistics>& igtl = std::nullopt);
 
 /// [setup] The same for people.
 void print_summary(std::ostream& out, const session::RunResult& run, const OutputFiles& files);

@@ -112,18 +112,18 @@ void IgtlClients::let_in() {
     Descriptor socket(accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.number() < 0) return;
     if (clients_.size() >= limits_.most_clients) {
-      ++tally_.refused;
+      ++statistics_.refused;
       continue;
     }
     set_option(socket.number(), IPPROTO_TCP, TCP_NODELAY, 1);
     set_option(socket.number(), SOL_SOCKET, SO_SNDBUF, kSendBuffer);
     clients_.emplace_back(std::move(socket));
-    ++tally_.clients;
+    ++statistics_.clients;
   }
 }
 
 /// At most so much at a time: a client that sends without end is held up by its own connection.
-void IgtlClients::read_and_forget(Client& client) {
+void IgtlClients::discard_input(Client& client) {
   std::array<unsigned char, kMostReadAtOnce> received;
   if (!client.talks) return;
   const ssize_t got = recv(client.socket.number(), received.data(), received.size(), MSG_DONTWAIT);
@@ -145,19 +145,19 @@ void IgtlClients::recognise(Client& client, std::span<const unsigned char> recei
                      std::all_of(name, client.head.end(), [](unsigned char letter) { return letter == 0; });
 }
 
-void IgtlClients::look_after() {
+void IgtlClients::poll() {
   let_in();
   const std::int64_t now = monotonic_ns();
   for (Client& client : clients_) {
-    read_and_forget(client);
-    if (client.gone || !client.busy() || now - client.last_progress_ns <= limits_.patience_ns) continue;
+    discard_input(client);
+    if (client.gone || !client.busy() || now - client.last_progress_ns <= limits_.send_timeout_ns) continue;
     client.gone = true;
-    ++tally_.given_up;
+    ++statistics_.given_up;
   }
-  forget_the_gone();
+  remove_closed();
 }
 
-void IgtlClients::forget_the_gone() {
+void IgtlClients::remove_closed() {
   clients_.erase(
       std::remove_if(clients_.begin(), clients_.end(), [](const Client& client) { return client.gone; }),
       clients_.end());
@@ -185,8 +185,8 @@ void IgtlClients::fill(Client& client, const IgtlChannels& channels) {
     const IgtlChannel& channel = channels[i];
     if (channel.number == client.had[i] || (i == kSensorChannel && client.is_slicer)) continue;
     if (i == kPoseChannel) {
-      ++tally_.frames;
-      if (client.had[i] != 0) tally_.frames_left_out += channel.number - client.had[i] - 1;
+      ++statistics_.frames;
+      if (client.had[i] != 0) statistics_.frames_left_out += channel.number - client.had[i] - 1;
     }
     client.had[i] = channel.number;
     client.pending.insert(client.pending.end(), channel.bytes.begin(), channel.bytes.end());
@@ -199,7 +199,7 @@ void IgtlClients::offer(const IgtlChannels& channels) {
     fill(client, channels);
     send_on(client);
   }
-  forget_the_gone();
+  remove_closed();
 }
 
 void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
@@ -216,7 +216,7 @@ void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
     for (std::size_t i = 0; ready > 0 && i < clients_.size(); ++i) {
       if (waited_for[i + 1].revents != 0) send_on(clients_[i]);
     }
-    forget_the_gone();
+    remove_closed();
     if (left == 0 || (ready > 0 && waited_for[0].revents != 0)) return;
   }
 }
@@ -226,7 +226,7 @@ void IgtlClients::close_all() {
   listener_ = Descriptor(-1);
   for (Client& client : clients_) {
     (void)shutdown(client.socket.number(), SHUT_WR);
-    read_and_forget(client);
+    discard_input(client);
   }
   clients_.clear();
 }

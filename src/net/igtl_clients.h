@@ -47,15 +47,15 @@ struct IgtlChannel {
 inline constexpr std::size_t kIgtlChannels = 4;
 inline constexpr std::size_t kPoseChannel = 0;    // dropped frames of this channel are counted
 inline constexpr std::size_t kSensorChannel = 1;  // 3D Slicer does not get it
-inline constexpr std::size_t kWordsChannel = 2;
+inline constexpr std::size_t kStatusChannel = 2;
 inline constexpr std::size_t kSurfaceChannel = 3;
 using IgtlChannels = std::array<IgtlChannel, kIgtlChannels>;
 
 /// Statistics of a server.
-struct IgtlTally {
+struct IgtlStatistics {
   std::uint64_t clients = 0;          // accepted
   std::uint64_t refused = 0;          // rejected, because the limit of clients was reached
-  std::uint64_t given_up = 0;         // disconnected, because they read nothing for Limits::patience_ns
+  std::uint64_t given_up = 0;         // disconnected, because they read nothing for Limits::send_timeout_ns
   std::uint64_t frames = 0;           // pose frames sent, over all clients
   std::uint64_t frames_left_out = 0;  // pose frames dropped, because a client was too slow
   std::string failure;                // why the server ended early; empty: it did not
@@ -70,7 +70,7 @@ class IgtlClients final {
  public:
   struct Limits {
     std::size_t most_clients = 16;
-    std::int64_t patience_ns = 5'000'000'000;  // a client that reads nothing for so long is disconnected
+    std::int64_t send_timeout_ns = 5'000'000'000;  // a client that reads nothing for so long is disconnected
   };
 
   /// Listens. @throws InputError when the port is in use or not permitted, or the address is not this
@@ -81,10 +81,10 @@ class IgtlClients final {
   [[nodiscard]] bool none() const noexcept { return clients_.empty(); }
   /// Whether a client has not yet received all that was offered.
   [[nodiscard]] bool busy() const noexcept;
-  [[nodiscard]] const IgtlTally& tally() const noexcept { return tally_; }
+  [[nodiscard]] const IgtlStatistics& statistics() const noexcept { return statistics_; }
 
   /// Accepts new clients, discards what clients sent, removes closed and stalled clients.
-  void look_after();
+  void poll();
   /// Starts to send new channel data to every client that is not busy.
   void offer(const IgtlChannels& channels);
   /// Continues sending until that monotonic time [ns], or until the descriptor `wake` is readable.
@@ -111,17 +111,17 @@ class IgtlClients final {
   };
 
   void let_in();
-  static void read_and_forget(Client& client);
+  static void discard_input(Client& client);
   static void recognise(Client& client, std::span<const unsigned char> received);
   static void send_on(Client& client);
   void fill(Client& client, const IgtlChannels& channels);
-  void forget_the_gone();
+  void remove_closed();
 
   Limits limits_;
   Descriptor listener_;
   int port_ = 0;
   std::vector<Client> clients_;
-  IgtlTally tally_;
+  IgtlStatistics statistics_;
 };
 
 }  // namespace palpate::net

@@ -37,10 +37,10 @@ void IgtlServer::begin(std::unique_ptr<IgtlStream> stream) { ask(Ask::kBegin, st
 
 void IgtlServer::end() { ask(Ask::kEnd, nullptr); }
 
-IgtlTally IgtlServer::finish() {
+IgtlStatistics IgtlServer::finish() {
   ask(Ask::kFinish, nullptr);
   thread_.join();
-  IgtlTally tally = clients_.tally();
+  IgtlStatistics tally = clients_.statistics();
   tally.failure = failure_;
   return tally;
 }
@@ -107,7 +107,7 @@ void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
   surface_stale_ = false;
   faults_told_ = {};
   for (IgtlChannel& channel : channels_) channel.bytes.clear();
-  words_due_ = 0;
+  status_due_ = 0;
   surface_due_ = 0;
 }
 
@@ -117,7 +117,7 @@ void IgtlServer::frame(std::int64_t now, bool last) {
     state_stale_ = true;
     surface_stale_ = true;
   }
-  clients_.look_after();
+  clients_.poll();
   if (clients_.none()) return;
   pack(now, last);
   clients_.offer(channels_);
@@ -148,9 +148,9 @@ void IgtlServer::pack(std::int64_t now, bool last) {
     send_next(kPoseChannel, IgtlStream::poses(snapshot, taken));
     send_next(kSensorChannel, stream_->sensors(snapshot, taken));
   }
-  if (last || now >= words_due_ || (running && faults_changed())) {
-    words_due_ = now + period_ns(kWordsRate);
-    send_next(kWordsChannel, running ? stream_->words(snapshot, taken) : words_without_run(false, taken));
+  if (last || now >= status_due_ || (running && faults_changed())) {
+    status_due_ = now + period_ns(kStatusRate);
+    send_next(kStatusChannel, running ? stream_->status(snapshot, taken) : status_without_run(false, taken));
   }
   if (running && surface_stale_ && (last || now >= surface_due_)) pack_surface(now, taken);
 }
@@ -165,9 +165,9 @@ void IgtlServer::pack_surface(std::int64_t now, std::int64_t stamp) {
 
 /// Whatever clients have not had yet, and that it was the last.
 void IgtlServer::send_goodbye() {
-  send_next(kWordsChannel, words_without_run(true, unix_ns()));
-  const std::int64_t until = monotonic_ns() + kFarewell;
-  clients_.look_after();
+  send_next(kStatusChannel, status_without_run(true, unix_ns()));
+  const std::int64_t until = monotonic_ns() + kShutdownTime;
+  clients_.poll();
   clients_.offer(channels_);
   while (clients_.busy() && monotonic_ns() < until) {
     clients_.send_until(monotonic_ns() + period_ns(kStateRate), wake_.number());

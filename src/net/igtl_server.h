@@ -17,7 +17,7 @@ namespace palpate::net {
 class IgtlServer final : public haptics::TickObserver {
  public:
   static constexpr double kStateRate = 50.0;    // Hz, at most: poses and sensors
-  static constexpr double kWordsRate = 5.0;     // Hz; a new fault is sent with the next state
+  static constexpr double kStatusRate = 5.0;    // Hz; a new fault is sent with the next state
   static constexpr double kSurfaceRate = 10.0;  // Hz, at most; lower for a large organ
 
   /// [setup] Starts to listen. @throws InputError as IgtlClients
@@ -42,11 +42,11 @@ class IgtlServer final : public haptics::TickObserver {
   }
 
   /// [setup] Tells all clients that the server ends, and ends it. Call once. @return its statistics
-  [[nodiscard]] IgtlTally finish();
+  [[nodiscard]] IgtlStatistics finish();
 
  private:
   enum class Ask { kNothing, kBegin, kEnd, kFinish };
-  static constexpr std::int64_t kFarewell =
+  static constexpr std::int64_t kShutdownTime =
       1'000'000'000;  // ns, time for clients to receive the last messages
 
   void ask(Ask what, std::unique_ptr<IgtlStream> stream);
@@ -77,7 +77,7 @@ class IgtlServer final : public haptics::TickObserver {
   bool state_stale_ = false;    // a newer state than the packed one was received
   bool surface_stale_ = false;  // a newer state than the packed surface was received
   std::array<haptics::Fault, haptics::Snapshot::kMaxHands> faults_told_{};
-  std::int64_t words_due_ = 0;
+  std::int64_t status_due_ = 0;
   std::int64_t surface_due_ = 0;
   std::string failure_;
   std::thread thread_;  // last: it uses all of the above

@@ -112,7 +112,7 @@ Bytes IgtlStream::sensors(const haptics::Snapshot& snapshot, std::int64_t unix_n
   return messages.bytes();
 }
 
-Bytes IgtlStream::words(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const {
+Bytes IgtlStream::status(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const {
   IgtlMessages messages(unix_ns);
   const double time = static_cast<double>(snapshot.tick) / rate_Hz_;
   for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
@@ -144,7 +144,7 @@ Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_n
   return surface_.message(vertices_, unix_ns);
 }
 
-Bytes words_without_run(bool ending, std::int64_t unix_ns) {
+Bytes status_without_run(bool ending, std::int64_t unix_ns) {
   IgtlMessages messages(unix_ns);
   if (ending) {
     messages.add_status(kStatusNames, StatusCode::kShutDown, 0, "ended", "palpate ends");

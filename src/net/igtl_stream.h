@@ -29,7 +29,7 @@ class IgtlStream final {
   /// Time of the run; force, torque and depth of every hand.
   [[nodiscard]] Bytes sensors(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
   /// STRING with these values as text, and STATUS with the fault of every hand.
-  [[nodiscard]] Bytes words(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
+  [[nodiscard]] Bytes status(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
   /// The deformed organ; empty when it has not changed since the last call.
   [[nodiscard]] Bytes surface(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
 
@@ -49,6 +49,6 @@ class IgtlStream final {
 };
 
 /// [setup] The STATUS of hand 0 between runs, or when the program ends.
-[[nodiscard]] Bytes words_without_run(bool ending, std::int64_t unix_ns);
+[[nodiscard]] Bytes status_without_run(bool ending, std::int64_t unix_ns);
 
 }  // namespace palpate::net

@@ -15,8 +15,8 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 
-LiveConnection::LiveConnection(std::uint64_t number, tcp::socket socket, LiveDesk& desk)
-    : number_(number), desk_(desk), socket_(std::move(socket)), alarm_(socket_.get_executor()) {
+LiveConnection::LiveConnection(std::uint64_t number, tcp::socket socket, ConnectionHandler& handler)
+    : number_(number), handler_(handler), socket_(std::move(socket)), alarm_(socket_.get_executor()) {
   error_code ignored;
   tcp::socket& raw = beast::get_lowest_layer(socket_).socket();
   local_ = raw.local_endpoint(ignored);
@@ -45,7 +45,7 @@ void LiveConnection::on_request(const error_code& error) {
   if (error) return end();
   const HttpRequest request = parser_->release();
   parser_.reset();
-  if (std::optional<HttpResponse> refusal = desk_.refusal(*this, request)) {
+  if (std::optional<HttpResponse> refusal = handler_.refusal(*this, request)) {
     return answer_http(std::move(*refusal));
   }
   beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has time limits of its own
@@ -64,7 +64,7 @@ void LiveConnection::on_request(const error_code& error) {
     socket_.text(true);
     open_ = true;
     read_bytes() = 0;
-    desk_.opened(*this);
+    handler_.opened(*this);
     read();
   });
 }
@@ -109,7 +109,8 @@ void LiveConnection::on_message(const error_code& error) {
     if (excess_ > kMostExcess) {
       close(websocket::close_code::policy_error, "too many messages");
     } else {
-      desk_.received(*this, {static_cast<const char*>(data.data()), data.size()}, socket_.got_text(), excess);
+      handler_.received(*this, {static_cast<const char*>(data.data()), data.size()}, socket_.got_text(),
+                        excess);
     }
   }
   incoming_.consume(incoming_.size());
@@ -149,7 +150,7 @@ void LiveConnection::write() {
     return;
   } else if (frame_due_) {
     frame_due_ = false;
-    outgoing_ = desk_.next_frame(*this);
+    outgoing_ = handler_.next_frame(*this);
     if (outgoing_.empty()) return;
   } else {
     return;
@@ -184,7 +185,7 @@ void LiveConnection::end() noexcept {
   alarm_.cancel(ignored);
   beast::get_lowest_layer(socket_).socket().close(ignored);
   beast::get_lowest_layer(socket_).cancel();
-  desk_.ended(*this);
+  handler_.ended(*this);
 }
 
 void LiveConnection::stream(double rate_Hz) {

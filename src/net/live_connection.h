@@ -25,9 +25,9 @@ using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>
 using HttpResponse = boost::beast::http::response<boost::beast::http::string_body>;
 
 /// Callbacks of a connection to its server, on the server's thread.
-class LiveDesk {
+class ConnectionHandler {
  public:
-  virtual ~LiveDesk() = default;
+  virtual ~ConnectionHandler() = default;
   /// Nothing if the request may open a WebSocket, else the HTTP answer: an error, or the requested page.
   virtual std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) = 0;
   /// A message was received. @param excess it exceeds the rate limit
@@ -75,7 +75,7 @@ class LiveConnection final {
   static constexpr std::chrono::seconds kSilence{30};  // without data from the client, pings included
   static constexpr int kSendBuffer = 65536;            // bytes that the system keeps for a slow client
 
-  LiveConnection(std::uint64_t number, tcp::socket socket, LiveDesk& desk);
+  LiveConnection(std::uint64_t number, tcp::socket socket, ConnectionHandler& handler);
   LiveConnection(const LiveConnection&) = delete;
   LiveConnection& operator=(const LiveConnection&) = delete;
 
@@ -126,7 +126,7 @@ class LiveConnection final {
   void on_frame_due();
 
   std::uint64_t number_;
-  LiveDesk& desk_;
+  ConnectionHandler& handler_;
   tcp::endpoint local_;
   boost::asio::ip::address peer_;
   boost::beast::websocket::stream<

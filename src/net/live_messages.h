@@ -4,8 +4,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "net/live_observer.h"
 #include "net/live_protocol.h"
-#include "net/live_tap.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"

@@ -264,11 +264,11 @@ using Reader = std::function<LiveCommand(Members&)>;
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
       {"hello", [](Members& root) { return LiveCommand(read_hello(root)); }},
-      {"version", [](Members&) { return LiveCommand(AskVersion{}); }},
-      {"state", [](Members&) { return LiveCommand(AskState{}); }},
-      {"scene", [](Members&) { return LiveCommand(AskScene{}); }},
+      {"version", [](Members&) { return LiveCommand(GetVersion{}); }},
+      {"state", [](Members&) { return LiveCommand(GetState{}); }},
+      {"scene", [](Members&) { return LiveCommand(GetScene{}); }},
       {"surface",
-       [](Members& root) { return LiveCommand(AskSurface{root.flag("at_rest").value_or(false)}); }},
+       [](Members& root) { return LiveCommand(GetSurface{root.flag("at_rest").value_or(false)}); }},
       {"stream", [](Members& root) { return LiveCommand(read_stream(root)); }},
       {"load", [](Members& root) { return LiveCommand(read_load(root)); }},
       {"start", [](Members&) { return LiveCommand(Start{}); }},

@@ -57,10 +57,10 @@ struct NoiseEdit {
 struct Hello {
   std::string token;
 };
-struct AskVersion {};
-struct AskState {};
-struct AskScene {};
-struct AskSurface {
+struct GetVersion {};
+struct GetState {};
+struct GetScene {};
+struct GetSurface {
   bool at_rest = false;  // the organ at rest; else only the moved vertices
 };
 struct Stream {
@@ -89,7 +89,7 @@ struct SetNoise {
 };
 struct ResetFaults {};
 
-using LiveCommand = std::variant<Hello, AskVersion, AskState, AskScene, AskSurface, Stream, Load, Start, Stop,
+using LiveCommand = std::variant<Hello, GetVersion, GetState, GetScene, GetSurface, Stream, Load, Start, Stop,
                                  SetTissue, SetNoise, ResetFaults>;
 
 /// The message that an answer belongs to.

@@ -31,8 +31,8 @@ constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the connection o
 constexpr std::int64_t kCloseLimit = 2'000'000'000;  // ns for a client to take the end of its connection
 constexpr double kLogLines = 0.1;                    // a second, and so many at once:
 constexpr double kLogLinesAtOnce = 20.0;
-constexpr int kBacklog = 64;                     // connections that the system keeps until they are accepted
-constexpr std::int64_t kFarewell = 500'000'000;  // ns, for clients to take the last word
+constexpr int kBacklog = 64;  // connections that the system keeps until they are accepted
+constexpr std::int64_t kShutdownTime = 500'000'000;  // ns, for clients to take the last word
 
 /// An address as it stands in a URL.
 std::string in_url(const asio::ip::address& address) {
@@ -77,9 +77,9 @@ HttpResponse page_answer(const std::string& page) {
 
 }  // namespace
 
-class LiveServer::Desk final : public LiveDesk {
+class LiveServer::Server final : public ConnectionHandler {
  public:
-  Desk(const LiveOptions& options, LiveHost& host) : options_(options), host_(host) {
+  Server(const LiveOptions& options, RunService& service) : options_(options), service_(service) {
     for (const std::string& origin : options.origins) check_origin(origin);
     const tcp::endpoint wanted(address_of(options), options.port);
     error_code error;
@@ -91,15 +91,15 @@ class LiveServer::Desk final : public LiveDesk {
       throw InputError(fmt::format("--listen {} --port {}: cannot be listened at: {}", options.address,
                                    options.port, error.message()));
     }
-    place_ = acceptor_.local_endpoint();
+    endpoint_ = acceptor_.local_endpoint();
   }
 
-  [[nodiscard]] const tcp::endpoint& place() const noexcept { return place_; }
-  [[nodiscard]] const LiveAccount& account() const noexcept { return account_; }
+  [[nodiscard]] const tcp::endpoint& endpoint() const noexcept { return endpoint_; }
+  [[nodiscard]] const LiveStatistics& statistics() const noexcept { return statistics_; }
 
   void run(const std::atomic<bool>& stop) {
     accept();
-    look_after(stop);
+    poll(stop);
     context_.run();
   }
 
@@ -113,10 +113,10 @@ class LiveServer::Desk final : public LiveDesk {
 
   void opened(LiveConnection& /*connection*/) override {}
 
-  void ended(LiveConnection& connection) override { account_.left_out += connection.left_out(); }
+  void ended(LiveConnection& connection) override { statistics_.left_out += connection.left_out(); }
 
   void received(LiveConnection& from, std::string_view message, bool text, bool excess) override {
-    ++account_.messages;
+    ++statistics_.messages;
     LiveReference reference;
     try {
       if (excess) {
@@ -128,7 +128,7 @@ class LiveServer::Desk final : public LiveDesk {
       const LiveCommand command = read_live_message(message, reference);
       obey(from, command, reference);
     } catch (const InputError& error) {
-      ++account_.errors;
+      ++statistics_.errors;
       from.send(error_text(reference, error));
       const auto* live = dynamic_cast<const LiveError*>(&error);
       if (live != nullptr &&
@@ -138,13 +138,13 @@ class LiveServer::Desk final : public LiveDesk {
                    live->code());
       }
     } catch (const std::exception& error) {  // no client may end the run of the others
-      ++account_.errors;
+      ++statistics_.errors;
       from.send(error_text(reference, LiveError("refused", error.what())));
     }
   }
 
   std::string next_frame(LiveConnection& to) override {
-    const LiveState state = host_.newest();
+    const LiveState state = service_.newest();
     if (state.tick == nullptr) return {};
     const std::pair<std::uint64_t, std::uint64_t> now{state.run, state.tick->tick};
     if (now == to.last_frame) return {};
@@ -153,7 +153,7 @@ class LiveServer::Desk final : public LiveDesk {
       written_ = now;
       written_text_ = text_of(state_json(state));
     }
-    ++account_.frames;
+    ++statistics_.frames;
     return frame_text(written_text_, to.left_out());
   }
 
@@ -165,8 +165,8 @@ class LiveServer::Desk final : public LiveDesk {
         accept_later_ = true;
         return;
       }
-      ++account_.connections;
-      const std::uint64_t number = account_.connections;
+      ++statistics_.connections;
+      const std::uint64_t number = statistics_.connections;
       auto made = std::make_unique<LiveConnection>(number, std::move(socket), *this);
       LiveConnection& connection = *made;
       make_room(connection.peer());
@@ -191,9 +191,9 @@ class LiveServer::Desk final : public LiveDesk {
       ++of_peer;
       if (oldest_of_peer == nullptr) oldest_of_peer = connection.get();
     }
-    LiveConnection* leaves = of_peer >= kMostStrangersOfPeer ? oldest_of_peer
-                             : all >= kMostStrangers         ? oldest
-                                                             : nullptr;
+    LiveConnection* leaves = of_peer >= kMaxPendingPerAddress ? oldest_of_peer
+                             : all >= kMaxPending             ? oldest
+                                                              : nullptr;
     if (leaves == nullptr) return;
     log_refused(*leaves, "it had not said hello, and others came");
     leaves->drop();
@@ -201,7 +201,7 @@ class LiveServer::Desk final : public LiveDesk {
 
   /// Counts a refused connection and writes a line to the log, at a limited rate.
   void log_refused(const LiveConnection& from, const std::string& why) {
-    ++account_.refused;
+    ++statistics_.refused;
     if (!log_limit_.allows(monotonic_ns())) {
       ++unlogged_;
       return;
@@ -233,7 +233,7 @@ class LiveServer::Desk final : public LiveDesk {
     const auto count = static_cast<std::size_t>(request.count(http::field::origin));
     if (count > 1 ||
         (count == 1 && !origin_allowed({origin->value().data(), origin->value().size()}, in_url(local),
-                                       place_.port(), local.is_loopback(), options_.origins))) {
+                                       endpoint_.port(), local.is_loopback(), options_.origins))) {
       return plain_answer(http::status::forbidden,
                           "A web page of this origin may not connect; --allow-origin lets it.");
     }
@@ -255,14 +255,14 @@ class LiveServer::Desk final : public LiveDesk {
     } else if (const auto* stream = std::get_if<Stream>(&command)) {
       from.send(answer_text(reference, {{"rate_Hz", stream->rate_Hz}}));
       from.stream(stream->rate_Hz);
-    } else if (std::holds_alternative<AskVersion>(command)) {
+    } else if (std::holds_alternative<GetVersion>(command)) {
       from.send(answer_text(reference, version()));
-    } else if (std::holds_alternative<AskState>(command)) {
-      const LiveState state = host_.newest();
+    } else if (std::holds_alternative<GetState>(command)) {
+      const LiveState state = service_.newest();
       from.send(
-          answer_text(reference, {{"run", host_.about_run()},
+          answer_text(reference, {{"run", service_.about_run()},
                                   {"state", state.tick == nullptr ? Json(nullptr) : state_json(state)}}));
-    } else if (const auto answer = host_.answer(command, {from.number(), reference})) {
+    } else if (const auto answer = service_.answer(command, {from.number(), reference})) {
       from.send(answer_text(reference, *answer));
     }
   }
@@ -294,7 +294,7 @@ class LiveServer::Desk final : public LiveDesk {
   }
 
   /// Every few milliseconds: what the host has to say, who has not said hello, who is gone, whether to stop.
-  void look_after(const std::atomic<bool>& stop) {
+  void poll(const std::atomic<bool>& stop) {
     const bool ends = stop.load(std::memory_order_relaxed);  // before the host looks, which may want to know
     const auto present = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
       return entry.second->greeted && entry.second->is_open();
@@ -302,13 +302,13 @@ class LiveServer::Desk final : public LiveDesk {
     const std::size_t clients =
         std::max<std::size_t>(static_cast<std::size_t>(present), someone_came_ ? 1 : 0);
     someone_came_ = false;
-    for (const News& news : host_.look_after(clients)) send_event(news);
+    for (const Event& event : service_.poll(clients)) send_event(event);
     for (const auto& [number, connection] : connections_) watch(*connection);
-    forget_the_gone();
+    remove_closed();
     if (ends) return send_goodbye();
     if (std::exchange(accept_later_, false)) accept();
-    timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
-    timer_.async_wait([this, &stop](const error_code&) { look_after(stop); });
+    timer_.expires_after(std::chrono::milliseconds(kPollPeriodMs));
+    timer_.async_wait([this, &stop](const error_code&) { poll(stop); });
   }
 
   /// Ends a connection that says no hello, sends a message without an end, or does not take its end.
@@ -327,22 +327,22 @@ class LiveServer::Desk final : public LiveDesk {
     }
   }
 
-  void send_event(const News& news) {
-    if (!news.to) {
-      const std::string text = event_text(news.event, news.members);
+  void send_event(const Event& event) {
+    if (!event.to) {
+      const std::string text = event_text(event.name, event.members);
       for (const auto& [number, connection] : connections_) {
         if (connection->greeted) connection->send(text);
       }
       return;
     }
-    const auto found = connections_.find(news.to->client);
+    const auto found = connections_.find(event.to->client);
     if (found == connections_.end()) return;
-    if (news.error) ++account_.errors;
-    found->second->send(news.error ? error_text(news.to->reference, *news.error)
-                                   : answer_text(news.to->reference, news.members));
+    if (event.error) ++statistics_.errors;
+    found->second->send(event.error ? error_text(event.to->reference, *event.error)
+                                    : answer_text(event.to->reference, event.members));
   }
 
-  void forget_the_gone() {
+  void remove_closed() {
     for (auto entry = connections_.begin(); entry != connections_.end();) {
       entry = entry->second->is_over() ? connections_.erase(entry) : std::next(entry);
     }
@@ -358,27 +358,27 @@ class LiveServer::Desk final : public LiveDesk {
         connection->drop();
       }
     }
-    farewell_until_ns_ = monotonic_ns() + kFarewell;
-    wait_for_the_last();
+    farewell_until_ns_ = monotonic_ns() + kShutdownTime;
+    wait_for_last_connection();
   }
 
   /// Ends run() when all connections are over; those that take too long are dropped.
-  void wait_for_the_last() {
-    forget_the_gone();
+  void wait_for_last_connection() {
+    remove_closed();
     if (connections_.empty()) return context_.stop();  // the library's own alarms may be set still
     if (monotonic_ns() >= farewell_until_ns_) {
       for (const auto& [number, connection] : connections_) connection->drop();
     }
-    timer_.expires_after(std::chrono::milliseconds(kLookAfterMs));
-    timer_.async_wait([this](const error_code&) { wait_for_the_last(); });
+    timer_.expires_after(std::chrono::milliseconds(kPollPeriodMs));
+    timer_.async_wait([this](const error_code&) { wait_for_last_connection(); });
   }
 
   LiveOptions options_;
-  LiveHost& host_;
-  LiveAccount account_;
+  RunService& service_;
+  LiveStatistics statistics_;
   asio::io_context context_{1};
   tcp::acceptor acceptor_{context_};
-  tcp::endpoint place_;
+  tcp::endpoint endpoint_;
   asio::steady_timer timer_{context_};
   RateLimit log_limit_{kLogLines, kLogLinesAtOnce};
   std::uint64_t unlogged_ = 0;  // refused since the last line of log
@@ -390,13 +390,13 @@ class LiveServer::Desk final : public LiveDesk {
   std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;  // last: they use all of the above
 };
 
-LiveServer::LiveServer(const LiveOptions& options, LiveHost& host)
-    : desk_(std::make_unique<Desk>(options, host)) {}
+LiveServer::LiveServer(const LiveOptions& options, RunService& service)
+    : server_(std::make_unique<Server>(options, service)) {}
 LiveServer::~LiveServer() = default;
 
-std::string LiveServer::host() const { return in_url(desk_->place().address()); }
-std::uint16_t LiveServer::port() const { return desk_->place().port(); }
-void LiveServer::run(const std::atomic<bool>& stop) { desk_->run(stop); }
-const LiveAccount& LiveServer::account() const noexcept { return desk_->account(); }
+std::string LiveServer::host() const { return in_url(server_->endpoint().address()); }
+std::uint16_t LiveServer::port() const { return server_->endpoint().port(); }
+void LiveServer::run(const std::atomic<bool>& stop) { server_->run(stop); }
+const LiveStatistics& LiveServer::statistics() const noexcept { return server_->statistics(); }
 
 }  // namespace palpate::net

@@ -16,35 +16,36 @@
 namespace palpate::net {
 
 /// A client and its message, to which an answer is sent later.
-struct Asker {
+struct ClientRef {
   std::uint64_t client = 0;
   LiveReference reference;
 };
 
 /// A message that the host sends by itself: a late answer to one client, or an event to all.
-struct News {
-  std::optional<Asker> to;                        // none: all
-  std::string event;                              // its name, of an event
+struct Event {
+  std::optional<ClientRef> to;                    // none: all
+  std::string name;                               // of the event; empty: an answer
   nlohmann::ordered_json members;                 // of the answer or event
   std::optional<LiveError> error = std::nullopt;  // in place of an answer
 };
 
 /// Runs the scenes that a server's clients control. All members: [setup], on the server's thread; each must
 /// return quickly.
-class LiveHost {
+class RunService {
  public:
-  virtual ~LiveHost() = default;
+  virtual ~RunService() = default;
   /// Executes a command (except hello, version, state and stream, which the server executes). @return the
-  /// members of the answer; nothing when look_after() returns the answer later @throws InputError, LiveError:
+  /// members of the answer; nothing when poll() returns the answer later @throws InputError, LiveError:
   /// sent to the client; the command then has no effect.
-  virtual std::optional<nlohmann::ordered_json> answer(const LiveCommand& command, const Asker& asker) = 0;
+  virtual std::optional<nlohmann::ordered_json> answer(const LiveCommand& command,
+                                                       const ClientRef& client) = 0;
   /// Description of the newest run, for the answer to `state`.
   [[nodiscard]] virtual nlohmann::ordered_json about_run() = 0;
   /// The newest tick of the newest run; its `tick` is null before the first.
   [[nodiscard]] virtual LiveState newest() = 0;
-  /// Called every LiveServer::kLookAfterMs. @param clients number of authenticated clients; at least 1 if one
-  /// connected since the last call, even if it has left
-  virtual std::vector<News> look_after(std::size_t clients) = 0;
+  /// Called every LiveServer::kPollPeriodMs. @param clients number of authenticated clients; at least 1 if
+  /// one connected since the last call, even if it has left
+  virtual std::vector<Event> poll(std::size_t clients) = 0;
 };
 
 struct LiveOptions {
@@ -57,7 +58,7 @@ struct LiveOptions {
 };
 
 /// Statistics of a server.
-struct LiveAccount {
+struct LiveStatistics {
   std::uint64_t connections = 0;
   std::uint64_t refused = 0;  // rejected or dropped connections, and clients without the token
   std::uint64_t messages = 0;
@@ -73,14 +74,14 @@ class LiveServer final {
   static constexpr std::size_t kMostClients = 16;  // that have said hello
   // Connections without a hello, per address and in total. One more drops the oldest, so that silent
   // connections block nobody.
-  static constexpr std::size_t kMostStrangersOfPeer = 16;
-  static constexpr std::size_t kMostStrangers = 64;
-  static constexpr int kLookAfterMs = 10;
+  static constexpr std::size_t kMaxPendingPerAddress = 16;
+  static constexpr std::size_t kMaxPending = 64;
+  static constexpr int kPollPeriodMs = 10;
 
-  /// [setup] Listens; connections are answered during run(). @param host outlives this
+  /// [setup] Listens; connections are answered during run(). @param service outlives this
   /// @throws InputError when the address is invalid, not local although no token is set, or in use, or when
   /// an origin is invalid.
-  LiveServer(const LiveOptions& options, LiveHost& host);
+  LiveServer(const LiveOptions& options, RunService& service);
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;
@@ -91,11 +92,11 @@ class LiveServer final {
   /// [setup] Serves on this thread until `stop` is set, then closes all connections.
   void run(const std::atomic<bool>& stop);
   /// [setup] After run().
-  [[nodiscard]] const LiveAccount& account() const noexcept;
+  [[nodiscard]] const LiveStatistics& statistics() const noexcept;
 
  private:
-  class Desk;
-  std::unique_ptr<Desk> desk_;
+  class Server;
+  std::unique_ptr<Server> server_;
 };
 
 }  // namespace palpate::net

@@ -18,7 +18,7 @@ using namespace test;
 
 TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
   constexpr std::uint64_t kTicks = 1000;
-  IgtlServer server(kAnyFreePort, {.most_clients = 16, .patience_ns = 600'000'000'000});
+  IgtlServer server(kAnyFreePort, {.most_clients = 16, .send_timeout_ns = 600'000'000'000});
   const BareClient deaf(server.port());
   ASSERT_TRUE(deaf.connected());
   Client other(server.port());
@@ -43,13 +43,13 @@ TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
   loop.join();
   EXPECT_EQ(report.ticks, kTicks);
   EXPECT_EQ(report.fault, haptics::Fault::kNone);
-  const IgtlTally tally = server.finish();
+  const IgtlStatistics tally = server.finish();
   EXPECT_EQ(tally.clients, 2u);
   EXPECT_EQ(tally.given_up, 0u) << "it was there all the time";
 }
 
 TEST(IgtlClients, WhoTakesNothingForLongIsLetGo) {
-  IgtlServer server(kAnyFreePort, {.most_clients = 16, .patience_ns = 200'000'000});
+  IgtlServer server(kAnyFreePort, {.most_clients = 16, .send_timeout_ns = 200'000'000});
   server.begin(std::make_unique<IgtlStream>(large_setup()));
   BareClient deaf(server.port());
   Client other(server.port());
@@ -58,7 +58,7 @@ TEST(IgtlClients, WhoTakesNothingForLongIsLetGo) {
   // The other sees time pass in its frames; the deaf one's time is over long before.
   const double begin = other.next("SENSOR", "PalpateTime").time;
   while (other.next("SENSOR", "PalpateTime").time < begin + 1.5) continue;
-  const IgtlTally tally = server.finish();
+  const IgtlStatistics tally = server.finish();
   EXPECT_EQ(tally.clients, 2u);
   EXPECT_EQ(tally.given_up, 1u);
 }
@@ -77,7 +77,7 @@ TEST(IgtlClients, ASlowClientGetsFewerFramesWholeAndInOrderAndTheyAreCounted) {
     EXPECT_GT(tick, last);
     last = tick;
   }
-  const IgtlTally tally = server.finish();
+  const IgtlStatistics tally = server.finish();
   EXPECT_GT(tally.frames_left_out, 10u) << "of some 35 in 0.7 s";
   EXPECT_EQ(tally.given_up, 0u);
 }
@@ -156,7 +156,7 @@ TEST(IgtlClients, AClientThatOnlyListensIsServedAfterItSaidSo) {
 }
 
 TEST(IgtlClients, MoreClientsThanPlacesAreRefusedAndCounted) {
-  IgtlServer server(kAnyFreePort, {.most_clients = 2, .patience_ns = 5'000'000'000});
+  IgtlServer server(kAnyFreePort, {.most_clients = 2, .send_timeout_ns = 5'000'000'000});
   server.begin(block_stream());
   Client first(server.port());
   Client second(server.port());
@@ -166,7 +166,7 @@ TEST(IgtlClients, MoreClientsThanPlacesAreRefusedAndCounted) {
   BareClient third(server.port());
   EXPECT_EQ(third.receive(1), 0) << "closed at once";
   (void)first.next("SENSOR", "PalpateForce");
-  const IgtlTally tally = server.finish();
+  const IgtlStatistics tally = server.finish();
   EXPECT_EQ(tally.clients, 2u);
   EXPECT_EQ(tally.refused, 1u);
 }

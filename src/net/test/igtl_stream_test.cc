@@ -99,7 +99,7 @@ TEST(IgtlStream, TheContactPointIsShownWhileTheToolTouches) {
 TEST(IgtlStream, TheWordsSayWhatEachHandDoesAndWhichFaultItHas) {
   haptics::Snapshot snapshot = two_hands();
   snapshot.faults[1] = haptics::Fault::kStale;
-  const auto all = read_all(IgtlStream(block()).words(snapshot, kNow));
+  const auto all = read_all(IgtlStream(block()).status(snapshot, kNow));
   const auto text = [&](const char* name) {
     return std::string(find(all, "STRING", name).as<igtl::StringMessage>()->GetString());
   };

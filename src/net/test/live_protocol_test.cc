@@ -63,11 +63,11 @@ TEST(LiveProtocol, EveryCommandIsReadWithItsFields) {
   EXPECT_EQ(load.rate_Hz, 500.0);
   EXPECT_EQ(load.seed, 9007199254740992U);
   EXPECT_TRUE(load.no_noise);
-  (void)read_as<AskVersion>(R"({"do": "version"})");
-  (void)read_as<AskState>(R"({"do": "state"})");
-  (void)read_as<AskScene>(R"({"do": "scene"})");
-  EXPECT_FALSE(read_as<AskSurface>(R"({"do": "surface"})").at_rest);
-  EXPECT_TRUE(read_as<AskSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
+  (void)read_as<GetVersion>(R"({"do": "version"})");
+  (void)read_as<GetState>(R"({"do": "state"})");
+  (void)read_as<GetScene>(R"({"do": "scene"})");
+  EXPECT_FALSE(read_as<GetSurface>(R"({"do": "surface"})").at_rest);
+  EXPECT_TRUE(read_as<GetSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
   (void)read_as<Start>(R"({"do": "start"})");
   (void)read_as<Stop>(R"({"do": "stop"})");
   (void)read_as<ResetFaults>(R"({"do": "reset_faults"})");

@@ -20,11 +20,11 @@ using testing::ThrowsMessage;
 constexpr const char* kToken = "a token for this test";
 
 /// A host whose run has a new tick whenever it is looked at.
-class Host final : public LiveHost {
+class Host final : public RunService {
  public:
-  std::optional<nlohmann::ordered_json> answer(const LiveCommand& command, const Asker& asker) override {
+  std::optional<nlohmann::ordered_json> answer(const LiveCommand& command, const ClientRef& client) override {
     if (std::holds_alternative<Start>(command)) {
-      late_ = asker;
+      late_ = client;
       return std::nullopt;
     }
     if (std::holds_alternative<Stop>(command)) throw std::runtime_error("out of paper");
@@ -38,12 +38,12 @@ class Host final : public LiveHost {
     for (auto& row : tick_.rows) row.tick = tick_.tick;
     return {1, {}, &tick_};
   }
-  std::vector<News> look_after(std::size_t clients) override {
+  std::vector<Event> poll(std::size_t clients) override {
     if (clients_.exchange(clients) == 0 && clients > 0) ++arrivals_;
-    std::vector<News> news;
-    if (late_) news.push_back({std::exchange(late_, std::nullopt), "", {{"late", true}}});
-    if (alarm_.exchange(false)) news.push_back({std::nullopt, "fault", {{"fault", 1}}});
-    return news;
+    std::vector<Event> events;
+    if (late_) events.push_back({std::exchange(late_, std::nullopt), "", {{"late", true}}});
+    if (alarm_.exchange(false)) events.push_back({std::nullopt, "fault", {{"fault", 1}}});
+    return events;
   }
   [[nodiscard]] std::size_t clients() const { return clients_; }
   [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
@@ -51,7 +51,7 @@ class Host final : public LiveHost {
 
  private:
   LiveTick tick_;
-  std::optional<Asker> late_;
+  std::optional<ClientRef> late_;
   std::atomic<std::size_t> clients_{0};
   std::atomic<std::size_t> arrivals_{0};  // from nobody to somebody
   std::atomic<bool> alarm_{false};
@@ -64,10 +64,10 @@ class Served : public testing::Test {
     server_ = std::make_unique<LiveServer>(options, host_);
     thread_ = std::thread([this] { server_->run(stop_); });
   }
-  const LiveAccount& end() {
+  const LiveStatistics& end() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
-    return server_->account();
+    return server_->statistics();
   }
   [[nodiscard]] std::uint16_t port() const { return server_->port(); }
   /// Whether so many clients have said hello within a minute.
@@ -225,7 +225,7 @@ TEST_F(Served, OfTooManyStrangersOfOneAddressTheOldestIsDroppedAndLogged) {
   client.greet(kToken);
   test::LiveClient oldest(port());
   std::vector<std::unique_ptr<test::LiveClient>> others;
-  for (std::size_t i = 0; i < LiveServer::kMostStrangersOfPeer; ++i) {
+  for (std::size_t i = 0; i < LiveServer::kMaxPendingPerAddress; ++i) {
     others.push_back(std::make_unique<test::LiveClient>(port()));
   }
   EXPECT_FALSE(oldest.hear());

@@ -1,19 +1,19 @@
-#include "net/live_tap.h"
+#include "net/live_observer.h"
 
 #include <algorithm>
 
 namespace palpate::net {
 
-LiveTap::LiveTap(std::size_t hands)
+LiveObserver::LiveObserver(std::size_t hands)
     : hands_(static_cast<std::uint32_t>(std::min(hands, haptics::Snapshot::kMaxHands))) {}
 
-void LiveTap::on_update(const haptics::ParameterUpdate& change) noexcept { change_ = change.number; }
+void LiveObserver::on_update(const haptics::ParameterUpdate& change) noexcept { change_ = change.number; }
 
-void LiveTap::on_row(const haptics::TickRow& row) noexcept {
+void LiveObserver::on_row(const haptics::TickRow& row) noexcept {
   if (row.hand >= hands_) return;
   if (row.fault != faults_[row.hand]) {
     faults_[row.hand] = row.fault;
-    (void)turns_.push({row.tick, row.hand, static_cast<haptics::Fault>(row.fault)});
+    (void)transitions_.push({row.tick, row.hand, static_cast<haptics::Fault>(row.fault)});
   }
   LiveTick& tick = ticks_.writable();
   tick.rows[row.hand] = row;
@@ -24,14 +24,14 @@ void LiveTap::on_row(const haptics::TickRow& row) noexcept {
   ticks_.publish();
 }
 
-const LiveTick* LiveTap::newest() noexcept {
+const LiveTick* LiveObserver::newest() noexcept {
   seen_ = ticks_.refresh() || seen_;
   return seen_ ? &ticks_.value() : nullptr;
 }
 
-std::optional<FaultTurn> LiveTap::take_fault() noexcept {
-  FaultTurn turn;
-  return turns_.pop(turn) ? std::optional(turn) : std::nullopt;
+std::optional<FaultTransition> LiveObserver::take_fault() noexcept {
+  FaultTransition turn;
+  return transitions_.pop(turn) ? std::optional(turn) : std::nullopt;
 }
 
 }  // namespace palpate::net

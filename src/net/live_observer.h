@@ -18,7 +18,7 @@ struct LiveTick {
 };
 
 /// A hand's fault was latched or reset.
-struct FaultTurn {
+struct FaultTransition {
   std::uint64_t tick = 0;
   std::uint32_t hand = 0;
   haptics::Fault fault = haptics::Fault::kNone;  // kNone: reset
@@ -26,26 +26,26 @@ struct FaultTurn {
 
 /// Observes the rows of a run for a stream: the newest tick, and every latched or reset fault. The loop never
 /// waits.
-class LiveTap final : public haptics::TickObserver {
+class LiveObserver final : public haptics::TickObserver {
  public:
   /// [setup] @param hands of the scene
-  explicit LiveTap(std::size_t hands);
+  explicit LiveObserver(std::size_t hands);
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
   /// [any] The newest tick; null before the first. Call from one thread.
   [[nodiscard]] const LiveTick* newest() noexcept;
   /// [any] The oldest fault change not yet taken. Call from the thread of newest().
-  [[nodiscard]] std::optional<FaultTurn> take_fault() noexcept;
+  [[nodiscard]] std::optional<FaultTransition> take_fault() noexcept;
 
  private:
-  static constexpr std::size_t kTurnsKept = 256;  // more between two calls are dropped
+  static constexpr std::size_t kMaxTransitions = 256;  // more between two calls are dropped
 
   std::uint32_t hands_;
   std::uint64_t change_ = 0;
   std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
   TripleBuffer<LiveTick> ticks_;
-  SpscQueue<FaultTurn> turns_{kTurnsKept};
+  SpscQueue<FaultTransition> transitions_{kMaxTransitions};
   bool seen_ = false;  // a tick was read
 };
 

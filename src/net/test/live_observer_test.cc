@@ -1,4 +1,4 @@
-#include "net/live_tap.h"
+#include "net/live_observer.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -21,62 +21,62 @@ haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
   return row;
 }
 
-TEST(LiveTap, ATickIsSeenWhenAllItsHandsAreThere) {
-  LiveTap tap(2);
-  EXPECT_EQ(tap.newest(), nullptr);
-  tap.on_row(row_of(0, 0));
-  EXPECT_EQ(tap.newest(), nullptr) << "the second hand's row is missing";
-  tap.on_row(row_of(0, 1));
-  ASSERT_NE(tap.newest(), nullptr);
-  EXPECT_EQ(tap.newest()->hands, 2U);
-  tap.on_row(row_of(1, 0));
-  EXPECT_EQ(tap.newest()->rows[0].tick, 0U) << "never half of one tick and half of another";
-  tap.on_row(row_of(1, 1));
-  EXPECT_EQ(tap.newest()->rows[0].tick, 1U);
-  EXPECT_EQ(tap.newest()->rows[1].tick, 1U);
+TEST(LiveObserver, ATickIsSeenWhenAllItsHandsAreThere) {
+  LiveObserver observer(2);
+  EXPECT_EQ(observer.newest(), nullptr);
+  observer.on_row(row_of(0, 0));
+  EXPECT_EQ(observer.newest(), nullptr) << "the second hand's row is missing";
+  observer.on_row(row_of(0, 1));
+  ASSERT_NE(observer.newest(), nullptr);
+  EXPECT_EQ(observer.newest()->hands, 2U);
+  observer.on_row(row_of(1, 0));
+  EXPECT_EQ(observer.newest()->rows[0].tick, 0U) << "never half of one tick and half of another";
+  observer.on_row(row_of(1, 1));
+  EXPECT_EQ(observer.newest()->rows[0].tick, 1U);
+  EXPECT_EQ(observer.newest()->rows[1].tick, 1U);
 }
 
-TEST(LiveTap, TheNewestTickKnowsTheChangeInForce) {
-  LiveTap tap(1);
+TEST(LiveObserver, TheNewestTickKnowsTheChangeInForce) {
+  LiveObserver observer(1);
   haptics::ParameterUpdate change;
   change.number = 3;
-  tap.on_row(row_of(0, 0));
-  EXPECT_EQ(tap.newest()->change, 0U);
-  tap.on_update(change);
-  tap.on_row(row_of(1, 0));
-  EXPECT_EQ(tap.newest()->change, 3U);
+  observer.on_row(row_of(0, 0));
+  EXPECT_EQ(observer.newest()->change, 0U);
+  observer.on_update(change);
+  observer.on_row(row_of(1, 0));
+  EXPECT_EQ(observer.newest()->change, 3U);
 }
 
-TEST(LiveTap, EveryTurnOfAFaultIsKeptInItsOrder) {
-  LiveTap tap(2);
-  tap.on_row(row_of(0, 0));
-  tap.on_row(row_of(0, 1, haptics::Fault::kStale));
-  tap.on_row(row_of(1, 0));
-  tap.on_row(row_of(1, 1, haptics::Fault::kStale));
-  tap.on_row(row_of(2, 0));
-  tap.on_row(row_of(2, 1));
-  const auto latched = tap.take_fault();
+TEST(LiveObserver, EveryTurnOfAFaultIsKeptInItsOrder) {
+  LiveObserver observer(2);
+  observer.on_row(row_of(0, 0));
+  observer.on_row(row_of(0, 1, haptics::Fault::kStale));
+  observer.on_row(row_of(1, 0));
+  observer.on_row(row_of(1, 1, haptics::Fault::kStale));
+  observer.on_row(row_of(2, 0));
+  observer.on_row(row_of(2, 1));
+  const auto latched = observer.take_fault();
   ASSERT_TRUE(latched);
   EXPECT_EQ(latched->tick, 0U);
   EXPECT_EQ(latched->hand, 1U);
   EXPECT_EQ(latched->fault, haptics::Fault::kStale);
-  const auto reset = tap.take_fault();
+  const auto reset = observer.take_fault();
   ASSERT_TRUE(reset);
   EXPECT_EQ(reset->tick, 2U);
   EXPECT_EQ(reset->fault, haptics::Fault::kNone);
-  EXPECT_FALSE(tap.take_fault());
+  EXPECT_FALSE(observer.take_fault());
 }
 
 TEST(LiveMessages, AStateSaysWhatTheRowsDo) {
-  LiveTap tap(1);
+  LiveObserver observer(1);
   haptics::TickRow row = row_of(1500, 0, haptics::Fault::kDevice);
   row.phase = 1;
   row.status = contact::kJump | haptics::kForceClamped;
-  tap.on_row(row);
+  observer.on_row(row);
   LiveState state;
   state.run = 2;
   state.organ_W.position = {0.0, 0.0, 0.25};
-  state.tick = tap.newest();
+  state.tick = observer.newest();
   const nlohmann::ordered_json json = state_json(state);
   EXPECT_EQ(json["run"], 2);
   EXPECT_EQ(json["tick"], 1500);
