@@ -15,7 +15,7 @@
 
 #include "app/commands.h"
 #include "app/preparation.h"
-#include "app/run_companion.h"
+#include "app/progress_observer.h"
 
 namespace palpate::app {
 namespace {
@@ -157,7 +157,7 @@ void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
 RunResult play(Session& session, const PlayOptions& how) {
   const ResetOnSignal signals;
   const net::IgtlRun shown(how.igtl, session.setup());
-  RunCompanion companion(session);
+  ProgressObserver companion(session);
   SignalRelay relay(session.control(), how.stop);
   std::vector<haptics::TickObserver*> observers = how.observers;
   observers.insert(observers.end(), {&companion, &relay});

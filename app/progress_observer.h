@@ -15,14 +15,14 @@ namespace palpate::app {
 
 /// Tells people how a run goes, from a thread of its own: a progress bar, and each fault in words with the
 /// way to reset it. The loop only counts and leaves the faults in a ring.
-class RunCompanion final : public haptics::TickObserver {
+class ProgressObserver final : public haptics::TickObserver {
  public:
   /// [setup] @param session outlives this
-  explicit RunCompanion(const session::Session& session);
+  explicit ProgressObserver(const session::Session& session);
   /// Tells what is still untold.
-  ~RunCompanion() override;
-  RunCompanion(const RunCompanion&) = delete;
-  RunCompanion& operator=(const RunCompanion&) = delete;
+  ~ProgressObserver() override;
+  ProgressObserver(const ProgressObserver&) = delete;
+  ProgressObserver& operator=(const ProgressObserver&) = delete;
 
   /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
   void queue_error(std::string error) {
@@ -42,7 +42,7 @@ class RunCompanion final : public haptics::TickObserver {
  private:
   static constexpr std::size_t kFaultsKept = 64;
 
-  void accompany(const std::stop_token& stop);
+  void report_progress(const std::stop_token& stop);
   void report_fault(const haptics::FaultSeen& seen) const;
   [[nodiscard]] std::string describe_warm_motors(std::size_t hand) const;
 

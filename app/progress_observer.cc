@@ -1,4 +1,4 @@
-#include "app/run_companion.h"
+#include "app/progress_observer.h"
 
 #include <chrono>
 #include <cmath>
@@ -23,15 +23,15 @@ std::string seconds(double time) { return shortest(std::round(time * 10.0) / 10.
 
 }  // namespace
 
-RunCompanion::RunCompanion(const session::Session& session)
-    : session_(session), thread_([this](const std::stop_token& stop) { accompany(stop); }) {}
+ProgressObserver::ProgressObserver(const session::Session& session)
+    : session_(session), thread_([this](const std::stop_token& stop) { report_progress(stop); }) {}
 
-RunCompanion::~RunCompanion() {
+ProgressObserver::~ProgressObserver() {
   thread_.request_stop();
   thread_.join();
 }
 
-void RunCompanion::accompany(const std::stop_token& stop) {
+void ProgressObserver::report_progress(const std::stop_token& stop) {
   Progress bar(session_.setup().name);
   std::mutex mutex;
   std::condition_variable_any wake;
@@ -62,7 +62,7 @@ void RunCompanion::accompany(const std::stop_token& stop) {
   }
 }
 
-std::string RunCompanion::describe_warm_motors(std::size_t hand) const {
+std::string ProgressObserver::describe_warm_motors(std::size_t hand) const {
   const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
   return "hand " + std::to_string(hand) + ": the device's motors are warm: rest for some minutes; " +
          (lowers
@@ -70,7 +70,7 @@ std::string RunCompanion::describe_warm_motors(std::size_t hand) const {
               : "its force is not lowered, because it does not report the force that it bears without end");
 }
 
-void RunCompanion::report_fault(const haptics::FaultSeen& seen) const {
+void ProgressObserver::report_fault(const haptics::FaultSeen& seen) const {
   const std::string trouble = session_.devices()[seen.hand]->last_error();
   report_error("fault at tick " + std::to_string(seen.tick) + " (" +
                shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
