@@ -130,10 +130,10 @@ int run(const char* expected_file) {
   int differing = 0;
   for (const std::string task : {"press", "pull"}) {
     for (const Tools& tools : all) {
-      scene::Scene setup = bench::subject(task, 0, tools.triangles[0]);
+      scene::Scene setup = bench::bench_scene(task, 0, tools.triangles[0]);
       const scene::ToolPath path = bench::hand_path(setup);
       for (std::size_t hand = 1; hand < tools.triangles.size(); ++hand) {
-        setup.tools.push_back(bench::subject(task, 0, tools.triangles[hand]).tools[0]);
+        setup.tools.push_back(bench::bench_scene(task, 0, tools.triangles[hand]).tools[0]);
         setup.devices.push_back(setup.devices[0]);
       }
       for (const auto kind : {model::OrganMotionKind::kBreathing, model::OrganMotionKind::kHeartbeat}) {
