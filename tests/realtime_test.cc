@@ -48,7 +48,7 @@ TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick)
   program.signal(SIGUSR1);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.exit_code, 3) << "also when it was reset: " << outcome.err;
-  EXPECT_NE(outcome.err.find("fault at tick 100 (0.1 s), hand 0: a sample of the device"), std::string::npos)
+  EXPECT_NE(outcome.err.find("fault at tick 100 (0.1 s), hand 0: a device sample"), std::string::npos)
       << outcome.err;
   EXPECT_NE(outcome.err.find("kill -USR1 "), std::string::npos) << outcome.err;
   const auto summary = nlohmann::json::parse(outcome.out);

@@ -50,7 +50,7 @@ typedef int32_t palpate_status;
 /// Why a hand's force is zero: palpate_result.fault. A fault latches until palpate_reset_fault(). The same
 /// numbers are for palpate_sample.fault: what the program knows to be wrong with its device.
 #define PALPATE_FAULT_NONE 0
-#define PALPATE_FAULT_NOT_FINITE 1    // a sample or a force was no finite number
+#define PALPATE_FAULT_NOT_FINITE 1    // a sample or a force was not finite
 #define PALPATE_FAULT_DEVICE 2        // the device could not be read, or refused a command
 #define PALPATE_FAULT_STALE_SAMPLE 3  // the sample was older than 5 ms
 #define PALPATE_FAULT_STALLED_LOOP 4  // the program's loop stood still

@@ -108,7 +108,7 @@ TEST(Fault, LatchesWithWordsAndZeroForceUntilItIsReset) {
   for (int i = 0; i < 10; ++i) session.tick();
   EXPECT_EQ(norm(session.results[0].device_force), 0.0) << "10 ms later";
   EXPECT_EQ(session.results[0].fault, static_cast<std::uint32_t>(PALPATE_FAULT_NOT_FINITE));
-  EXPECT_THAT(palpate_fault_words(session.results[0].fault), HasSubstr("no finite number"));
+  EXPECT_THAT(palpate_fault_words(session.results[0].fault), HasSubstr("not finite"));
   require(palpate_reset_fault(session.get(), 1));
   session.tick();
   EXPECT_EQ(session.results[0].fault, static_cast<std::uint32_t>(PALPATE_FAULT_NONE));

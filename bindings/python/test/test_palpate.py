@@ -331,7 +331,7 @@ def test_fit_refuses_what_cannot_be_fitted():
 
 
 def test_docstrings_are_the_cpp_comments():
-    assert 'Node transforms are applied' in palpate.read_mesh.__doc__
+    assert 'Applies node transforms' in palpate.read_mesh.__doc__
     assert 'stiffness of the first layer' in palpate.Tissue.k1.__doc__
 
 

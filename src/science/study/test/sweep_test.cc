@@ -135,7 +135,8 @@ TEST(Axis, AWrongKeyIsToldTheRightOne) {
 }
 
 TEST(Axis, AValueOutOfTheKeysRangeIsRefused) {
-  EXPECT_EQ(error_of_axis("tissue.k1_N_per_m=-1,2"), "--set tissue.k1_N_per_m = -1: must be finite and > 0");
+  EXPECT_EQ(error_of_axis("tissue.k1_N_per_m=-1,2"),
+            "--set tissue.k1_N_per_m = -1: must be > 0 and <= 1e+09");
   EXPECT_EQ(error_of_axis("path.speed=1:1000:2"),
             "--set path.speed = 1000: must be a number >= 0.01 and <= 100");
   EXPECT_EQ(error_of_axis("scene.seed=1:2:3"), "--set scene.seed = 1.5: must be a whole number >= 0");
