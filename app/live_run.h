@@ -9,26 +9,27 @@
 
 namespace palpate::app {
 
-/// A session that plays in the background, from start() on, while a window or clients watch it through a Tap,
-/// an observer. All members: [setup], one thread.
-template <typename Tap>
+/// A session that plays in the background, from start() on, while a window or clients watch it through a
+/// Observer, an observer. All members: [setup], one thread.
+template <typename Observer>
 class LiveRun final {
  public:
   /// @param recording file; empty: none @param igtl shows the run to other programs, outlives this; may be
-  /// null @param tap what the Tap is made of
-  template <typename... TapArguments>
+  /// null @param observer what the Observer is made of
+  template <typename... ObserverArguments>
   LiveRun(std::shared_ptr<Session> session, std::filesystem::path recording, haptics::LoopThread thread,
-          net::IgtlServer* igtl, TapArguments&&... tap)
+          net::IgtlServer* igtl, ObserverArguments&&... observer)
       : session_(std::move(session)),
         recording_(std::move(recording)),
         thread_(thread),
         igtl_(igtl),
-        tap_(std::forward<TapArguments>(tap)...) {}
+        observer_(std::forward<ObserverArguments>(observer)...) {}
 
   /// Begins to play, once.
   void start() {
     run_ = play_in_background(
-        *session_, {.run = {recording_, false, thread_}, .observers = {&snapshots_, &tap_}, .igtl = igtl_});
+        *session_,
+        {.run = {recording_, false, thread_}, .observers = {&snapshots_, &observer_}, .igtl = igtl_});
   }
   [[nodiscard]] bool started() const noexcept { return run_ != nullptr; }
   /// Ends the run in good order and waits for it: zero force, recording closed.
@@ -52,15 +53,15 @@ class LiveRun final {
   [[nodiscard]] const Session& session() const noexcept { return *session_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
   [[nodiscard]] TripleBuffer<haptics::Snapshot>& snapshots() noexcept { return snapshots_.cell(); }
-  [[nodiscard]] Tap& tap() noexcept { return tap_; }
-  [[nodiscard]] const Tap& tap() const noexcept { return tap_; }
+  [[nodiscard]] Observer& observer() noexcept { return observer_; }
+  [[nodiscard]] const Observer& observer() const noexcept { return observer_; }
 
  private:
   std::shared_ptr<Session> session_;
   std::filesystem::path recording_;
   haptics::LoopThread thread_;
   net::IgtlServer* igtl_;
-  Tap tap_;
+  Observer observer_;
   haptics::SnapshotPublisher snapshots_;
   std::unique_ptr<session::BackgroundRun> run_;  // last: it uses all of the above
 };

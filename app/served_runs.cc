@@ -150,7 +150,7 @@ net::LiveState ServedRuns::newest() {
   net::LiveState state;
   if (run_ == nullptr) return state;
   state.run = runs_;
-  state.tick = run_->tap().newest();
+  state.tick = run_->observer().newest();
   if (state.tick == nullptr) return state;
   const haptics::SimulationWorld& world = run_->session().world();
   state.organ_W = world.organ_motion.pose_at(world.organ_W, state.tick->tick, world.rate_Hz);
@@ -246,7 +246,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
   break_off_loading("the load was broken off by the next load");
   load_next_ = std::move(request);
   next_client_ = client;
-  look_after_next();
+  poll_next();
   return std::nullopt;
 }
 
@@ -315,12 +315,12 @@ std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
     report_faults();
     if (ended) account_for_run();
   }
-  look_after_next();
+  poll_next();
   return std::exchange(events_, {});
 }
 
 void ServedRuns::report_faults() {
-  while (const std::optional<net::FaultTransition> turn = run_->tap().take_fault()) {
+  while (const std::optional<net::FaultTransition> turn = run_->observer().take_fault()) {
     const std::string trouble = run_->session().devices()[turn->hand]->last_error();
     Json fault{{"run", runs_},
                {"tick", turn->tick},
@@ -357,7 +357,7 @@ void ServedRuns::account_for_run() {
   }
 }
 
-void ServedRuns::look_after_next() {
+void ServedRuns::poll_next() {
   if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
   if (next_ == nullptr && load_next_) {
     next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), NextSession::Kept{},

@@ -76,7 +76,7 @@ class ServedRuns final : public net::RunService {
   void begin_first(std::filesystem::path recording);
   [[nodiscard]] std::string next_failure() const;
   void begin(std::unique_ptr<Session> session, std::filesystem::path recording);
-  void look_after_next();
+  void poll_next();
   void account_for_run();
   void report_faults();
   void send_event(const std::string& event, nlohmann::ordered_json members);

@@ -8,10 +8,10 @@
 
 #include "io/scene/device_kinds.h"
 
-#include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/plot.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -25,7 +25,7 @@ void force_bar(double force, double most) {
   ImGui::PopStyleColor();
 }
 
-void choose_device(const Shown& shown, Wishes& wishes) {
+void choose_device(const PanelModel& shown, Commands& commands) {
   const std::string& now = shown.setup.devices.front().kind;
   if (!ImGui::BeginCombo("##device", now.c_str())) return;
   for (const scene::DeviceKind& kind : scene::device_kinds()) {
@@ -34,27 +34,27 @@ void choose_device(const Shown& shown, Wishes& wishes) {
     if (!ImGui::Selectable(name.c_str(), name == now)) continue;
     scene::Overrides request = shown.request;
     request.device = name;
-    wishes.request = std::move(request);
+    commands.request = std::move(request);
   }
   ImGui::EndCombo();
 }
 
-void hand_rows(const Shown& shown, std::size_t hand, Wishes& wishes) {
-  const HandWords& words = shown.hands[hand];
+void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
+  const HandStatus& words = shown.hands[hand];
   const haptics::TickRow& newest = shown.traces.newest(static_cast<std::uint32_t>(hand));
   {
     const Rows rows("hand", 0.30F);
     if (shown.hands.size() > 1) {
-      rows.words("Device", words.device);
+      rows.text("Device", words.device);
     } else {
       rows.name("Device", "what moves the tool; another one begins the session anew");
-      choose_device(shown, wishes);
+      choose_device(shown, commands);
     }
-    rows.words("State", words.state);
+    rows.text("State", words.state);
     rows.name("Force", "what goes to the hand, after the gate");
     force_bar(device_force(newest), shown.setup.safety.max_force);
     if (words.engagement < 1.0) {
-      rows.words(
+      rows.text(
           "Let through", formatted("%.0f %%", 100.0 * words.engagement),
           "a held device gets force after it was still outside the tissue for 0.25 s, then within 0.5 s");
     }
@@ -72,7 +72,7 @@ void hand_rows(const Shown& shown, std::size_t hand, Wishes& wishes) {
   ImGui::TextColored(colour::kWarning, "Zero force: %s.", words.fault.c_str());
   ImGui::TextUnformatted(words.advice.c_str());
   ImGui::PopTextWrapPos();
-  if (ImGui::Button("Reset the fault  (R)", ImVec2(-1.0F, 0.0F))) wishes.reset_faults = true;
+  if (ImGui::Button("Reset the fault  (R)", ImVec2(-1.0F, 0.0F))) commands.reset_faults = true;
 }
 
 std::string microseconds(std::int64_t ns) {
@@ -115,42 +115,42 @@ void histogram(const haptics::Histogram& times, const char* title, const ImVec4&
 
 }  // namespace
 
-void device_panel(const Shown& shown, Wishes& wishes) {
+void device_panel(const PanelModel& shown, Commands& commands) {
   for (std::size_t hand = 0; hand < shown.hands.size(); ++hand) {
     ImGui::PushID(static_cast<int>(hand));
     if (shown.hands.size() > 1) ImGui::TextColored(colour::kFaint, "Hand %d", static_cast<int>(hand));
-    hand_rows(shown, hand, wishes);
+    hand_rows(shown, hand, commands);
     ImGui::PopID();
   }
   ImGui::Spacing();
 }
 
-void timing_panel(const Shown& shown) {
+void timing_panel(const PanelModel& shown) {
   const Traces& traces = shown.traces;
   const double period_ns = 1e9 / shown.setup.rate_Hz;
   {
     const Rows rows("timing", 0.40F);
-    rows.words("Loop", formatted("%.0f Hz", shown.setup.rate_Hz));
+    rows.text("Loop", formatted("%.0f Hz", shown.setup.rate_Hz));
     const auto two = [](const haptics::Histogram& times) {
       return microseconds(times.percentile(0.5)) + ", " + microseconds(times.percentile(0.999));
     };
-    rows.words("Tick p50, p99.9", two(traces.tick_time()), "computing time of a tick");
-    rows.words("Late p50, p99.9", two(traces.lateness()), "how late ticks begin");
+    rows.text("Tick p50, p99.9", two(traces.tick_time()), "computing time of a tick");
+    rows.text("Late p50, p99.9", two(traces.lateness()), "how late ticks begin");
     rows.name("Missed", "ticks that began a full period or more late");
     const ImVec4 missed_colour = traces.missed() == 0 ? colour::kGood : colour::kWarning;
     ImGui::TextColored(missed_colour, "%llu of %llu", static_cast<unsigned long long>(traces.missed()),
                        static_cast<unsigned long long>(traces.lateness().count()));
-    rows.words("Picture",
-               formatted("%.0f frames/s, ", shown.frames_a_second) +
-                   formatted("each %.0f ms", 1e3 * shown.frame_time),
-               "the window's frames, and its own work for one");
+    rows.text("Picture",
+              formatted("%.0f frames/s, ", shown.frames_a_second) +
+                  formatted("each %.0f ms", 1e3 * shown.frame_time),
+              "the window's frames, and its own work for one");
     rows.name("Age shown", "from the tick until its picture is shown; to be under 50 ms");
     const bool young = shown.largest_age < 0.05;
     ImGui::TextColored(young ? colour::kGood : colour::kWarning, "%.0f ms, at most %.0f ms", 1e3 * shown.age,
                        1e3 * shown.largest_age);
     if (shown.rows_left_out > 0) {
-      rows.words("Not plotted", formatted("%.0f rows", static_cast<double>(shown.rows_left_out)),
-                 "the window did not keep up; the recording has them all");
+      rows.text("Not plotted", formatted("%.0f rows", static_cast<double>(shown.rows_left_out)),
+                "the window did not keep up; the recording has them all");
     }
   }
   histogram(traces.tick_time(), "Ticks by computing time", colour::kDepth, period_ns);

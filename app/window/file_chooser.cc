@@ -14,7 +14,7 @@
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 
-#include "app/window/look.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {

@@ -12,11 +12,12 @@ bool same(const render::Camera& a, const render::Camera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
 }
 
-PixelRectangle in_pixels(const Rectangle& place, const Stage& stage) {
-  const double ratio = stage.enlarged();
+PixelRectangle in_pixels(const Rectangle& place, const Viewport& viewport) {
+  const double ratio = viewport.enlarged();
   const auto rounded = [ratio](float length) { return static_cast<int>(std::lround(ratio * length)); };
   const int height = rounded(place.height);
-  return {rounded(place.x), stage.pixels().height - rounded(place.y) - height, rounded(place.width), height};
+  return {rounded(place.x), viewport.pixels().height - rounded(place.y) - height, rounded(place.width),
+          height};
 }
 
 void LivePicture::take(const render::Subject& subject) {
@@ -45,8 +46,8 @@ void LivePicture::set_map_range(double range) {
 }
 
 void LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& camera,
-                       const Rectangle& place, const Stage& stage) {
-  const PixelRectangle there = in_pixels(place, stage);
+                       const Rectangle& place, const Viewport& viewport) {
+  const PixelRectangle there = in_pixels(place, viewport);
   if (there.width < 1 || there.height < 1) return;
   fit(there.width, there.height);
   if (stale_ || !same(camera, drawn_camera_)) {
@@ -56,7 +57,7 @@ void LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& 
     stale_ = false;
   }
   renderer_->show_at(there.x, there.y, there.width, there.height);
-  const Display::Size pixels = stage.pixels();
+  const Display::Size pixels = viewport.pixels();
   glViewport(0, 0, pixels.width, pixels.height);
 }
 

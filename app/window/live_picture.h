@@ -5,7 +5,7 @@
 #include "palpate/offscreen.h"
 
 #include "app/window/resolution_choice.h"
-#include "app/window/stage.h"
+#include "app/window/viewport.h"
 
 namespace palpate::app {
 
@@ -27,7 +27,7 @@ class LivePicture final {
 
   /// Draws what is to be drawn and puts it into its place.
   void show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
-            const Stage& stage);
+            const Viewport& viewport);
   /// Once a frame: how long the whole of it took [s].
   void adapt(double frame_time);
   /// The same before anything moves, after a few frames already; the next one draws again. @return whether
@@ -62,6 +62,6 @@ struct PixelRectangle {
   int width = 0;
   int height = 0;
 };
-[[nodiscard]] PixelRectangle in_pixels(const Rectangle& place, const Stage& stage);
+[[nodiscard]] PixelRectangle in_pixels(const Rectangle& place, const Viewport& viewport);
 
 }  // namespace palpate::app

@@ -56,7 +56,7 @@ std::optional<std::uint64_t> next_fault(const HandOverview& hand, std::uint64_t 
   return next == hand.faults.end() ? hand.faults.front() : *next;
 }
 
-InForce in_force(const record::Recording& recording, std::uint64_t tick) {
+ActiveParameters active_parameters(const record::Recording& recording, std::uint64_t tick) {
   const haptics::ParameterUpdate* last = nullptr;
   for (const haptics::ParameterUpdate& change : recording.changes) {
     if (change.tick <= tick) last = &change;

@@ -38,10 +38,10 @@ struct Overview {
 [[nodiscard]] std::optional<std::uint64_t> next_fault(const HandOverview& hand, std::uint64_t after);
 
 /// [setup] Tissue in force at a tick, and noise.
-struct InForce {
+struct ActiveParameters {
   model::TissueParameters tissue;
   haptics::LiveNoise noise;
 };
-[[nodiscard]] InForce in_force(const record::Recording& recording, std::uint64_t tick);
+[[nodiscard]] ActiveParameters active_parameters(const record::Recording& recording, std::uint64_t tick);
 
 }  // namespace palpate::app

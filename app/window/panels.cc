@@ -5,7 +5,7 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
-#include "app/window/look.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -69,17 +69,17 @@ Layout lay_out(float width, float height, float scale, const PanelState& state) 
   return all;
 }
 
-void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes) {
+void draw_left(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands) {
   begin_column("left", place);
-  if (heading("Scene  (F2)###scene", state, Panel::kScene)) scene_panel(shown, state, wishes);
-  if (heading("Tissue  (F3)###tissue", state, Panel::kTissue)) tissue_panel(shown, state, wishes);
-  if (heading("Touch noise  (F4)###noise", state, Panel::kNoise)) noise_panel(shown, state, wishes);
+  if (heading("Scene  (F2)###scene", state, Panel::kScene)) scene_panel(shown, state, commands);
+  if (heading("Tissue  (F3)###tissue", state, Panel::kTissue)) tissue_panel(shown, state, commands);
+  if (heading("Touch noise  (F4)###noise", state, Panel::kNoise)) noise_panel(shown, state, commands);
   ImGui::End();
 }
 
-void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes) {
+void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands) {
   begin_column("right", place);
-  if (heading("Device and safety  (F5)###device", state, Panel::kDevice)) device_panel(shown, wishes);
+  if (heading("Device and safety  (F5)###device", state, Panel::kDevice)) device_panel(shown, commands);
   if (heading("Timing  (F6)###timing", state, Panel::kTiming)) timing_panel(shown);
   ImGui::End();
 }

@@ -15,8 +15,8 @@
 #include "palpate/touch_noise.h"
 
 #include "app/window/file_chooser.h"
-#include "app/window/stage.h"
 #include "app/window/traces.h"
+#include "app/window/viewport.h"
 
 namespace palpate::app {
 
@@ -25,7 +25,7 @@ enum class Panel { kScene, kTissue, kNoise, kDevice, kTiming, kPlots };
 inline constexpr std::size_t kPanels = 6;
 
 /// One hand's state in words, for the panels.
-struct HandWords {
+struct HandStatus {
   std::string device;       // kind and path
   std::string state;        // "pressing, 4.2 mm deep"
   std::string fault;        // empty: none
@@ -35,14 +35,14 @@ struct HandWords {
 };
 
 /// What the panels show in one frame; valid for that frame.
-struct Shown {
+struct PanelModel {
   const scene::Scene& setup;
   const scene::Overrides& request;
   const Traces& traces;
   const haptics::Snapshot& snapshot;
   const model::TissueParameters& tissue;  // as felt
   const noise::NoiseSettings& noise;      // as felt
-  std::vector<HandWords> hands;
+  std::vector<HandStatus> hands;
   std::string recording{};  // file being written; empty: none
   std::string looked_at{};  // file that could be looked at: the same, or the last one; empty: none
   bool ended = false;       // the run has
@@ -59,7 +59,7 @@ struct Shown {
 };
 
 /// What the user has asked for in one frame, by panel or key.
-struct Wishes {
+struct Commands {
   std::optional<model::TissueParameters> tissue;
   std::optional<noise::NoiseSettings> noise;
   std::optional<scene::Overrides> request;  // another session; tissue and noise as that says
@@ -114,11 +114,11 @@ struct Plotted {
 };
 
 // Each draws one panel (between ImGui's NewFrame and Render) and notes what is asked for.
-void draw_left(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
-void draw_right(const Rectangle& place, const Shown& shown, PanelState& state, Wishes& wishes);
+void draw_left(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
+void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
-[[nodiscard]] Plotted plotted(const Shown& shown);
+[[nodiscard]] Plotted plotted(const PanelModel& shown);
 
 /// [any] The words for a moment of one hand, with so many decimals: "pressing, 4.2 mm deep".
 [[nodiscard]] std::string moment_text(const haptics::TickRow& row, int decimals);
@@ -138,10 +138,10 @@ void draw_key_lines(const char* name, std::span<const KeyLine> lines);
 void begin_column(const char* name, const Rectangle& place);
 
 // The parts of the above that have a file of their own.
-void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes);
-void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes);
-void noise_panel(const Shown& shown, PanelState& state, Wishes& wishes);
-void device_panel(const Shown& shown, Wishes& wishes);
-void timing_panel(const Shown& shown);
+void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands);
+void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands);
+void noise_panel(const PanelModel& shown, PanelState& state, Commands& commands);
+void device_panel(const PanelModel& shown, Commands& commands);
+void timing_panel(const PanelModel& shown);
 
 }  // namespace palpate::app

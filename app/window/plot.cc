@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <vector>
 
-#include "app/window/look.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "palpate/spring_law.h"
 
-#include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/plot.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -147,7 +147,7 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& show
 
 }  // namespace
 
-Plotted plotted(const Shown& shown) {
+Plotted plotted(const PanelModel& shown) {
   const bool pull = shown.setup.task == scene::Task::kPull;
   Plotted all{shown.tissue, pull ? model::Direction::kPull : model::Direction::kPress, shown.setup.rate_Hz};
   for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {

@@ -27,7 +27,7 @@ void Rows::name(const char* text, const char* explanation) const {
   ImGui::SetNextItemWidth(-1.0F);
 }
 
-void Rows::words(const char* text, const std::string& value, const char* explanation) const {
+void Rows::text(const char* text, const std::string& value, const char* explanation) const {
   if (!drawn_) return;
   name(text, explanation);
   ImGui::PushTextWrapPos(0.0F);

@@ -17,7 +17,7 @@ class Rows final {
   /// The next row's name; what is drawn next stands beside it. @param explanation shown over the name
   void name(const char* text, const char* explanation = nullptr) const;
   /// A row of words.
-  void words(const char* text, const std::string& value, const char* explanation = nullptr) const;
+  void text(const char* text, const std::string& value, const char* explanation = nullptr) const;
   /// A row with a number that can be dragged, or typed after a double click.
   /// @param per_unit what one of the shown units is in SI @param format with the unit, as for printf
   /// @return whether it was changed

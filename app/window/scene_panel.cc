@@ -5,9 +5,9 @@
 
 #include "palpate/builtin.h"
 
-#include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -20,7 +20,7 @@ std::string short_name(const std::string& name) {
   return file.empty() ? name : file;
 }
 
-void choose_organ(const Shown& shown, PanelState& state, Wishes& wishes) {
+void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands) {
   if (!ImGui::BeginCombo("##organ", short_name(shown.setup.organ_name).c_str())) return;
   for (const std::string& name : geometry::builtin_organ_names()) {
     if (!ImGui::Selectable(name.c_str(), name == shown.setup.organ_name)) continue;
@@ -28,14 +28,14 @@ void choose_organ(const Shown& shown, PanelState& state, Wishes& wishes) {
     request.organ = name;
     request.organ_unit.reset();
     request.tissue.reset();  // the organ's own
-    wishes.request = std::move(request);
+    commands.request = std::move(request);
   }
   ImGui::Separator();
   if (ImGui::Selectable("a file ...")) state.files.open(FileUse::kOrgan, fs::current_path());
   ImGui::EndCombo();
 }
 
-void choose_tool(const Shown& shown, PanelState& state, Wishes& wishes) {
+void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands) {
   const std::string now =
       shown.setup.tools.empty() ? std::string() : short_name(shown.setup.tools.front().name);
   if (!ImGui::BeginCombo("##tool", now.c_str())) return;
@@ -46,20 +46,20 @@ void choose_tool(const Shown& shown, PanelState& state, Wishes& wishes) {
     scene::Overrides request = shown.request;
     request.tools = {name};
     request.tool_unit.reset();
-    wishes.request = std::move(request);
+    commands.request = std::move(request);
   }
   ImGui::Separator();
   if (ImGui::Selectable("a file ...")) state.files.open(FileUse::kTool, fs::current_path());
   ImGui::EndCombo();
 }
 
-void choose_task(const Shown& shown, Wishes& wishes) {
+void choose_task(const PanelModel& shown, Commands& commands) {
   const bool pull = shown.setup.task == scene::Task::kPull;
   const auto want = [&](const char* task) {
     scene::Overrides request = shown.request;
     request.task = task;
     if (!request.scene && !request.organ) request.organ = shown.setup.organ_name;
-    wishes.request = std::move(request);
+    commands.request = std::move(request);
   };
   if (ImGui::RadioButton("press", !pull) && pull) want("press");
   ImGui::SameLine();
@@ -77,39 +77,40 @@ bool half_button(const char* text, bool enabled, const std::string& explanation)
   return pressed;
 }
 
-void run_buttons(const Shown& shown, Wishes& wishes) {
-  if (half_button("Run again", true, "Enter: zero force, then the same from the start")) wishes.again = true;
+void run_buttons(const PanelModel& shown, Commands& commands) {
+  if (half_button("Run again", true, "Enter: zero force, then the same from the start"))
+    commands.again = true;
   ImGui::SameLine();
   const char* pause = shown.may_pause ? "Ctrl + Space: no time passes in the run, and its devices are stopped"
                                       : "a hand holds the device: its run is never paused; Hold picture is";
   if (half_button(shown.pausing ? "Go on###pause" : "Pause###pause", shown.may_pause && !shown.ended,
                   pause)) {
-    wishes.pause_run = true;
+    commands.pause_run = true;
   }
   const bool recording = !shown.recording.empty() && !shown.ended;
   if (half_button(recording ? "End recording" : "Record", true,
                   "Ctrl + R: the session begins anew, so that the recording has it whole\n"
                   "and replays bit for bit; ending it begins a session without")) {
-    wishes.record = !recording;
+    commands.record = !recording;
   }
   ImGui::SameLine();
   const std::string look = shown.looked_at.empty()
                                ? "V: nothing is recorded yet; Record, or palpate run --record FILE"
                                : "V: the viewer opens " + short_name(shown.looked_at) +
                                      "\nin a window of its own, as far as it is written";
-  if (half_button("Look at it", !shown.looked_at.empty(), look)) wishes.look = true;
+  if (half_button("Look at it", !shown.looked_at.empty(), look)) commands.look = true;
   if (half_button(shown.paused ? "Picture on###hold" : "Hold picture###hold", true,
                   "Space: picture and plots stand still; the run goes on")) {
-    wishes.pause = true;
+    commands.pause = true;
   }
   ImGui::SameLine();
   if (half_button("Picture", true, "P: saves the window as a PNG in the working folder"))
-    wishes.screenshot = true;
+    commands.screenshot = true;
 }
 
 }  // namespace
 
-void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
+void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands) {
   {
     const Rows rows("scene", 0.30F);
     rows.name("Scene", "a scene file (.toml); or drop one on the window");
@@ -118,15 +119,15 @@ void scene_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
       state.files.open(FileUse::kScene, fs::current_path());
     }
     rows.name("Organ", "built in, or a mesh file");
-    choose_organ(shown, state, wishes);
+    choose_organ(shown, state, commands);
     rows.name("Tool", "built in, or a mesh file; several tools stay as the scene has them");
     ImGui::BeginDisabled(shown.setup.tools.size() != 1);
-    choose_tool(shown, state, wishes);
+    choose_tool(shown, state, commands);
     ImGui::EndDisabled();
     rows.name("Task", "press: the law's limit when pressed; pull: the jaws grasp");
-    choose_task(shown, wishes);
+    choose_task(shown, commands);
   }
-  run_buttons(shown, wishes);
+  run_buttons(shown, commands);
   const bool recording = !shown.recording.empty() && !shown.ended;
   if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());
   ImGui::Spacing();

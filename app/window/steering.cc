@@ -113,7 +113,7 @@ void Steering::gamepad_event(const SDL_Event& event) {
   }
 }
 
-void Steering::say(const OrbitCamera& camera) {
+void Steering::update_devices(const OrbitCamera& camera) {
   for (Mouse& mouse : mice_) {
     const Vec3 way = mouse.target_D - mouse.device->start();
     const double far =
@@ -126,11 +126,11 @@ void Steering::say(const OrbitCamera& camera) {
     mouse.device->input().publish();
   }
   for (std::size_t i = 0; i < pads_.size(); ++i) {
-    say_pad(pads_[i], i < controllers_.size() ? controllers_[i] : nullptr, camera);
+    update_gamepad(pads_[i], i < controllers_.size() ? controllers_[i] : nullptr, camera);
   }
 }
 
-void Steering::say_pad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const {
+void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const {
   devices::GamepadInput input;
   input.connected = controller != nullptr;
   input.gripper = pad.rest;

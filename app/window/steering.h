@@ -48,7 +48,7 @@ class Steering final {
   /// A gamepad came or went. SDL_CONTROLLERDEVICEADDED or REMOVED.
   void gamepad_event(const SDL_Event& event);
   /// Once a frame: says all this to the devices.
-  void say(const OrbitCamera& camera);
+  void update_devices(const OrbitCamera& camera);
   /// Makes the gamepads rumble: slow motor by the tissue's force [N], quick one by the noise [N].
   void rumble(double tissue_force, double noise);
 
@@ -70,7 +70,7 @@ class Steering final {
     double rest = 0.0;
   };
 
-  void say_pad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const;
+  void update_gamepad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const;
 
   std::vector<Mouse> mice_;
   std::vector<Pad> pads_;

@@ -6,8 +6,8 @@
 
 #include <imgui.h>
 
-#include "app/window/look.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 #include "app/window/viewer_panels.h"
 
 namespace palpate::app {
@@ -24,36 +24,36 @@ bool button(const char* text, const char* explanation, float width = 0.0F) {
   return pressed;
 }
 
-void play_buttons(const Seen& seen, ViewerWishes& wishes) {
-  if (button("|\u25c0", "Home: to the beginning")) wishes.go_to = 0;
-  if (button("\u25c0 tick", "Shift + left: a tick back")) wishes.ticks = -1;
+void play_buttons(const ViewerModel& seen, ViewerCommands& commands) {
+  if (button("|\u25c0", "Home: to the beginning")) commands.go_to = 0;
+  if (button("\u25c0 tick", "Shift + left: a tick back")) commands.ticks = -1;
   if (button("\u25c0 picture", "left: a picture back, as far as pictures are apart at this speed"))
-    wishes.pictures = -1;
-  if (button(seen.playback.playing() ? "Pause" : "Play", "Space", 4.6F)) wishes.play = true;
-  if (button("picture \u25b6", "right: a picture on")) wishes.pictures = 1;
-  if (button("tick \u25b6", "Shift + right: a tick on")) wishes.ticks = 1;
-  if (button("\u25b6|", "End: to the end")) wishes.go_to = seen.playback.last();
+    commands.pictures = -1;
+  if (button(seen.playback.playing() ? "Pause" : "Play", "Space", 4.6F)) commands.play = true;
+  if (button("picture \u25b6", "right: a picture on")) commands.pictures = 1;
+  if (button("tick \u25b6", "Shift + right: a tick on")) commands.ticks = 1;
+  if (button("\u25b6|", "End: to the end")) commands.go_to = seen.playback.last();
 }
 
-void speed_buttons(const Seen& seen, ViewerWishes& wishes) {
+void speed_buttons(const ViewerModel& seen, ViewerCommands& commands) {
   for (std::size_t i = 0; i < kSpeedNames.size(); ++i) {
     const bool now = i == seen.playback.speed();
     if (now) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (button(kSpeedNames[i], "of the recording's speed; down: slower, up: faster")) wishes.speed = i;
+    if (button(kSpeedNames[i], "of the recording's speed; down: slower, up: faster")) commands.speed = i;
     if (now) ImGui::PopStyleColor();
   }
 }
 
-void jump_buttons(const Seen& seen, const HandOverview& hand, ViewerWishes& wishes) {
+void jump_buttons(const ViewerModel& seen, const HandOverview& hand, ViewerCommands& commands) {
   ImGui::BeginDisabled(hand.contacts.empty());
   if (button("First contact", "C: where this hand first touches the tissue"))
-    wishes.go_to = hand.contacts.front().first;
+    commands.go_to = hand.contacts.front().first;
   ImGui::EndDisabled();
   if (button("Deepest", "D: where this hand is deepest (without contact: nearest)"))
-    wishes.go_to = hand.deepest;
+    commands.go_to = hand.deepest;
   ImGui::BeginDisabled(hand.faults.empty());
   if (button("Fault", "F: where a fault is latched; again: the next one"))
-    wishes.go_to = next_fault(hand, seen.tick);
+    commands.go_to = next_fault(hand, seen.tick);
   ImGui::EndDisabled();
 }
 
@@ -72,7 +72,7 @@ struct TimelineStrip {
 };
 
 /// Contact, depth, faults and changes of the whole run.
-void draw_run(const TimelineStrip& strip, const Seen& seen, const HandOverview& hand) {
+void draw_run(const TimelineStrip& strip, const ViewerModel& seen, const HandOverview& hand) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const RecordedView& view = seen.view;
   const float text = ImGui::GetFontSize();
@@ -109,7 +109,7 @@ void draw_run(const TimelineStrip& strip, const Seen& seen, const HandOverview& 
 }
 
 /// Where the picture is, and where playback goes to when that is farther.
-void draw_cursor(const TimelineStrip& strip, const Seen& seen) {
+void draw_cursor(const TimelineStrip& strip, const ViewerModel& seen) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float text = ImGui::GetFontSize();
   const float x = strip.x(seen.view.time_of(seen.tick));
@@ -147,11 +147,12 @@ void draw_times(const TimelineStrip& strip) {
   }
 }
 
-void scrub(const TimelineStrip& strip, const Seen& seen, const HandOverview& hand, ViewerWishes& wishes) {
+void scrub(const TimelineStrip& strip, const ViewerModel& seen, const HandOverview& hand,
+           ViewerCommands& commands) {
   ImGui::SetCursorScreenPos(strip.low);
   ImGui::InvisibleButton("strip", ImVec2(strip.high.x - strip.low.x, strip.high.y - strip.low.y));
   const double time = strip.time(ImGui::GetIO().MousePos.x);
-  if (ImGui::IsItemActive()) wishes.go_to = seen.view.tick_at(time);
+  if (ImGui::IsItemActive()) commands.go_to = seen.view.tick_at(time);
   if (!ImGui::IsItemHovered() || hand.depth.empty()) return;
   const auto column =
       static_cast<std::size_t>(time / strip.duration * static_cast<double>(hand.depth.size()));
@@ -160,19 +161,20 @@ void scrub(const TimelineStrip& strip, const Seen& seen, const HandOverview& han
 
 }  // namespace
 
-void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
+void draw_timeline(const Rectangle& place, const ViewerModel& seen, const ViewerState& state,
+                   ViewerCommands& commands) {
   begin_column("timeline", place);
   const HandOverview& hand = seen.overview.hands[state.hand];
   const float text = ImGui::GetFontSize();
   const bool two_rows = place.width < 62.0F * text;
-  play_buttons(seen, wishes);
+  play_buttons(seen, commands);
   ImGui::Dummy(ImVec2(0.4F * text, 0.0F));
   ImGui::SameLine();
   if (two_rows) ImGui::NewLine();
-  speed_buttons(seen, wishes);
+  speed_buttons(seen, commands);
   ImGui::Dummy(ImVec2(0.4F * text, 0.0F));
   ImGui::SameLine();
-  jump_buttons(seen, hand, wishes);
+  jump_buttons(seen, hand, commands);
   ImGui::NewLine();
   const ImVec2 low = ImGui::GetCursorScreenPos();
   const ImVec2 room = ImGui::GetContentRegionAvail();
@@ -182,7 +184,7 @@ void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& 
     draw_run(strip, seen, hand);
     draw_times(strip);
     draw_cursor(strip, seen);
-    scrub(strip, seen, hand, wishes);
+    scrub(strip, seen, hand, commands);
   }
   ImGui::End();
 }

@@ -8,9 +8,9 @@
 #include "core/model/tissue_fields.h"
 #include "palpate/units.h"
 
-#include "app/window/look.h"
 #include "app/window/panels.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -75,7 +75,7 @@ bool relaxation_rows(model::TissueParameters& tissue) {
 
 }  // namespace
 
-void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
+void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands) {
   model::TissueParameters tissue = shown.tissue;
   bool changed = false;
   {
@@ -113,10 +113,10 @@ void tissue_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
     state.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue.name + ".toml"));
   }
   ImGui::Spacing();
-  if (changed) wishes.tissue = std::move(tissue);
+  if (changed) commands.tissue = std::move(tissue);
 }
 
-void noise_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
+void noise_panel(const PanelModel& shown, PanelState& state, Commands& commands) {
   noise::NoiseSettings noise = shown.noise;
   bool changed = ImGui::Checkbox("On  (N)", &noise.enabled);
   const Rows rows("noise");
@@ -137,7 +137,7 @@ void noise_panel(const Shown& shown, PanelState& state, Wishes& wishes) {
     noise.gain = noise::gain_from_threshold(state.user_threshold, state.noise_share, noise.threshold);
     changed = true;
   }
-  if (changed) wishes.noise = noise;
+  if (changed) commands.noise = noise;
 }
 
 }  // namespace palpate::app

@@ -5,9 +5,9 @@
 
 namespace palpate::app {
 
-void Traces::take(RowTap& tap, bool keep) {
+void Traces::take(RowObserver& observer, bool keep) {
   haptics::TickRow sample;
-  while (tap.take(sample)) {
+  while (observer.take(sample)) {
     if (sample.hand >= kept_.size()) continue;
     newest_[sample.hand] = sample;
     newest_time_ = sample.time;
@@ -18,7 +18,7 @@ void Traces::take(RowTap& tap, bool keep) {
     }
     noise_squares_ += sample.noise_force * sample.noise_force;
     largest_tissue_ = std::max(largest_tissue_, sample.tissue_force);
-    ++felt_rows_;
+    ++statistics_rows_;
     if (!keep) continue;
     std::deque<haptics::TickRow>& rows = kept_[sample.hand];
     rows.push_back(sample);
@@ -26,13 +26,14 @@ void Traces::take(RowTap& tap, bool keep) {
   }
 }
 
-Traces::Felt Traces::take_felt() {
-  Felt felt;
-  if (felt_rows_ > 0) felt = {std::sqrt(noise_squares_ / static_cast<double>(felt_rows_)), largest_tissue_};
+Traces::NoiseStatistics Traces::take_noise_statistics() {
+  NoiseStatistics statistics;
+  if (statistics_rows_ > 0)
+    statistics = {std::sqrt(noise_squares_ / static_cast<double>(statistics_rows_)), largest_tissue_};
   noise_squares_ = 0.0;
   largest_tissue_ = 0.0;
-  felt_rows_ = 0;
-  return felt;
+  statistics_rows_ = 0;
+  return statistics;
 }
 
 }  // namespace palpate::app

@@ -6,7 +6,7 @@
 
 #include "palpate/histogram.h"
 
-#include "app/window/row_tap.h"
+#include "app/window/row_observer.h"
 
 namespace palpate::app {
 
@@ -20,18 +20,18 @@ class Traces final {
 
   /// Takes all rows that have come. @param keep false: the traces stay as they are (the picture is paused);
   /// the accounts go on.
-  void take(RowTap& tap, bool keep);
+  void take(RowObserver& observer, bool keep);
 
   /// The last seconds of one hand, oldest first.
   [[nodiscard]] const std::deque<haptics::TickRow>& of_hand(std::uint32_t hand) const { return kept_[hand]; }
   [[nodiscard]] const haptics::TickRow& newest(std::uint32_t hand) const { return newest_[hand]; }
   [[nodiscard]] double newest_time() const noexcept { return newest_time_; }
   /// Sums since the last call: root mean square of the noise [N] and the largest tissue force [N].
-  struct Felt {
+  struct NoiseStatistics {
     double noise = 0.0;
     double tissue = 0.0;
   };
-  [[nodiscard]] Felt take_felt();
+  [[nodiscard]] NoiseStatistics take_noise_statistics();
 
   [[nodiscard]] const haptics::Histogram& tick_time() const noexcept { return tick_time_; }
   [[nodiscard]] const haptics::Histogram& lateness() const noexcept { return lateness_; }
@@ -47,7 +47,7 @@ class Traces final {
   std::uint64_t missed_ = 0;
   double noise_squares_ = 0.0;
   double largest_tissue_ = 0.0;
-  std::uint64_t felt_rows_ = 0;
+  std::uint64_t statistics_rows_ = 0;
 };
 
 }  // namespace palpate::app

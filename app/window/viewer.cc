@@ -16,8 +16,8 @@
 
 #include "app/messages.h"
 #include "app/session.h"
-#include "app/window/look.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -42,7 +42,7 @@ OpenRecording::OpenRecording(std::unique_ptr<RecordedView> seen)
 }
 
 Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
-    : options_(options), stage_("Palpate", options_.size, options_.scale) {
+    : options_(options), viewport_("Palpate", options_.size, options_.scale) {
   state_.close_up = options_.close_up;
   if (options_.map_range > 0.0) {
     state_.map = true;
@@ -54,7 +54,7 @@ Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
 
 Viewer::~Viewer() {
   ticks_.reset();
-  if (!stage_.display().lost()) return;
+  if (!viewport_.display().lost()) return;
   live_.abandon();
   (void)still_.release();
 }
@@ -74,7 +74,7 @@ void Viewer::show(std::unique_ptr<OpenRecording> open) {
   rows_.assign(view().hands(), {});
   ticks_plotted_ = {1, 0};
   ticks_ = std::make_unique<ReplayThread>(open_->view->frames());
-  stage_.display().set_title("Palpate: " + view().file().filename().string());
+  viewport_.display().set_title("Palpate: " + view().file().filename().string());
 }
 
 const render::Camera& Viewer::first_camera() const {
@@ -83,7 +83,7 @@ const render::Camera& Viewer::first_camera() const {
 
 void Viewer::begin_to_open(const std::filesystem::path& file) {
   if (next_.valid()) {
-    stage_.show_message("another recording is being opened already");
+    viewport_.show_message("another recording is being opened already");
     return;
   }
   next_name_ = file.filename().string();
@@ -92,12 +92,12 @@ void Viewer::begin_to_open(const std::filesystem::path& file) {
   });
 }
 
-void Viewer::look_after_opening() {
+void Viewer::poll_opening() {
   if (!next_.valid() || next_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   try {
     show(next_.get());
   } catch (const std::exception& error) {
-    stage_.show_message(error.what());
+    viewport_.show_message(error.what());
   }
 }
 
@@ -105,7 +105,7 @@ bool Viewer::frame() {
   const std::int64_t before = frame_began_ns_;
   frame_began_ns_ = monotonic_ns();
   take_events();
-  look_after_opening();
+  poll_opening();
   if (leaving_) return false;
   // Playback waits for what it has asked for, so that nothing is left out on a slow machine.
   const double passed = before == 0 ? 0.0 : 1e-9 * static_cast<double>(frame_began_ns_ - before);
@@ -114,14 +114,14 @@ bool Viewer::frame() {
   go_on();
   compose();
   draw_picture();
-  Stage::draw_panels();
-  if (wishes_.save_window) stage_.save(stage_.picture());
+  Viewport::draw_panels();
+  if (commands_.save_window) viewport_.save(viewport_.picture());
   glFinish();
-  if (Stage::out_of_memory()) save_memory();
-  if (stage_.graphics_lost()) stage_.display().give_up();
+  if (Viewport::out_of_memory()) save_memory();
+  if (viewport_.graphics_lost()) viewport_.display().give_up();
   live_.adapt(1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_));
-  stage_.show();
-  grant(std::exchange(wishes_, {}));
+  viewport_.show();
+  grant(std::exchange(commands_, {}));
   sleep_until_ns(frame_began_ns_ + kViewerFrameNs);
   return true;
 }
@@ -131,9 +131,9 @@ void Viewer::save_memory() {
   if (still_ != nullptr) {
     still_.reset();
     stills_fit_ = false;
-    stage_.show_message("the graphics card's memory ran out: pictures at rest are as when they move");
+    viewport_.show_message("the graphics card's memory ran out: pictures at rest are as when they move");
   } else if (live_.shrink()) {
-    stage_.show_message("the graphics card's memory ran out: the picture is coarser");
+    viewport_.show_message("the graphics card's memory ran out: the picture is coarser");
   }
 }
 
@@ -143,7 +143,7 @@ void Viewer::go_on() {
   if (!ticks_->take(shown_)) return;
   snapshot_there_ = true;
   moved_ns_ = frame_began_ns_;
-  in_force_ = in_force(view().recording(), shown_.tick);
+  active_parameters_ = active_parameters(view().recording(), shown_.tick);
   live_.refresh();
 }
 
@@ -164,21 +164,21 @@ void Viewer::gather_rows() {
 }
 
 void Viewer::compose() {
-  stage_.begin_panels();
+  viewport_.begin_panels();
   const ImGuiIO& io = ImGui::GetIO();
-  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, stage_.scale(), state_);
+  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, viewport_.scale(), state_);
   if (snapshot_there_) {
     gather_rows();
     const double from = view().time_of(ticks_plotted_.first);
     const double to = std::max(from + 1e-3, view().time_of(ticks_plotted_.second + 1));
-    const Seen seen{view(), overview(), *playback_, shown_.tick, in_force_,
-                    rows_,  from,       to,         there_,      still_shown_};
-    if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, wishes_);
-    if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, wishes_);
+    const ViewerModel seen{view(), overview(), *playback_, shown_.tick, active_parameters_,
+                           rows_,  from,       to,         there_,      still_shown_};
+    if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, commands_);
+    if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, commands_);
     if (layout_.plots.height > 0.0F) {
       const scene::Scene& setup = view().recording().setup;
       const bool pull = setup.task == scene::Task::kPull;
-      Plotted plots{in_force_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
+      Plotted plots{active_parameters_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
                     setup.rate_Hz};
       for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
         plots.hands.push_back({rows_[hand], view().row(shown_.tick, hand)});
@@ -192,8 +192,8 @@ void Viewer::compose() {
   }
   draw_overlay();
   draw_viewer_help(state_);
-  if (const std::optional<ChosenFile> file = state_.files.draw()) wishes_.open = file->path.string();
-  Stage::end_panels();
+  if (const std::optional<ChosenFile> file = state_.files.draw()) commands_.open = file->path.string();
+  Viewport::end_panels();
 }
 
 std::string Viewer::banner_text() const {
@@ -213,17 +213,17 @@ void Viewer::draw_overlay() {
   banner_ = banner_text();
   std::vector<Banner> banners = {{banner_, true}};
   if (next_.valid()) banners.push_back({next_name_ + " is being opened ..."});
-  const float y = stage_.draw_overlay(layout_.picture, banners,
-                                      title_of(view().recording().setup) +
-                                          formatted("   %.3f s", view().time_of(shown_.tick)) +
-                                          formatted(" of %.3f s", view().duration_s()));
+  const float y = viewport_.draw_overlay(layout_.picture, banners,
+                                         title_of(view().recording().setup) +
+                                             formatted("   %.3f s", view().time_of(shown_.tick)) +
+                                             formatted(" of %.3f s", view().duration_s()));
   if (state_.map) draw_map_scale(layout_.picture, y + 1.2F * ImGui::GetFontSize(), state_.map_range);
 }
 
 void Viewer::draw_picture() {
-  stage_.clear();
+  viewport_.clear();
   still_shown_ = false;
-  const PixelRectangle place = in_pixels(layout_.picture, stage_);
+  const PixelRectangle place = in_pixels(layout_.picture, viewport_);
   if (!snapshot_there_ || place.width < 1 || place.height < 1) return;
   if (!std::exchange(live_knows_, true)) live_.take(view().subject());
   const render::Camera camera = camera_.camera();
@@ -233,11 +233,11 @@ void Viewer::draw_picture() {
   last_camera_ = camera;
   const bool quiet = stills_fit_ && there_ && !playback_->playing() &&
                      frame_began_ns_ - moved_ns_ > kStillAfterNs && !ImGui::IsAnyItemActive() &&
-                     !view_hand_.busy();
+                     !camera_controller_.busy();
   if (quiet) {
     draw_still(place, camera);
   } else {
-    live_.show(shown_, camera, layout_.picture, stage_);
+    live_.show(shown_, camera, layout_.picture, viewport_);
   }
 }
 
@@ -265,13 +265,13 @@ void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camer
     still_->draw_and_keep(shown_, camera);
   }
   still_->show_at(place.x, place.y, place.width, place.height);
-  const Display::Size pixels = stage_.pixels();
+  const Display::Size pixels = viewport_.pixels();
   glViewport(0, 0, pixels.width, pixels.height);
   still_shown_ = true;
 }
 
 render::Image Viewer::still_picture() {
-  draw_still(in_pixels(layout_.picture, stage_), camera_.camera());
+  draw_still(in_pixels(layout_.picture, viewport_), camera_.camera());
   render::Image image = still_->kept();
   render::draw_map_legend(image, still_map_);
   return image;

@@ -13,14 +13,14 @@
 #include <SDL.h>
 
 #include "app/recorded_view.h"
-#include "app/window/camera_hand.h"
+#include "app/window/camera_controller.h"
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/overview.h"
 #include "app/window/playback.h"
 #include "app/window/replay_thread.h"
-#include "app/window/stage.h"
 #include "app/window/viewer_panels.h"
+#include "app/window/viewport.h"
 
 namespace palpate::app {
 
@@ -61,7 +61,7 @@ class Viewer final {
   bool frame();
 
   // What the window shows, for tests and for pictures of it:
-  [[nodiscard]] render::Image picture() const { return stage_.picture(); }
+  [[nodiscard]] render::Image picture() const { return viewport_.picture(); }
   /// Organ and tool alone at the moment shown: what `palpate view --screenshot` draws.
   [[nodiscard]] render::Image still_picture();
   [[nodiscard]] const RecordedView& view() const noexcept { return *open_->view; }
@@ -70,9 +70,9 @@ class Viewer final {
   [[nodiscard]] const Playback& playback() const noexcept { return *playback_; }
   [[nodiscard]] const ViewerLayout& layout() const noexcept { return layout_; }
   [[nodiscard]] ViewerState& state() noexcept { return state_; }
-  [[nodiscard]] Stage& stage() noexcept { return stage_; }
+  [[nodiscard]] Viewport& viewport() noexcept { return viewport_; }
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
-  [[nodiscard]] const std::string& message() const noexcept { return stage_.message(); }
+  [[nodiscard]] const std::string& message() const noexcept { return viewport_.message(); }
   /// Whether the picture shows where playback is.
   [[nodiscard]] bool there() const noexcept { return there_; }
   /// Whether the picture is of full quality, as a file's.
@@ -87,12 +87,12 @@ class Viewer final {
   void time_key(const SDL_KeyboardEvent& key);
   void letter_key(SDL_Keycode which);
   void mouse_button(const SDL_MouseButtonEvent& button);
-  void grant(const ViewerWishes& wishes);
+  void grant(const ViewerCommands& commands);
 
   // viewer.cc
   void show(std::unique_ptr<OpenRecording> open);
   void begin_to_open(const std::filesystem::path& file);
-  void look_after_opening();
+  void poll_opening();
   void go_on();
   void save_memory();
   void gather_rows();
@@ -104,7 +104,7 @@ class Viewer final {
   [[nodiscard]] std::string banner_text() const;
 
   ViewerOptions options_;
-  Stage stage_;
+  Viewport viewport_;
   LivePicture live_;
   bool live_knows_ = false;  // what is open now
   std::unique_ptr<OpenRecording> open_;
@@ -113,13 +113,13 @@ class Viewer final {
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
   bool there_ = false;
-  InForce in_force_;
+  ActiveParameters active_parameters_;
   std::vector<std::deque<haptics::TickRow>> rows_;               // of the time plotted, a hand each
   std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
   OrbitCamera camera_;
-  CameraHand view_hand_{camera_};
+  CameraController camera_controller_{camera_};
   ViewerState state_;
-  ViewerWishes wishes_;  // of the keys, until the panels have added theirs
+  ViewerCommands commands_;  // of the keys, until the panels have added theirs
   ViewerLayout layout_;
 
   // The picture of full quality, while nothing moves:

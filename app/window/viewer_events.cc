@@ -8,7 +8,7 @@
 namespace palpate::app {
 
 void Viewer::take_events() {
-  stage_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
+  viewport_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
 }
 
@@ -24,23 +24,23 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
       key_down(event.key);
       break;
     case SDL_MOUSEMOTION:
-      (void)view_hand_.mouse_moved(way, layout_.picture.height);
+      (void)camera_controller_.mouse_moved(way, layout_.picture.height);
       break;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
       mouse_button(event.button);
       break;
     case SDL_MOUSEWHEEL:
-      if (Stage::over(layout_.picture, stage_.mouse_at().first, stage_.mouse_at().second))
-        view_hand_.wheel_turned(event.wheel.y);
+      if (Viewport::over(layout_.picture, viewport_.mouse_at().first, viewport_.mouse_at().second))
+        camera_controller_.wheel_turned(event.wheel.y);
       break;
     case SDL_DROPFILE: {
       const std::filesystem::path file = event.drop.file;
       if (use_of_file(file) == FileUse::kRecording) {
-        wishes_.open = file.string();
+        commands_.open = file.string();
       } else {
-        stage_.show_message(file.filename().string() +
-                            ": a recording (.h5) can be looked at here; palpate run takes other files");
+        viewport_.show_message(file.filename().string() +
+                               ": a recording (.h5) can be looked at here; palpate run takes other files");
       }
       break;
     }
@@ -51,9 +51,9 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
 
 void Viewer::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
-  if (down && !Stage::over(layout_.picture, button.x, button.y)) return;
+  if (down && !Viewport::over(layout_.picture, button.x, button.y)) return;
   if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
-  view_hand_.button(button, true);
+  camera_controller_.button(button, true);
 }
 
 void Viewer::key_down(const SDL_KeyboardEvent& key) {
@@ -71,11 +71,11 @@ void Viewer::key_down(const SDL_KeyboardEvent& key) {
   if (control && which == SDLK_o) {
     state_.files.open(FileUse::kRecording, std::filesystem::absolute(view().file()).parent_path());
   }
-  if (control && which == SDLK_p) wishes_.save_picture = true;
+  if (control && which == SDLK_p) commands_.save_picture = true;
   if (!control) letter_key(which);
   if (ImGui::GetIO().NavVisible) return;  // arrows and Space are the panels'
   if ((key.keysym.mod & KMOD_ALT) != 0) {
-    view_hand_.arrow_key(key);
+    camera_controller_.arrow_key(key);
   } else {
     time_key(key);
   }
@@ -93,63 +93,63 @@ void Viewer::panel_key(SDL_Keycode which) {
   }
   if (which == SDLK_F1) state_.help = !state_.help;
   if (which == SDLK_F8) state_.hidden = !state_.hidden;
-  if (which == SDLK_F11) wishes_.full_screen = true;
+  if (which == SDLK_F11) commands_.full_screen = true;
 }
 
 void Viewer::time_key(const SDL_KeyboardEvent& key) {
   const SDL_Keycode which = key.keysym.sym;
   const int on = sign_of(which, SDLK_RIGHT, SDLK_LEFT);
   if ((key.keysym.mod & KMOD_CTRL) != 0) {
-    wishes_.seconds += on;
+    commands_.seconds += on;
   } else if ((key.keysym.mod & KMOD_SHIFT) != 0) {
-    wishes_.ticks += on;
+    commands_.ticks += on;
   } else {
-    wishes_.pictures += on;
+    commands_.pictures += on;
   }
   const int faster = sign_of(which, SDLK_UP, SDLK_DOWN);
   if (faster != 0) playback_->change_speed(faster);
-  if (which == SDLK_SPACE) wishes_.play = true;
-  if (which == SDLK_HOME) wishes_.go_to = 0;
-  if (which == SDLK_END) wishes_.go_to = playback_->last();
+  if (which == SDLK_SPACE) commands_.play = true;
+  if (which == SDLK_HOME) commands_.go_to = 0;
+  if (which == SDLK_END) commands_.go_to = playback_->last();
 }
 
 void Viewer::letter_key(SDL_Keycode which) {
   const HandOverview& hand = overview().hands[state_.hand];
-  if (which == SDLK_c && !hand.contacts.empty()) wishes_.go_to = hand.contacts.front().first;
-  if (which == SDLK_c && hand.contacts.empty()) stage_.show_message("this hand never touches the tissue");
-  if (which == SDLK_d) wishes_.go_to = hand.deepest;
-  if (which == SDLK_f && !hand.faults.empty()) wishes_.go_to = next_fault(hand, shown_.tick);
-  if (which == SDLK_f && hand.faults.empty()) stage_.show_message("no fault was latched on this hand");
+  if (which == SDLK_c && !hand.contacts.empty()) commands_.go_to = hand.contacts.front().first;
+  if (which == SDLK_c && hand.contacts.empty()) viewport_.show_message("this hand never touches the tissue");
+  if (which == SDLK_d) commands_.go_to = hand.deepest;
+  if (which == SDLK_f && !hand.faults.empty()) commands_.go_to = next_fault(hand, shown_.tick);
+  if (which == SDLK_f && hand.faults.empty()) viewport_.show_message("no fault was latched on this hand");
   if (which == SDLK_m) state_.map = !state_.map;
-  if (which == SDLK_p) wishes_.save_window = true;
-  if (which == SDLK_v) wishes_.home = true;
+  if (which == SDLK_p) commands_.save_window = true;
+  if (which == SDLK_v) commands_.home = true;
   if (which == SDLK_z) {
     state_.close_up = !state_.close_up;
-    wishes_.home = true;
+    commands_.home = true;
   }
-  view_hand_.zoom_key(which);
-  if (which >= SDLK_0 && which <= SDLK_3) wishes_.hand = static_cast<std::uint32_t>(which - SDLK_0);
+  camera_controller_.zoom_key(which);
+  if (which >= SDLK_0 && which <= SDLK_3) commands_.hand = static_cast<std::uint32_t>(which - SDLK_0);
 }
 
-void Viewer::grant(const ViewerWishes& wishes) {
-  if (wishes.leave) leaving_ = true;
-  if (wishes.go_to) playback_->go_to(*wishes.go_to);
-  if (wishes.ticks != 0) playback_->step_ticks(wishes.ticks);
-  if (wishes.pictures != 0) playback_->step_pictures(wishes.pictures);
-  if (wishes.seconds != 0.0) playback_->skip(wishes.seconds);
-  if (wishes.speed) playback_->choose_speed(*wishes.speed);
-  if (wishes.play) playback_->toggle();
-  if (wishes.hand && *wishes.hand < view().hands()) state_.hand = *wishes.hand;
-  if (wishes.home) camera_.look_exactly_as(first_camera());
-  if (wishes.full_screen) stage_.display().toggle_full_screen();
-  if (wishes.save_picture) {
+void Viewer::grant(const ViewerCommands& commands) {
+  if (commands.leave) leaving_ = true;
+  if (commands.go_to) playback_->go_to(*commands.go_to);
+  if (commands.ticks != 0) playback_->step_ticks(commands.ticks);
+  if (commands.pictures != 0) playback_->step_pictures(commands.pictures);
+  if (commands.seconds != 0.0) playback_->skip(commands.seconds);
+  if (commands.speed) playback_->choose_speed(*commands.speed);
+  if (commands.play) playback_->toggle();
+  if (commands.hand && *commands.hand < view().hands()) state_.hand = *commands.hand;
+  if (commands.home) camera_.look_exactly_as(first_camera());
+  if (commands.full_screen) viewport_.display().toggle_full_screen();
+  if (commands.save_picture) {
     if (there_) {
-      stage_.save(still_picture());
+      viewport_.save(still_picture());
     } else {
-      wishes_.save_picture = true;  // of the moment that was asked for: when it is there
+      commands_.save_picture = true;  // of the moment that was asked for: when it is there
     }
   }
-  if (wishes.open) begin_to_open(*wishes.open);
+  if (commands.open) begin_to_open(*commands.open);
 }
 
 }  // namespace palpate::app

@@ -12,8 +12,8 @@
 #include "view/render/map_legend.h"
 
 #include "app/session.h"
-#include "app/window/look.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -39,7 +39,7 @@ std::string recorded_microseconds(std::int64_t ns) {
   return formatted("%.1f \u00b5s", static_cast<double>(ns) * 1e-3);
 }
 
-void recording_rows(const Seen& seen, ViewerState& state) {
+void recording_rows(const ViewerModel& seen, ViewerState& state) {
   const scene::Scene& setup = seen.view.recording().setup;
   const record::RunFacts& facts = seen.view.recording().facts;
   const Rows rows("recording", 0.30F);
@@ -48,14 +48,14 @@ void recording_rows(const Seen& seen, ViewerState& state) {
     state.files.open(FileUse::kRecording, std::filesystem::absolute(seen.view.file()).parent_path());
   }
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", seen.view.file().c_str());
-  rows.words("Begun", begun(facts.started_unix_ns));
-  rows.words("Length", formatted("%.3f s, ", seen.view.duration_s()) +
-                           formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
-  rows.words("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
+  rows.text("Begun", begun(facts.started_unix_ns));
+  rows.text("Length", formatted("%.3f s, ", seen.view.duration_s()) +
+                          formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
+  rows.text("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
   if (!facts.offline) {
-    rows.words("Tick", "p99.9 " + recorded_microseconds(facts.tick_time.p999_ns), "computing time of a tick");
-    rows.words("Missed", formatted("%.0f ticks", static_cast<double>(facts.missed_deadlines)),
-               "ticks that began a full period or more late");
+    rows.text("Tick", "p99.9 " + recorded_microseconds(facts.tick_time.p999_ns), "computing time of a tick");
+    rows.text("Missed", formatted("%.0f ticks", static_cast<double>(facts.missed_deadlines)),
+              "ticks that began a full period or more late");
   }
   rows.name("State", "palpate repair makes one that was cut off open in every tool");
   if (facts.complete) {
@@ -65,38 +65,40 @@ void recording_rows(const Seen& seen, ViewerState& state) {
   }
 }
 
-void choose_hand(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
+void choose_hand(const ViewerModel& seen, const ViewerState& state, ViewerCommands& commands) {
   for (std::uint32_t hand = 0; hand < seen.view.hands(); ++hand) {
     if (hand > 0) ImGui::SameLine();
-    if (ImGui::RadioButton(std::to_string(hand).c_str(), state.hand == hand)) wishes.hand = hand;
+    if (ImGui::RadioButton(std::to_string(hand).c_str(), state.hand == hand)) commands.hand = hand;
   }
 }
 
-void moment_rows(const Seen& seen, const ViewerState& state, ViewerWishes& wishes) {
+void moment_rows(const ViewerModel& seen, const ViewerState& state, ViewerCommands& commands) {
   const haptics::TickRow& row = seen.view.row(seen.tick, state.hand);
   const scene::Scene& setup = seen.view.recording().setup;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
     rows.name("Hand", "0 to 3");
-    choose_hand(seen, state, wishes);
+    choose_hand(seen, state, commands);
   }
-  rows.words("Device", setup.devices[state.hand].kind);
-  rows.words("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
-  rows.words("State", moment_text(row, 2));
-  rows.words("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
-  rows.words("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
-  rows.words("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
+  rows.text("Device", setup.devices[state.hand].kind);
+  rows.text("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
+  rows.text("State", moment_text(row, 2));
+  rows.text("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
+  rows.text("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
+  rows.text("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");
   if (row.cutoff_layer > 0)
-    rows.words("Layer", formatted("%.0f", row.cutoff_layer), "the cut-off layer, the last that gives way");
-  rows.words("Felt as", seen.in_force.tissue.name + formatted(", k\u2081 %.2f N/m", seen.in_force.tissue.k1),
-             "the tissue in force at this moment");
+    rows.text("Layer", formatted("%.0f", row.cutoff_layer), "the cut-off layer, the last that gives way");
+  rows.text(
+      "Felt as",
+      seen.active_parameters.tissue.name + formatted(", k\u2081 %.2f N/m", seen.active_parameters.tissue.k1),
+      "the tissue in force at this moment");
   if (row.fault != 0) {
     rows.name("Fault");
     ImGui::TextColored(colour::kWarning, "%s", haptics::describe(static_cast<haptics::Fault>(row.fault)));
   }
 }
 
-void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
+void picture_rows(const ViewerModel& seen, ViewerState& state, ViewerCommands& commands) {
   ImGui::Checkbox("Displacement map  (M)", &state.map);
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("colours the organ by how far it has moved");
   {
@@ -107,20 +109,20 @@ void picture_rows(const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
     ImGui::EndDisabled();
   }
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  if (ImGui::Button("First view  (V)", ImVec2(half, 0.0F))) wishes.home = true;
+  if (ImGui::Button("First view  (V)", ImVec2(half, 0.0F))) commands.home = true;
   ImGui::SameLine();
   if (ImGui::Button(state.close_up ? "Whole organ  (Z)" : "Close-up  (Z)", ImVec2(half, 0.0F))) {
     state.close_up = !state.close_up;
-    wishes.home = true;
+    commands.home = true;
   }
-  if (ImGui::Button("Save picture", ImVec2(half, 0.0F))) wishes.save_picture = true;
+  if (ImGui::Button("Save picture", ImVec2(half, 0.0F))) commands.save_picture = true;
   if (ImGui::IsItemHovered()) {
     ImGui::SetTooltip(
         "Ctrl + P: organ and tool alone, as a PNG in the working folder;\nthe same as palpate view "
         "--screenshot --at-s makes");
   }
   ImGui::SameLine();
-  if (ImGui::Button("Save window", ImVec2(half, 0.0F))) wishes.save_window = true;
+  if (ImGui::Button("Save window", ImVec2(half, 0.0F))) commands.save_window = true;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("P: the whole window, as a PNG in the working folder");
   ImGui::TextColored(colour::kFaint, "%s",
                      seen.still ? "full quality" : "moving: quality follows the machine");
@@ -153,11 +155,12 @@ ViewerLayout lay_out(float width, float height, float scale, const ViewerState& 
   return all;
 }
 
-void draw_viewer_panels(const Rectangle& place, const Seen& seen, ViewerState& state, ViewerWishes& wishes) {
+void draw_viewer_panels(const Rectangle& place, const ViewerModel& seen, ViewerState& state,
+                        ViewerCommands& commands) {
   begin_column("left", place);
   if (panel_heading("Recording  (F2)###recording", state.open[0])) recording_rows(seen, state);
-  if (panel_heading("Moment  (F3)###moment", state.open[1])) moment_rows(seen, state, wishes);
-  if (panel_heading("Picture  (F4)###picture", state.open[2])) picture_rows(seen, state, wishes);
+  if (panel_heading("Moment  (F3)###moment", state.open[1])) moment_rows(seen, state, commands);
+  if (panel_heading("Picture  (F4)###picture", state.open[2])) picture_rows(seen, state, commands);
   ImGui::End();
 }
 

@@ -32,12 +32,12 @@ struct ViewerState {
 };
 
 /// What a viewer shows in one frame; valid for that frame.
-struct Seen {
+struct ViewerModel {
   const RecordedView& view;
   const Overview& overview;
   const Playback& playback;
   std::uint64_t tick = 0;  // of the picture and of all numbers
-  const InForce& in_force;
+  const ActiveParameters& active_parameters;
   const std::vector<std::deque<haptics::TickRow>>& rows;  // a hand each, of the time plotted
   double from = 0.0;                                      // s, of the time plotted
   double to = 8.0;
@@ -46,7 +46,7 @@ struct Seen {
 };
 
 /// What the user has asked of a viewer in one frame, by panel or key.
-struct ViewerWishes {
+struct ViewerCommands {
   std::optional<std::uint64_t> go_to;  // tick
   bool play = false;                   // or stop
   std::int64_t ticks = 0;              // steps
@@ -74,8 +74,10 @@ struct ViewerLayout {
 [[nodiscard]] ViewerLayout lay_out(float width, float height, float scale, const ViewerState& state);
 
 // Each draws one part (between ImGui's NewFrame and Render) and notes what is asked for.
-void draw_viewer_panels(const Rectangle& place, const Seen& seen, ViewerState& state, ViewerWishes& wishes);
-void draw_timeline(const Rectangle& place, const Seen& seen, const ViewerState& state, ViewerWishes& wishes);
+void draw_viewer_panels(const Rectangle& place, const ViewerModel& seen, ViewerState& state,
+                        ViewerCommands& commands);
+void draw_timeline(const Rectangle& place, const ViewerModel& seen, const ViewerState& state,
+                   ViewerCommands& commands);
 void draw_viewer_help(ViewerState& state);
 /// The colours of the displacement map, at the picture's upper right corner below `top`.
 void draw_map_scale(const Rectangle& picture, float top, double range);

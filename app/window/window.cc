@@ -13,8 +13,8 @@
 #include "palpate/error.h"
 
 #include "app/messages.h"
-#include "app/window/look.h"
 #include "app/window/rows.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -46,7 +46,7 @@ std::string advice_on(haptics::Fault fault) {
 Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
     : request_(std::move(request)),
       options_(std::move(options)),
-      stage_("Palpate", options_.size, options_.scale) {
+      viewport_("Palpate", options_.size, options_.scale) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
   SDL_PumpEvents();
   take(std::move(first), options_.recording);
@@ -55,7 +55,7 @@ Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowO
 Window::~Window() {
   if (run_ != nullptr) run_->stop();
   next_.reset();
-  if (stage_.display().lost()) {
+  if (viewport_.display().lost()) {
     live_.abandon();
     return;
   }
@@ -65,18 +65,18 @@ Window::~Window() {
 bool Window::frame() {
   frame_began_ns_ = monotonic_ns();
   take_events();
-  look_after_runs();
+  poll_runs();
   if (!run_->started()) begin();
-  traces_->take(run_->tap(), !paused_);
+  traces_->take(run_->observer(), !paused_);
   if (leaving_) return false;
-  steering_.say(camera_);
-  const Traces::Felt felt = traces_->take_felt();
-  steering_.rumble(felt.tissue, felt.noise);
+  steering_.update_devices(camera_);
+  const Traces::NoiseStatistics statistics = traces_->take_noise_statistics();
+  steering_.rumble(statistics.tissue, statistics.noise);
 
   draw_frame();
   live_.adapt(frame_time_);
   note_age();
-  grant(std::exchange(wishes_, {}));
+  grant(std::exchange(commands_, {}));
   sleep_until_ns(frame_began_ns_ + kFrameNs);
   const double whole = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
   frames_a_second_ += 0.1 * (1.0 / whole - frames_a_second_);
@@ -87,12 +87,12 @@ void Window::draw_frame() {
   compose();
   take_newest();
   draw_picture();
-  Stage::draw_panels();
-  if (std::exchange(wishes_.screenshot, false)) stage_.save(picture());
+  Viewport::draw_panels();
+  if (std::exchange(commands_.screenshot, false)) viewport_.save(picture());
   glFinish();
   mind_graphics();
   frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
-  stage_.show();
+  viewport_.show();
 }
 
 /// Shows the organ at rest until the picture suits the machine: before the run begins, so that a hand does
@@ -130,16 +130,16 @@ void Window::take_newest() {
 
 /// Less memory for the picture when it ran out; the end of the window when the graphics card lost it.
 void Window::mind_graphics() {
-  if (Stage::out_of_memory()) {
+  if (Viewport::out_of_memory()) {
     const bool smaller = live_.shrink();
-    stage_.show_message(std::string("the graphics card's memory ran out") +
-                        (smaller ? ": the picture is coarser" : ""));
+    viewport_.show_message(std::string("the graphics card's memory ran out") +
+                           (smaller ? ": the picture is coarser" : ""));
   }
-  if (stage_.graphics_lost()) stage_.display().give_up();
+  if (viewport_.graphics_lost()) viewport_.display().give_up();
 }
 
 void Window::draw_picture() {
-  stage_.clear();
+  viewport_.clear();
   const Rectangle& place = layout_.picture;
   if (!snapshot_there_ || place.width < 1.0F || place.height < 1.0F) return;
   if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
@@ -150,16 +150,16 @@ void Window::draw_picture() {
     camera_set_ = true;
     take_newest();  // finding the view of a large organ has taken a while
   }
-  live_.show(shown_, camera_.camera(), place, stage_);
+  live_.show(shown_, camera_.camera(), place, viewport_);
 }
 
-std::vector<HandWords> Window::hand_texts() const {
+std::vector<HandStatus> Window::hand_texts() const {
   const Session& session = run_->session();
-  std::vector<HandWords> all(session.setup().devices.size());
+  std::vector<HandStatus> all(session.setup().devices.size());
   for (std::size_t hand = 0; hand < all.size(); ++hand) {
     const scene::DeviceSetup& device = session.setup().devices[hand];
     const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
-    HandWords& words = all[hand];
+    HandStatus& words = all[hand];
     words.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
     words.state = run_->ended() ? "the run has ended" : moment_text(newest, 1);
     words.engagement = newest.engagement;
@@ -177,7 +177,7 @@ std::vector<HandWords> Window::hand_texts() const {
 }
 
 std::string Window::banner_text(bool& fault) const {
-  const std::vector<HandWords> hands = hand_texts();
+  const std::vector<HandStatus> hands = hand_texts();
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {
     if (hands[hand].fault.empty()) continue;
     fault = true;
@@ -195,8 +195,8 @@ std::string Window::banner_text(bool& fault) const {
   return {};
 }
 
-Shown Window::shown() const {
-  Shown shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_texts()};
+PanelModel Window::shown() const {
+  PanelModel shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_texts()};
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
@@ -208,31 +208,31 @@ Shown Window::shown() const {
   shown.frame_time = frame_time_;
   shown.age = age_;
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
-  shown.rows_left_out = run_->tap().left_out();
+  shown.rows_left_out = run_->observer().left_out();
   shown.tissue_note = tissue_note_;
   return shown;
 }
 
 void Window::compose() {
-  stage_.begin_panels();
+  viewport_.begin_panels();
   const ImGuiIO& io = ImGui::GetIO();
-  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, stage_.scale(), panels_);
-  const Shown all = shown();
-  if (layout_.left.width > 0.0F) draw_left(layout_.left, all, panels_, wishes_);
-  if (layout_.right.width > 0.0F) draw_right(layout_.right, all, panels_, wishes_);
+  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, viewport_.scale(), panels_);
+  const PanelModel all = shown();
+  if (layout_.left.width > 0.0F) draw_left(layout_.left, all, panels_, commands_);
+  if (layout_.right.width > 0.0F) draw_right(layout_.right, all, panels_, commands_);
   if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, plotted(all));
   draw_overlay();
   draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
-  if (std::optional<ChosenFile> file = panels_.files.draw()) wishes_.file = std::move(file);
-  Stage::end_panels();
+  if (std::optional<ChosenFile> file = panels_.files.draw()) commands_.file = std::move(file);
+  Viewport::end_panels();
 }
 
 /// Title, banner and message over the picture.
 void Window::draw_overlay() {
   bool fault = false;
   banner_ = banner_text(fault);
-  stage_.draw_overlay(layout_.picture, {{banner_, fault}},
-                      title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time()));
+  viewport_.draw_overlay(layout_.picture, {{banner_, fault}},
+                         title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time()));
 }
 
 WindowOutcome Window::finish() {
@@ -253,7 +253,7 @@ WindowOutcome Window::finish() {
   outcome.frames = all_ages_.count();
   outcome.median_age = 1e-9 * static_cast<double>(all_ages_.percentile(0.5));
   outcome.largest_age = 1e-9 * static_cast<double>(all_ages_.max());
-  outcome.display_lost = stage_.display().lost();
+  outcome.display_lost = viewport_.display().lost();
   return outcome;
 }
 

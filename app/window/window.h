@@ -16,15 +16,15 @@
 #include "app/live_run.h"
 #include "app/next_session.h"
 #include "app/session.h"
-#include "app/window/camera_hand.h"
+#include "app/window/camera_controller.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
-#include "app/window/onlookers.h"
+#include "app/window/observers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
-#include "app/window/stage.h"
 #include "app/window/steering.h"
 #include "app/window/traces.h"
+#include "app/window/viewport.h"
 
 namespace palpate::app {
 
@@ -73,19 +73,19 @@ class Window final {
 
   // What the window shows, for tests and for pictures of it:
   /// All of it, as last drawn.
-  [[nodiscard]] render::Image picture() const { return stage_.picture(); }
+  [[nodiscard]] render::Image picture() const { return viewport_.picture(); }
   /// From here on every pixel is drawn, however long a frame takes.
   void hold_full_quality() { live_.hold_full_quality(); }
   /// The words across the top of the picture; empty: none.
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
   /// The words at its lower edge; empty: none.
-  [[nodiscard]] const std::string& message() const noexcept { return stage_.message(); }
+  [[nodiscard]] const std::string& message() const noexcept { return viewport_.message(); }
   [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
-  [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return stage_.mouse_at(); }
+  [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return viewport_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
-  [[nodiscard]] const LiveRun<RowTap>& run() const noexcept { return *run_; }
+  [[nodiscard]] const LiveRun<RowObserver>& run() const noexcept { return *run_; }
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
   [[nodiscard]] double age() const noexcept { return age_; }
   [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
@@ -102,15 +102,15 @@ class Window final {
   void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
   void mouse_wheel(const SDL_MouseWheelEvent& wheel);
   void file_dropped(const std::filesystem::path& file);
-  [[nodiscard]] bool over_picture(int x, int y) const { return Stage::over(layout_.picture, x, y); }
+  [[nodiscard]] bool over_picture(int x, int y) const { return Viewport::over(layout_.picture, x, y); }
 
   // window_runs.cc
   void take(std::shared_ptr<Session> session, std::filesystem::path recording);
   void begin();
-  void look_after_runs();
-  void look_after_next();
+  void poll_runs();
+  void poll_next();
   void end_run();
-  void grant(const Wishes& wishes);
+  void grant(const Commands& commands);
   void take_file(const ChosenFile& file);
   void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
@@ -129,23 +129,23 @@ class Window final {
   void draw_overlay();
   void draw_picture();
   void mind_graphics();
-  [[nodiscard]] Shown shown() const;
-  [[nodiscard]] std::vector<HandWords> hand_texts() const;
+  [[nodiscard]] PanelModel shown() const;
+  [[nodiscard]] std::vector<HandStatus> hand_texts() const;
   [[nodiscard]] std::string banner_text(bool& fault) const;
 
   scene::Overrides request_;
   WindowOptions options_;
   std::filesystem::path last_recording_;
-  Stage stage_;
+  Viewport viewport_;
   LivePicture live_;
-  Onlookers onlookers_;
+  Observers observers_;
   bool reach_changed_ = false;  // of the dent; the renderer does not know yet
   OrbitCamera camera_;
-  CameraHand view_hand_{camera_};
+  CameraController camera_controller_{camera_};
   bool camera_set_ = false;
   Steering steering_;
   std::unique_ptr<Traces> traces_;
-  std::unique_ptr<LiveRun<RowTap>> run_;
+  std::unique_ptr<LiveRun<RowObserver>> run_;
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
@@ -155,7 +155,7 @@ class Window final {
   bool tissue_waits_ = false;  // for the run to go on
   bool noise_waits_ = false;
   PanelState panels_;
-  Wishes wishes_;  // of the keys, until the panels have added theirs
+  Commands commands_;  // of the keys, until the panels have added theirs
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;

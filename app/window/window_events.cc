@@ -9,7 +9,7 @@
 namespace palpate::app {
 
 void Window::take_events() {
-  stage_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
+  viewport_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
 }
 
@@ -52,7 +52,7 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   if (down && !over_picture(button.x, button.y)) return;
   if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
   if (button.button == SDL_BUTTON_LEFT) steering_.grip(down);
-  view_hand_.button(button, !steering_.mouse_steers());
+  camera_controller_.button(button, !steering_.mouse_steers());
 }
 
 void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
@@ -60,7 +60,7 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int
   const auto [right, down] = way;
   const bool was_over = mouse_over_;
   mouse_over_ = over_picture(motion.x, motion.y);
-  if (view_hand_.mouse_moved(way, height)) return;
+  if (camera_controller_.mouse_moved(way, height)) return;
   if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
     const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
     steering_.mouse_moved(right / height, -down / height, camera_, fine);
@@ -68,12 +68,12 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int
 }
 
 void Window::mouse_wheel(const SDL_MouseWheelEvent& wheel) {
-  if (!over_picture(stage_.mouse_at().first, stage_.mouse_at().second)) return;
+  if (!over_picture(viewport_.mouse_at().first, viewport_.mouse_at().second)) return;
   const bool control = (SDL_GetModState() & KMOD_CTRL) != 0;
   if (steering_.mouse_steers() && !control) {
     steering_.wheel_turned(wheel.y, (SDL_GetModState() & KMOD_SHIFT) != 0);
   } else {
-    view_hand_.wheel_turned(wheel.y);
+    camera_controller_.wheel_turned(wheel.y);
   }
 }
 
@@ -87,7 +87,7 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
   }
   if (which == SDLK_F1) panels_.help = !panels_.help;
   if (which == SDLK_F8) panels_.hidden = !panels_.hidden;
-  if (which == SDLK_F11) wishes_.full_screen = true;
+  if (which == SDLK_F11) commands_.full_screen = true;
   if (panels_.files.is_open() || ImGui::GetIO().WantTextInput) return;
   if (which == SDLK_ESCAPE) {
     const bool in_panels = panels_.help || ImGui::GetIO().NavVisible;
@@ -107,8 +107,8 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
 }
 
 void Window::control_key(SDL_Keycode key) {
-  if (key == SDLK_r) wishes_.record = run_->recording().empty() || run_->ended();
-  if (key == SDLK_SPACE) wishes_.pause_run = true;
+  if (key == SDLK_r) commands_.record = run_->recording().empty() || run_->ended();
+  if (key == SDLK_SPACE) commands_.pause_run = true;
   if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
   if (key == SDLK_s) {
     panels_.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue_.name + ".toml"));
@@ -116,24 +116,24 @@ void Window::control_key(SDL_Keycode key) {
 }
 
 void Window::letter_key(SDL_Keycode key) {
-  if (key == SDLK_r) wishes_.reset_faults = true;
-  if (key == SDLK_p) wishes_.screenshot = true;
-  if (key == SDLK_v) wishes_.look = true;
+  if (key == SDLK_r) commands_.reset_faults = true;
+  if (key == SDLK_p) commands_.screenshot = true;
+  if (key == SDLK_v) commands_.look = true;
   if (key == SDLK_g) steering_.toggle_rest_of_jaws();
   if (key == SDLK_n) {
-    wishes_.noise = noise_;
-    wishes_.noise->enabled = !noise_.enabled;
+    commands_.noise = noise_;
+    commands_.noise->enabled = !noise_.enabled;
   }
   if (key >= SDLK_1 && key <= SDLK_4) steering_.choose_hand(static_cast<std::size_t>(key - SDLK_1));
 }
 
 void Window::view_key(const SDL_KeyboardEvent& key) {
   const SDL_Keycode which = key.keysym.sym;
-  view_hand_.arrow_key(key);
-  view_hand_.zoom_key(which);
-  if (which == SDLK_HOME) wishes_.home = true;
-  if (which == SDLK_SPACE) wishes_.pause = true;
-  if (which == SDLK_RETURN || which == SDLK_KP_ENTER) wishes_.again = true;
+  camera_controller_.arrow_key(key);
+  camera_controller_.zoom_key(which);
+  if (which == SDLK_HOME) commands_.home = true;
+  if (which == SDLK_SPACE) commands_.pause = true;
+  if (which == SDLK_RETURN || which == SDLK_KP_ENTER) commands_.again = true;
 }
 
 void Window::file_dropped(const std::filesystem::path& file) {
@@ -141,13 +141,13 @@ void Window::file_dropped(const std::filesystem::path& file) {
   if (use == FileUse::kRecording) {
     look_at(file);
   } else if (!use) {
-    stage_.show_message(
+    viewport_.show_message(
         file.filename().string() +
         ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
   } else if (*use == FileUse::kOrgan) {
     panels_.files.open(*use, file);  // its unit is to be asked for
   } else {
-    wishes_.file = ChosenFile{*use, file, ""};
+    commands_.file = ChosenFile{*use, file, ""};
   }
 }
 

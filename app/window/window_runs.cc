@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 /// The window is for this run from here on; it begins with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
-  run_ = std::make_unique<LiveRun<RowTap>>(std::move(session), std::move(recording), options_.thread,
-                                           options_.igtl);
+  run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
+                                                options_.igtl);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Scene& setup = run_->session().setup();
@@ -28,7 +28,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   tissue_waits_ = false;
   noise_waits_ = false;
   steering_.take(run_->session());
-  stage_.display().set_title("Palpate: " + title_of(setup));
+  viewport_.display().set_title("Palpate: " + title_of(setup));
 }
 
 void Window::begin() {
@@ -53,7 +53,7 @@ render::Subject Window::subject() const {
 /// Zero force, recording closed, devices free for the next session.
 void Window::end_run() {
   run_->stop();
-  traces_->take(run_->tap(), !paused_);
+  traces_->take(run_->observer(), !paused_);
   steering_.drop();
   run_->session().close_devices();
   const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
@@ -66,13 +66,13 @@ void Window::end_run() {
   }
 }
 
-void Window::look_after_runs() {
-  look_after_next();
+void Window::poll_runs() {
+  poll_next();
   if (!run_->ended() || next_ != nullptr) return;
   if (!options_.stays) leaving_ = true;
 }
 
-void Window::look_after_next() {
+void Window::poll_next() {
   if (next_ == nullptr) return;
   switch (next_->state()) {
     case NextSession::State::kRead:
@@ -88,7 +88,7 @@ void Window::look_after_next() {
       break;
     }
     case NextSession::State::kFailed:
-      stage_.show_message(next_->failure());
+      viewport_.show_message(next_->failure());
       next_.reset();
       break;
     case NextSession::State::kReading:
@@ -99,7 +99,7 @@ void Window::look_after_next() {
 
 void Window::restart(scene::Overrides request, bool keep_edits, fs::path recording) {
   if (next_ != nullptr) {
-    stage_.show_message("the next session is being prepared already");
+    viewport_.show_message("the next session is being prepared already");
     return;
   }
   NextSession::Kept kept;
@@ -114,10 +114,10 @@ void Window::restart(scene::Overrides request, bool keep_edits, fs::path recordi
 /// as far as it has come.
 void Window::look_at(const fs::path& recording) {
   try {
-    onlookers_.open(options_.viewer, recording);
-    stage_.show_message(recording.filename().string() + " opens in a window of its own");
+    observers_.open(options_.viewer, recording);
+    viewport_.show_message(recording.filename().string() + " opens in a window of its own");
   } catch (const InputError& error) {
-    stage_.show_message(error.what());
+    viewport_.show_message(error.what());
   }
 }
 
@@ -154,14 +154,14 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
     }
     noise_ = noise;
   } catch (const InputError& error) {
-    stage_.show_message(error.what());
+    viewport_.show_message(error.what());
   }
 }
 
 /// A loop that is paused takes no changes: they wait here, the newest of each kind.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
-    stage_.show_message("a hand holds the device: its run is never paused; Space holds the picture");
+    viewport_.show_message("a hand holds the device: its run is never paused; Space holds the picture");
     return;
   }
   if (run_->ended()) return;
@@ -195,7 +195,7 @@ void Window::take_file(const ChosenFile& file) {
       try {
         apply_tissue(scene::read_tissue_file(file.path));
       } catch (const InputError& error) {
-        stage_.show_message(error.what());
+        viewport_.show_message(error.what());
       }
       return;
     case FileUse::kRecording:
@@ -204,34 +204,34 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
       out << scene::to_toml(tissue_) << std::flush;
-      stage_.show_message(out ? "the tissue is in " + file.path.string()
-                              : file.path.string() + ": cannot be written");
+      viewport_.show_message(out ? "the tissue is in " + file.path.string()
+                                 : file.path.string() + ": cannot be written");
       return;
     }
   }
   restart(std::move(request), false, {});
 }
 
-void Window::grant(const Wishes& wishes) {
-  if (wishes.leave) leaving_ = true;
-  if (wishes.tissue) apply_tissue(*wishes.tissue);
-  if (wishes.noise) apply_noise(*wishes.noise);
-  if (wishes.reset_faults) run_->session().control().reset_faults();
-  if (wishes.pause) paused_ = !paused_;
-  if (wishes.pause_run) pause_run();
-  if (wishes.home) camera_set_ = false;
-  if (wishes.full_screen) stage_.display().toggle_full_screen();
-  if (wishes.look) {
+void Window::grant(const Commands& commands) {
+  if (commands.leave) leaving_ = true;
+  if (commands.tissue) apply_tissue(*commands.tissue);
+  if (commands.noise) apply_noise(*commands.noise);
+  if (commands.reset_faults) run_->session().control().reset_faults();
+  if (commands.pause) paused_ = !paused_;
+  if (commands.pause_run) pause_run();
+  if (commands.home) camera_set_ = false;
+  if (commands.full_screen) viewport_.display().toggle_full_screen();
+  if (commands.look) {
     if (last_recording_.empty()) {
-      stage_.show_message("nothing is recorded yet: Ctrl + R records");
+      viewport_.show_message("nothing is recorded yet: Ctrl + R records");
     } else {
       look_at(last_recording_);
     }
   }
-  if (wishes.file) take_file(*wishes.file);
-  if (wishes.request) restart(*wishes.request, false, {});
-  if (wishes.record) restart(request_, true, *wishes.record ? named_by_time(".h5") : fs::path());
-  if (wishes.again) restart(request_, true, {});
+  if (commands.file) take_file(*commands.file);
+  if (commands.request) restart(*commands.request, false, {});
+  if (commands.record) restart(request_, true, *commands.record ? named_by_time(".h5") : fs::path());
+  if (commands.again) restart(request_, true, {});
 }
 
 }  // namespace palpate::app

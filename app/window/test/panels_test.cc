@@ -116,7 +116,7 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   ASSERT_TRUE(driven.press({"left", "Look at it"}));
   ASSERT_TRUE(driven.until([&] { return std::filesystem::exists(file("looked")); }))
       << driven.window().message();
-  const LiveRun<RowTap>* recorded = &driven.window().run();
+  const LiveRun<RowObserver>* recorded = &driven.window().run();
   ASSERT_TRUE(driven.press({"left", "End recording"}));
   ASSERT_TRUE(
       driven.until([&] { return &driven.window().run() != recorded && !driven.window().preparing(); }));
@@ -125,7 +125,7 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   EXPECT_EQ(record::replay(read).rows_different, 0U);
   ASSERT_TRUE(driven.press({"left", "Picture"}));
   EXPECT_FALSE(wait_for_file(driven, ".png").empty());
-  const LiveRun<RowTap>* before = &driven.window().run();
+  const LiveRun<RowObserver>* before = &driven.window().run();
   ASSERT_TRUE(driven.press({"left", "Run again"}));
   ASSERT_TRUE(driven.until([&] { return &driven.window().run() != before && !driven.window().preparing(); }));
   std::string words;

@@ -13,8 +13,8 @@
 #include "app/session.h"
 #include "app/window/overview.h"
 #include "app/window/replay_thread.h"
-#include "app/window/stage.h"
 #include "app/window/viewer_panels.h"
+#include "app/window/viewport.h"
 
 namespace palpate::app {
 namespace {
@@ -97,7 +97,7 @@ TEST(Overview, KnowsContactsDepthAndFaultsAsTheRowsHaveThem) {
   EXPECT_EQ(hand.depth.size(), Overview::kColumns);
   EXPECT_TRUE(hand.faults.empty());
   EXPECT_EQ(next_fault(hand, 0), std::nullopt);
-  EXPECT_EQ(in_force(seen.recording(), 0).tissue.name, "liver");
+  EXPECT_EQ(active_parameters(seen.recording(), 0).tissue.name, "liver");
 }
 
 TEST(Overview, AShortRunFillsItsTimelineAndNothingComesEarly) {

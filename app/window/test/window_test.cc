@@ -277,7 +277,7 @@ TEST_F(WindowTest, RunsAgainAndHoldsThePicture) {
   ASSERT_TRUE(driven.until([&] { return driven.window().run().ended(); }));
   driven.frames(2);
   EXPECT_THAT(driven.window().banner(), HasSubstr("The run has ended"));
-  const LiveRun<RowTap>* first = &driven.window().run();
+  const LiveRun<RowObserver>* first = &driven.window().run();
   driven.key(SDLK_RETURN);
   ASSERT_TRUE(driven.until([&] { return &driven.window().run() != first && !driven.window().preparing(); }));
   driven.key(SDLK_SPACE);

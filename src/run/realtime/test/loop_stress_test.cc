@@ -52,7 +52,7 @@ class HangingDevice final : public Device {
 };
 
 /// Everybody who looks at the loop from outside, until it is told to stop.
-struct Onlookers final : TickObserver {
+struct Observers final : TickObserver {
   void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
   void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
 
@@ -96,33 +96,33 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
   HangingDevice left(2 * kStall);
   HangingDevice right(0);
   Device* devices[] = {&left, &right};
-  Onlookers onlookers;
-  LoopOptions options{.ticks = ~std::uint64_t{0}, .control = &onlookers.control};
+  Observers observers;
+  LoopOptions options{.ticks = ~std::uint64_t{0}, .control = &observers.control};
   options.stalled_after_ns = kStall;
 
   std::atomic<bool> over{false};
-  std::thread draws([&] { onlookers.draw(over); });
-  std::thread talks([&] { onlookers.talk(over); });
+  std::thread draws([&] { observers.draw(over); });
+  std::thread talks([&] { observers.talk(over); });
   std::thread ends([&] {
     sleep_until_ns(monotonic_ns() + static_cast<std::int64_t>(stress_seconds() * 1e9));
-    onlookers.control.stop();
+    observers.control.stop();
   });
-  const LoopReport report = run_loop(world, state, devices, {&onlookers.publisher, &onlookers}, options);
+  const LoopReport report = run_loop(world, state, devices, {&observers.publisher, &observers}, options);
   ends.join();
   over = true;
   draws.join();
   talks.join();
 
-  EXPECT_EQ(onlookers.torn, 0u);
-  EXPECT_GT(onlookers.snapshots, 0u);
-  EXPECT_EQ(onlookers.progress.load(), report.ticks);
+  EXPECT_EQ(observers.torn, 0u);
+  EXPECT_GT(observers.snapshots, 0u);
+  EXPECT_EQ(observers.progress.load(), report.ticks);
   EXPECT_GT(report.watchdog_stops, 0u);
   EXPECT_GE(left.stops(), report.watchdog_stops);
   EXPECT_EQ(report.fault, Fault::kStalled);
-  EXPECT_GE(onlookers.heard, 1u);
+  EXPECT_GE(observers.heard, 1u);
   std::cout << report.ticks << " ticks, " << report.watchdog_stops << " stops by the watchdog, "
-            << report.faults.size() + report.further_faults << " faults latched, " << onlookers.heard
-            << " heard of, " << onlookers.snapshots << " snapshots\n";
+            << report.faults.size() + report.further_faults << " faults latched, " << observers.heard
+            << " heard of, " << observers.snapshots << " snapshots\n";
 }
 
 }  // namespace

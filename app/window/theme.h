@@ -16,7 +16,7 @@ inline const ImVec4 kLaw{0.62F, 0.60F, 0.72F, 1.0F};
 inline const ImVec4 kFault{0.70F, 0.14F, 0.13F, 1.0F};
 inline const ImVec4 kWarning{0.95F, 0.76F, 0.36F, 1.0F};
 inline const ImVec4 kGood{0.52F, 0.80F, 0.56F, 1.0F};
-inline const ImVec4 kNews{0.20F, 0.24F, 0.30F, 1.0F};
+inline const ImVec4 kNotice{0.20F, 0.24F, 0.30F, 1.0F};
 }  // namespace colour
 
 /// [setup] As draw lists want it. @param opacity 0 to 1, times the colour's own
@@ -24,6 +24,6 @@ inline const ImVec4 kNews{0.20F, 0.24F, 0.30F, 1.0F};
 
 /// [setup] Style and fonts of the current ImGui context. @param scale of everything; @param pixels_per_unit
 /// of the window, where the system enlarges it
-void set_look(float scale, float pixels_per_unit);
+void set_theme(float scale, float pixels_per_unit);
 
 }  // namespace palpate::app

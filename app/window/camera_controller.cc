@@ -1,4 +1,4 @@
-#include "app/window/camera_hand.h"
+#include "app/window/camera_controller.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,13 @@ constexpr double kNearer = 0.88;   // a notch
 
 }  // namespace
 
-void CameraHand::button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept {
+void CameraController::button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
   if (button.button == SDL_BUTTON_RIGHT || (button.button == SDL_BUTTON_LEFT && left_turns)) turns_ = down;
   if (button.button == SDL_BUTTON_MIDDLE) moves_ = down;
 }
 
-bool CameraHand::mouse_moved(std::pair<int, int> way, double picture_height) {
+bool CameraController::mouse_moved(std::pair<int, int> way, double picture_height) {
   const auto [right, down] = way;
   const double height = std::max(1.0, picture_height);
   if (turns_) {
@@ -30,9 +30,9 @@ bool CameraHand::mouse_moved(std::pair<int, int> way, double picture_height) {
   return busy();
 }
 
-void CameraHand::wheel_turned(double notches) { camera_.zoom(std::pow(kNearer, notches)); }
+void CameraController::wheel_turned(double notches) { camera_.zoom(std::pow(kNearer, notches)); }
 
-void CameraHand::arrow_key(const SDL_KeyboardEvent& key) {
+void CameraController::arrow_key(const SDL_KeyboardEvent& key) {
   const double right = sign_of(key.keysym.sym, SDLK_RIGHT, SDLK_LEFT);
   const double up = sign_of(key.keysym.sym, SDLK_UP, SDLK_DOWN);
   if (right == 0.0 && up == 0.0) return;
@@ -43,7 +43,7 @@ void CameraHand::arrow_key(const SDL_KeyboardEvent& key) {
   }
 }
 
-void CameraHand::zoom_key(SDL_Keycode key) {
+void CameraController::zoom_key(SDL_Keycode key) {
   if (key == SDLK_PLUS || key == SDLK_EQUALS || key == SDLK_KP_PLUS) wheel_turned(1.0);
   if (key == SDLK_MINUS || key == SDLK_KP_MINUS) wheel_turned(-1.0);
 }

@@ -15,10 +15,10 @@ namespace palpate::app {
 
 /// Lets a window see the rows of a running loop. When the window does not keep up, rows are left out and
 /// counted: the loop never waits.
-class RowTap final : public haptics::TickObserver {
+class RowObserver final : public haptics::TickObserver {
  public:
   /// [setup]
-  RowTap() : ring_(kRoom) {}
+  RowObserver() : ring_(kRoom) {}
   void on_row(const haptics::TickRow& row) noexcept override {
     if (!ring_.push(row)) left_out_.fetch_add(1, std::memory_order_relaxed);
   }

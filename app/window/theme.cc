@@ -1,4 +1,4 @@
-#include "app/window/look.h"
+#include "app/window/theme.h"
 
 #include <filesystem>
 #include <system_error>
@@ -61,7 +61,7 @@ ImU32 packed(const ImVec4& colour, float opacity) {
   return ImGui::ColorConvertFloat4ToU32(ImVec4(colour.x, colour.y, colour.z, colour.w * opacity));
 }
 
-void set_look(float scale, float pixels_per_unit) {
+void set_theme(float scale, float pixels_per_unit) {
   ImGuiStyle style;
   style.WindowPadding = ImVec2(10.0F, 8.0F);
   style.FramePadding = ImVec2(7.0F, 3.0F);

@@ -8,9 +8,9 @@
 namespace palpate::app {
 
 /// What mouse and keys do to the view. All members: [setup], the window's thread.
-class CameraHand final {
+class CameraController final {
  public:
-  explicit CameraHand(OrbitCamera& camera) : camera_(camera) {}
+  explicit CameraController(OrbitCamera& camera) : camera_(camera) {}
 
   /// A button pressed over the picture, or released anywhere: with the right one, and the left one where
   /// `left_turns`, the mouse turns the view, with the middle one it moves it in its plane.

@@ -1,4 +1,4 @@
-#include "app/window/stage.h"
+#include "app/window/viewport.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@
 #include "view/render/painter.h"
 
 #include "app/numbers.h"
-#include "app/window/look.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {
@@ -40,7 +40,7 @@ float draw_strip(float x, float y, float width, const std::string& words, bool f
   const float height = strip_height(width, words);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
-                     packed(fault ? colour::kFault : colour::kNews, 0.94F));
+                     packed(fault ? colour::kFault : colour::kNotice, 0.94F));
   list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
                nullptr, width - 2.0F * margin);
   return height;
@@ -75,7 +75,7 @@ std::optional<float> UiScale::asked(const std::string& flag) {
   return static_cast<float>(scale);
 }
 
-Stage::Stage(const std::string& title, Display::Size size, std::optional<float> scale)
+Viewport::Viewport(const std::string& title, Display::Size size, std::optional<float> scale)
     : display_(title, size), asked_(scale) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
@@ -85,22 +85,23 @@ Stage::Stage(const std::string& title, Display::Size size, std::optional<float> 
   ImGui_ImplOpenGL3_Init("#version 330 core");
   scale_ = asked_.value_or(display_.scale());
   pixels_a_unit_ = enlarged();
-  set_look(scale_, static_cast<float>(pixels_a_unit_));
+  set_theme(scale_, static_cast<float>(pixels_a_unit_));
 }
 
-Stage::~Stage() {
+Viewport::~Viewport() {
   if (display_.lost()) return;  // every call would speak to a display that is not there
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplSDL2_Shutdown();
   ImGui::DestroyContext();
 }
 
-double Stage::enlarged() const {
+double Viewport::enlarged() const {
   const Display::Size units = display_.size();
   return units.width > 0 ? std::max(1.0, static_cast<double>(display_.pixels().width) / units.width) : 1.0;
 }
 
-void Stage::take_events(const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker) {
+void Viewport::take_events(
+    const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker) {
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) {
     std::pair<int, int> way;
@@ -112,7 +113,7 @@ void Stage::take_events(const std::function<void(const SDL_Event& event, std::pa
   }
 }
 
-void Stage::take(const SDL_Event& event) {
+void Viewport::take(const SDL_Event& event) {
   ImGui_ImplSDL2_ProcessEvent(&event);
   if (event.type == SDL_MOUSEMOTION) mouse_at_ = {event.motion.x, event.motion.y};
   if (event.type == SDL_MOUSEBUTTONDOWN || event.type == SDL_MOUSEBUTTONUP) take_mouse(event.button);
@@ -127,12 +128,12 @@ void Stage::take(const SDL_Event& event) {
 
 /// Keys are the picture's, also after a click on a panel, until Ctrl + Tab goes into the panels and Esc, or
 /// the mouse, comes out again.
-void Stage::take_key(const SDL_Keysym& key) {
+void Viewport::take_key(const SDL_Keysym& key) {
   if (key.sym == SDLK_TAB && (key.mod & KMOD_CTRL) != 0) keys_in_panels_ = true;
   if (key.sym == SDLK_ESCAPE) keys_in_panels_ = false;
 }
 
-void Stage::take_mouse(const SDL_MouseButtonEvent& button) {
+void Viewport::take_mouse(const SDL_MouseButtonEvent& button) {
   mouse_at_ = {button.x, button.y};
   const int number = imgui_button(button.button);
   if (number < 0) return;
@@ -142,7 +143,7 @@ void Stage::take_mouse(const SDL_MouseButtonEvent& button) {
   if (down) mouse_pressed_ |= bit;
 }
 
-void Stage::look_at_scale() {
+void Viewport::look_at_scale() {
   if (!scale_may_differ_) return;
   scale_may_differ_ = false;
   const float scale = asked_.value_or(display_.scale());
@@ -150,19 +151,19 @@ void Stage::look_at_scale() {
   if (scale == scale_ && std::abs(pixels_a_unit - pixels_a_unit_) < 0.01) return;
   scale_ = scale;
   pixels_a_unit_ = pixels_a_unit;
-  set_look(scale_, static_cast<float>(pixels_a_unit_));
+  set_theme(scale_, static_cast<float>(pixels_a_unit_));
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
-bool Stage::over(const Rectangle& place, int x, int y) {
+bool Viewport::over(const Rectangle& place, int x, int y) {
   const auto fx = static_cast<float>(x);
   const auto fy = static_cast<float>(y);
   return fx >= place.x && fx < place.x + place.width && fy >= place.y && fy < place.y + place.height &&
          !ImGui::GetIO().WantCaptureMouse;
 }
 
-void Stage::begin_panels() {
+void Viewport::begin_panels() {
   look_at_scale();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplSDL2_NewFrame();
@@ -182,9 +183,9 @@ void Stage::begin_panels() {
   ImGui::NewFrame();
 }
 
-void Stage::end_panels() { ImGui::Render(); }
+void Viewport::end_panels() { ImGui::Render(); }
 
-void Stage::clear() {
+void Viewport::clear() {
   const Display::Size size = display_.pixels();
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, size.width, size.height);
@@ -192,22 +193,22 @@ void Stage::clear() {
   glClear(GL_COLOR_BUFFER_BIT);
 }
 
-void Stage::draw_panels() { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData()); }
+void Viewport::draw_panels() { ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData()); }
 
-render::Image Stage::picture() const {
+render::Image Viewport::picture() const {
   const Display::Size size = display_.pixels();
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   return render::read_pixels(size.width, size.height);
 }
 
-bool Stage::graphics_lost() const {
+bool Viewport::graphics_lost() const {
   const bool can_say = epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_ARB_robustness");
   if (!can_say) return false;
   const GLenum status = epoxy_gl_version() >= 45 ? glGetGraphicsResetStatus() : glGetGraphicsResetStatusARB();
   return status != GL_NO_ERROR;
 }
 
-bool Stage::out_of_memory() {
+bool Viewport::out_of_memory() {
   bool ran_out = false;
   for (int i = 0; i < 16; ++i) {  // a lost context may say errors without end
     const GLenum error = glGetError();
@@ -217,13 +218,13 @@ bool Stage::out_of_memory() {
   return ran_out;
 }
 
-void Stage::show_message(std::string message) {
+void Viewport::show_message(std::string message) {
   constexpr std::int64_t kShown_ns = 8'000'000'000;
   message_ = std::move(message);
   message_until_ns_ = monotonic_ns() + kShown_ns;
 }
 
-void Stage::save(const render::Image& image) {
+void Viewport::save(const render::Image& image) {
   const std::filesystem::path file = named_by_time(".png");
   try {
     render::write_png(image, file);
@@ -233,14 +234,14 @@ void Stage::save(const render::Image& image) {
   }
 }
 
-float Stage::draw_overlay(const Rectangle& picture, const std::vector<Banner>& banners,
-                          const std::string& title) {
+float Viewport::draw_overlay(const Rectangle& picture, const std::vector<Banner>& banners,
+                             const std::string& title) {
   const float text = ImGui::GetFontSize();
   float y = picture.y;
   if (monotonic_ns() > message_until_ns_) message_.clear();
   if (picture.width < 12.0F * text || picture.height < 5.0F * text) return y;
   for (const Banner& banner : banners) {
-    if (!banner.words.empty()) y += draw_strip(picture.x, y, picture.width, banner.words, banner.fault);
+    if (!banner.text.empty()) y += draw_strip(picture.x, y, picture.width, banner.text, banner.fault);
   }
   draw_title(picture, y, title);
   if (message_.empty()) return y;

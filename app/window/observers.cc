@@ -1,4 +1,4 @@
-#include "app/window/onlookers.h"
+#include "app/window/observers.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace palpate::app {
 
-void Onlookers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
+void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(recording, error))
     throw InputError(recording.string() + ": there is no such recording (it appears with the first tick)");
@@ -37,10 +37,10 @@ void Onlookers::open(const std::filesystem::path& program, const std::filesystem
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));
   children_.push_back(child);
-  (void)look_after();
+  (void)count_running();
 }
 
-std::size_t Onlookers::look_after() {
+std::size_t Observers::count_running() {
   const auto ended = [](pid_t child) { return waitpid(child, nullptr, WNOHANG) != 0; };
   children_.erase(std::remove_if(children_.begin(), children_.end(), ended), children_.end());
   return children_.size();

@@ -25,7 +25,7 @@ struct Rectangle {
 
 /// Words across the picture.
 struct Banner {
-  std::string words;
+  std::string text;
   bool fault = false;
 };
 
@@ -41,13 +41,13 @@ struct UiScale {
 
 /// A window with panels in it: the display, ImGui, and the mouse as its events say. All members: [setup], one
 /// thread, the one that made it.
-class Stage final {
+class Viewport final {
  public:
   /// @param scale of letters and panels; nothing: as the display says @throws NoWindow
-  Stage(const std::string& title, Display::Size size, std::optional<float> scale);
-  ~Stage();
-  Stage(const Stage&) = delete;
-  Stage& operator=(const Stage&) = delete;
+  Viewport(const std::string& title, Display::Size size, std::optional<float> scale);
+  ~Viewport();
+  Viewport(const Viewport&) = delete;
+  Viewport& operator=(const Viewport&) = delete;
 
   [[nodiscard]] Display& display() noexcept { return display_; }
   /// Of letters and panels, in window units.
