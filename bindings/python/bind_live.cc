@@ -42,12 +42,12 @@ struct NewestState {
   std::vector<HandState> hands;
 };
 
-Live open(const SceneWish& wish, std::optional<double> duration_s, std::optional<fs::path> record,
+Live open(const SceneArguments& arguments, std::optional<double> duration_s, std::optional<fs::path> record,
           std::optional<int> core, double keep_s, double surface_edge, bool cache, bool poll) {
   const py::gil_scoped_release others_may_run;
   const haptics::Waiting waiting = poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
   return std::make_shared<LiveSimulation>(
-      wish.load(),
+      arguments.load(),
       LiveSimulation::Options{duration_s, std::move(record), {core, waiting}, keep_s, surface_edge, cache});
 }
 
@@ -118,7 +118,7 @@ std::optional<NewestState> state_of(LiveSimulation& live) {
   NewestState state;
   state.change = live.change();
   state.running = live.running();
-  for (const TickRow& row : live.newest()) state.hands.push_back({row, live.fault_words(row)});
+  for (const TickRow& row : live.newest()) state.hands.push_back({row, live.describe_fault(row)});
   if (state.hands.empty()) return std::nullopt;
   return state;
 }
@@ -273,7 +273,7 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
       .def("__exit__", &leave, py::arg("type"), py::arg("value"), py::arg("trace"))
       .def(
           "set_tissue",
-          [](LiveSimulation& live, const TissueWish& tissue) {
+          [](LiveSimulation& live, const TissueArgument& tissue) {
             return live.changes().offer(tissue_of(tissue)).warnings;
           },
           py::arg("tissue"), others_may_run,

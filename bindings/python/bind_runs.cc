@@ -39,10 +39,10 @@ void require_no_real_device(const scene::Scene& setup) {
 }
 
 /// The rows of a scene's run, as fast as possible.
-std::vector<TickRow> run(const SceneWish& wish, std::optional<double> duration_s,
+std::vector<TickRow> run(const SceneArguments& arguments, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
   constexpr double kMaxTicks = 1e9;  // a million seconds; the memory is gone long before
-  scene::Scene setup = wish.load();
+  scene::Scene setup = arguments.load();
   require_no_real_device(setup);
   if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMaxTicks);
   session::SessionOptions options;
@@ -55,12 +55,12 @@ std::vector<TickRow> run(const SceneWish& wish, std::optional<double> duration_s
   return std::move(keeper.rows);
 }
 
-py::array simulate(const SceneWish& wish, std::optional<double> duration_s,
+py::array simulate(const SceneArguments& arguments, std::optional<double> duration_s,
                    const std::optional<fs::path>& record, bool cache) {
   std::vector<TickRow> rows;
   {
     const py::gil_scoped_release others_may_run;
-    rows = run(wish, duration_s, record, cache);
+    rows = run(arguments, duration_s, record, cache);
   }
   return adopt(std::move(rows), row_type());
 }

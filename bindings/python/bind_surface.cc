@@ -45,7 +45,7 @@ Indentation make_indentation(const Numbers& point, const Numbers& direction, dou
 
 geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
                                         const std::vector<Indentation>& indentations,
-                                        const TissueWish& tissue) {
+                                        const TissueArgument& tissue) {
   const model::TissueParameters parameters = tissue_of(tissue);
   deform::SurfaceDeformer deformer(mesh);
   geometry::TriangleMesh moved;

@@ -25,9 +25,9 @@ using Samples = py::array_t<palpate_sample, py::array::c_style | py::array::forc
 /// One tick or one look at a time, whatever threads Python has.
 class TickedSimulation final {
  public:
-  TickedSimulation(const SceneWish& wish, const palpate_options& options, bool cache)
+  TickedSimulation(const SceneArguments& arguments, const palpate_options& options, bool cache)
       : simulation_(std::make_unique<palpate_simulation>(
-            c_interface::load(wish.load(), preparation_of(cache), options.no_hand != 0), options)) {}
+            c_interface::load(arguments.load(), preparation_of(cache), options.no_hand != 0), options)) {}
   ~TickedSimulation() = default;
   TickedSimulation(const TickedSimulation&) = delete;
   TickedSimulation& operator=(const TickedSimulation&) = delete;
@@ -51,9 +51,9 @@ class TickedSimulation final {
   std::unique_ptr<palpate_simulation> simulation_;
 };
 
-std::unique_ptr<TickedSimulation> ticked_open(const SceneWish& wish, const std::optional<fs::path>& record,
-                                              bool record_waits, bool no_hand, double surface_edge,
-                                              bool cache) {
+std::unique_ptr<TickedSimulation> ticked_open(const SceneArguments& arguments,
+                                              const std::optional<fs::path>& record, bool record_waits,
+                                              bool no_hand, double surface_edge, bool cache) {
   const py::gil_scoped_release others_may_run;
   check_surface_edge(surface_edge);
   const std::string file = record ? record->string() : std::string();
@@ -63,7 +63,7 @@ std::unique_ptr<TickedSimulation> ticked_open(const SceneWish& wish, const std::
   options.record_waits = record_waits ? 1 : 0;
   options.no_hand = no_hand ? 1 : 0;
   options.surface_edge = surface_edge;
-  return std::make_unique<TickedSimulation>(wish, options, cache);
+  return std::make_unique<TickedSimulation>(arguments, options, cache);
 }
 
 palpate_info info_of(TickedSimulation& ticked) {

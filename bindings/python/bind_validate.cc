@@ -54,7 +54,7 @@ void bind_deformation(py::module_& module) {
 }
 
 /// What a call asks for, beside the law and the measurements.
-struct ValidationWish {
+struct ValidationArguments {
   std::vector<identify::Specimen> forces;
   std::vector<Deformation> profiles;
   std::optional<std::pair<fs::path, fs::path>> image;  // before, after
@@ -72,53 +72,57 @@ struct ValidationWish {
 };
 
 /// Refuses zeros that would do nothing or contradict each other.
-void check_zeros(const ValidationWish& wish) {
-  const bool fitted = wish.zeros_from == "fitted";
-  if (!fitted && wish.zeros_from != "given") {
-    throw InputError("zeros = \"" + wish.zeros_from + "\": must be given or fitted");
+void check_zeros(const ValidationArguments& arguments) {
+  const bool fitted = arguments.zeros_from == "fitted";
+  if (!fitted && arguments.zeros_from != "given") {
+    throw InputError("zeros = \"" + arguments.zeros_from + "\": must be given or fitted");
   }
-  const bool stated = wish.zeros.first_contact != 0.0 || wish.zeros.force != 0.0;
+  const bool stated = arguments.zeros.first_contact != 0.0 || arguments.zeros.force != 0.0;
   if (fitted && stated) {
     throw InputError(
         "zeros = \"fitted\": finds the zeros, first_contact and offset give them: one of the two");
   }
-  if (wish.forces.empty() && (stated || fitted)) {
+  if (arguments.forces.empty() && (stated || fitted)) {
     throw InputError("zeros, first_contact and offset: are of force curves, need forces");
   }
 }
 
 /// Refuses a surface as drawn where there is none.
-void check_surface(const ValidationWish& wish, model::Direction direction) {
-  if (wish.as_drawn && (wish.profiles.empty() || direction == model::Direction::kPull)) {
+void check_surface(const ValidationArguments& arguments, model::Direction direction) {
+  if (arguments.as_drawn && (arguments.profiles.empty() || direction == model::Direction::kPull)) {
     throw InputError("as_drawn: is of a ball pressed in, needs profiles and direction = \"press\"");
   }
-  if (!wish.surface_radius) return;
-  if (!wish.as_drawn) throw InputError("surface_radius: needs as_drawn");
-  if (!(*wish.surface_radius > 0.0)) throw ParameterError("surface_radius", *wish.surface_radius, "> 0 (m)");
+  if (!arguments.surface_radius) return;
+  if (!arguments.as_drawn) throw InputError("surface_radius: needs as_drawn");
+  if (!(*arguments.surface_radius > 0.0))
+    throw ParameterError("surface_radius", *arguments.surface_radius, "> 0 (m)");
 }
 
 /// Refuses what would do nothing or could not be done.
-void check(const ValidationWish& wish, model::Direction direction) {
-  check_zeros(wish);
-  check_surface(wish, direction);
-  const bool places = !wish.profiles.empty() || wish.image;
-  if (wish.forces.empty() && !places)
+void check(const ValidationArguments& arguments, model::Direction direction) {
+  check_zeros(arguments);
+  check_surface(arguments, direction);
+  const bool places = !arguments.profiles.empty() || arguments.image;
+  if (arguments.forces.empty() && !places)
     throw InputError("nothing to compare with: give forces, profiles or image");
-  if (wish.depth && wish.force) throw InputError("depth and force are both given, must be at most one");
-  if (!places && (wish.depth || wish.force || wish.tip_radius)) {
+  if (arguments.depth && arguments.force)
+    throw InputError("depth and force are both given, must be at most one");
+  if (!places && (arguments.depth || arguments.force || arguments.tip_radius)) {
     throw InputError("depth, force and tip_radius: are of profiles, need profiles or image");
   }
-  if (wish.fit_reach && wish.profiles.empty()) throw InputError("fit_reach: needs profiles");
-  if (wish.image && !(wish.pixel > 0.0)) throw ParameterError("pixel", wish.pixel, "> 0 (m a pixel)");
-  if (wish.tip_radius && !(*wish.tip_radius > 0.0)) {
-    throw ParameterError("tip_radius", *wish.tip_radius, "> 0 (m)");
+  if (arguments.fit_reach && arguments.profiles.empty()) throw InputError("fit_reach: needs profiles");
+  if (arguments.image && !(arguments.pixel > 0.0))
+    throw ParameterError("pixel", arguments.pixel, "> 0 (m a pixel)");
+  if (arguments.tip_radius && !(*arguments.tip_radius > 0.0)) {
+    throw ParameterError("tip_radius", *arguments.tip_radius, "> 0 (m)");
   }
 }
 
 /// The depth [m] that is given of each of `count` profiles; 0 where the profile's own counts.
-std::vector<double> depths_of(const ValidationWish& wish, const validate::Law& law, std::size_t count) {
-  const PerProfile& given = wish.depth ? wish.depth : wish.force;
-  const std::string name = wish.depth ? "depth" : "force";
+std::vector<double> depths_of(const ValidationArguments& arguments, const validate::Law& law,
+                              std::size_t count) {
+  const PerProfile& given = arguments.depth ? arguments.depth : arguments.force;
+  const std::string name = arguments.depth ? "depth" : "force";
   if (!given) return std::vector<double>(count, 0.0);
   std::vector<double> depths;
   if (const double* one = std::get_if<double>(&*given)) {
@@ -132,44 +136,44 @@ std::vector<double> depths_of(const ValidationWish& wish, const validate::Law& l
   }
   for (double& depth : depths) {
     if (!(depth > 0.0)) throw ParameterError(name, depth, "> 0");
-    if (wish.force) depth = law.depth_under(depth);
+    if (arguments.force) depth = law.depth_under(depth);
   }
   return depths;
 }
 
-double tip_radius_of(const ValidationWish& wish, const validate::Law& law) {
-  if (wish.tip_radius) return *wish.tip_radius;
+double tip_radius_of(const ValidationArguments& arguments, const validate::Law& law) {
+  if (arguments.tip_radius) return *arguments.tip_radius;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("tip_radius: missing, a profile needs the radius of the tool's tip");
 }
 
-imaging::Validation compare(const ValidationWish& wish, const validate::Law& law) {
-  check(wish, law.direction);
+imaging::Validation compare(const ValidationArguments& arguments, const validate::Law& law) {
+  check(arguments, law.direction);
   imaging::Validation validation;
   validation.law = law;
-  for (const identify::Specimen& specimen : wish.forces) {
+  for (const identify::Specimen& specimen : arguments.forces) {
     validation.forces.push_back(
-        validate::compare_forces(specimen, law, wish.zeros, wish.zeros_from == "fitted"));
+        validate::compare_forces(specimen, law, arguments.zeros, arguments.zeros_from == "fitted"));
   }
-  if (!wish.profiles.empty()) {
+  if (!arguments.profiles.empty()) {
     std::vector<Deformation> profiles;
-    for (const Deformation& profile : wish.profiles) {
+    for (const Deformation& profile : arguments.profiles) {
       profiles.push_back(validate::thinned(profile, validate::kMaxPoints));
     }
-    validate::compare_profiles(profiles, depths_of(wish, law, profiles.size()), tip_radius_of(wish, law),
-                               wish.fit_reach, validation,
-                               {wish.as_drawn, wish.surface_radius.value_or(0.0)});
+    validate::compare_profiles(profiles, depths_of(arguments, law, profiles.size()),
+                               tip_radius_of(arguments, law), arguments.fit_reach, validation,
+                               {arguments.as_drawn, arguments.surface_radius.value_or(0.0)});
   }
-  if (wish.image) {
-    const imaging::ImageSettings settings{wish.pixel, law.direction, wish.fixed_camera};
-    validation.image =
-        imaging::compare_photographs(wish.image->first, wish.image->second, settings, validation.law,
-                                     depths_of(wish, law, 1).front(), tip_radius_of(wish, law));
+  if (arguments.image) {
+    const imaging::ImageSettings settings{arguments.pixel, law.direction, arguments.fixed_camera};
+    validation.image = imaging::compare_photographs(arguments.image->first, arguments.image->second, settings,
+                                                    validation.law, depths_of(arguments, law, 1).front(),
+                                                    tip_radius_of(arguments, law));
     validate::ProfileSet set;
     set.ours = validation.image->comparison;
     validation.profiles.push_back(std::move(set));
   }
-  if (!wish.baselines.empty()) validate::compare_with_baselines(wish.baselines, validation);
+  if (!arguments.baselines.empty()) validate::compare_with_baselines(arguments.baselines, validation);
   return validation;
 }
 
@@ -295,7 +299,7 @@ py::dict dictionary_of(const imaging::Validation& validation) {
   return result;
 }
 
-py::dict validate(const TissueWish& tissue, std::vector<identify::Specimen> forces,
+py::dict validate(const TissueArgument& tissue, std::vector<identify::Specimen> forces,
                   std::vector<Deformation> profiles, std::optional<std::pair<fs::path, fs::path>> image,
                   double pixel, bool fixed_camera, const std::optional<std::string>& law,
                   const std::string& direction, double loop_period, double first_contact, double offset,
@@ -305,27 +309,27 @@ py::dict validate(const TissueWish& tissue, std::vector<identify::Specimen> forc
   if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
   validate::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
   if (law) ours.tissue.law = model::parse_law(*law);
-  ValidationWish wish{std::move(forces),
-                      std::move(profiles),
-                      std::move(image),
-                      pixel,
-                      fixed_camera,
-                      {first_contact, offset},
-                      zeros,
-                      std::move(depth),
-                      std::move(force),
-                      tip_radius,
-                      fit_reach,
-                      as_drawn,
-                      surface_radius,
-                      {}};
+  ValidationArguments arguments{std::move(forces),
+                                std::move(profiles),
+                                std::move(image),
+                                pixel,
+                                fixed_camera,
+                                {first_contact, offset},
+                                zeros,
+                                std::move(depth),
+                                std::move(force),
+                                tip_radius,
+                                fit_reach,
+                                as_drawn,
+                                surface_radius,
+                                {}};
   std::string names;
   for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
-  wish.baselines = validate::parse_baselines(names);
+  arguments.baselines = validate::parse_baselines(names);
   imaging::Validation validation;
   {
     const py::gil_scoped_release others_may_run;
-    validation = compare(wish, ours);
+    validation = compare(arguments, ours);
   }
   return dictionary_of(validation);
 }

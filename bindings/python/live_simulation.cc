@@ -142,7 +142,7 @@ std::vector<haptics::TickRow> LiveSimulation::newest() {
   return {newest->begin(), newest->begin() + static_cast<std::ptrdiff_t>(hands())};
 }
 
-std::string LiveSimulation::fault_words(const haptics::TickRow& row) const {
+std::string LiveSimulation::describe_fault(const haptics::TickRow& row) const {
   const auto fault = static_cast<haptics::Fault>(row.fault);
   if (fault == haptics::Fault::kNone) return {};
   const std::string trouble = session_.devices()[row.hand]->last_error();
@@ -180,7 +180,7 @@ session::RunResult LiveSimulation::result() {
 
 std::string LiveSimulation::take_failure() {
   const std::lock_guard lock(state_);
-  if (run_ == nullptr || !run_->ended() || std::exchange(failure_told_, true)) return {};
+  if (run_ == nullptr || !run_->ended() || std::exchange(failure_reported_, true)) return {};
   return run_->failure();
 }
 

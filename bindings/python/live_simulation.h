@@ -99,7 +99,7 @@ class LiveSimulation final {
   /// [any] The rows of the newest tick, one a hand; empty before the first.
   [[nodiscard]] std::vector<haptics::TickRow> newest();
   /// [any] Its fault in words, with what the device says of it; empty: none.
-  [[nodiscard]] std::string fault_words(const haptics::TickRow& row) const;
+  [[nodiscard]] std::string describe_fault(const haptics::TickRow& row) const;
   /// [any] Number of the last change of tissue or noise that a tick has used; 0: none.
   [[nodiscard]] std::uint64_t change();
   /// [any] The organ's visible surface at the newest tick. The first call takes longer.
@@ -135,7 +135,7 @@ class LiveSimulation final {
   std::unique_ptr<deform::SurfaceDeformer> deformer_;
 
   std::mutex state_;  // of what follows
-  bool failure_told_ = false;
+  bool failure_reported_ = false;
   std::unique_ptr<session::BackgroundRun> run_;  // from start() on; last: it uses all of the above
 };
 

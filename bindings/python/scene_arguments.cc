@@ -9,29 +9,30 @@ namespace palpate::python {
 
 namespace fs = std::filesystem;
 
-scene::Scene SceneWish::load() const {
+scene::Scene SceneArguments::load() const {
   scene::Scene setup = scene::load(request);
   if (tissue) setup.tissue = *tissue;
   return setup;
 }
 
-model::TissueParameters tissue_of(const TissueWish& wish) {
-  if (const auto* name = std::get_if<std::string>(&wish)) return scene::load_tissue(*name);
-  auto tissue = std::get<model::TissueParameters>(wish);
+model::TissueParameters tissue_of(const TissueArgument& arguments) {
+  if (const auto* name = std::get_if<std::string>(&arguments)) return scene::load_tissue(*name);
+  auto tissue = std::get<model::TissueParameters>(arguments);
   model::validate(tissue);
   return tissue;
 }
 
-SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std::string>& scene_text,
-                  const std::optional<std::string>& task, const std::optional<std::string>& organ,
-                  const std::optional<std::string>& organ_unit, const std::vector<std::string>& organ_motion,
-                  const std::optional<TissueWish>& tissue,
-                  const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
-                  const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
-                  std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise) {
+SceneArguments parse_scene_arguments(
+    const std::optional<fs::path>& scene, const std::optional<std::string>& scene_text,
+    const std::optional<std::string>& task, const std::optional<std::string>& organ,
+    const std::optional<std::string>& organ_unit, const std::vector<std::string>& organ_motion,
+    const std::optional<TissueArgument>& tissue,
+    const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
+    const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
+    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise) {
   if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
-  SceneWish wish;
-  scene::Overrides& request = wish.request;
+  SceneArguments arguments;
+  scene::Overrides& request = arguments.request;
   request.scene = scene;
   if (scene_text) request.scene_text = {*scene_text, {}};
   request.task = task;
@@ -41,7 +42,7 @@ SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std:
   if (tissue && std::holds_alternative<std::string>(*tissue)) {
     request.tissue = std::get<std::string>(*tissue);
   } else if (tissue) {
-    wish.tissue = tissue_of(*tissue);
+    arguments.tissue = tissue_of(*tissue);
   }
   if (tool && std::holds_alternative<std::string>(*tool)) {
     request.tools = {std::get<std::string>(*tool)};
@@ -53,7 +54,7 @@ SceneWish wish_of(const std::optional<fs::path>& scene, const std::optional<std:
   request.rate_Hz = rate_Hz;
   request.seed = seed;
   request.no_noise = !noise;
-  return wish;
+  return arguments;
 }
 
 contact::Preparation preparation_of(bool cache) {

@@ -18,7 +18,7 @@
 namespace palpate::python {
 
 /// What a call says of its scene; what it does not say is the scene file's.
-struct SceneWish {
+struct SceneArguments {
   scene::Overrides request;
   std::optional<model::TissueParameters> tissue;  // in place of a name or file
 
@@ -27,17 +27,17 @@ struct SceneWish {
 };
 
 /// What stands for a tissue in a call: an object, a built-in name or a tissue file.
-using TissueWish = std::variant<model::TissueParameters, std::string>;
+using TissueArgument = std::variant<model::TissueParameters, std::string>;
 
 /// [setup] @throws InputError as scene::load_tissue(), ParameterError for a bad tissue.
-[[nodiscard]] model::TissueParameters tissue_of(const TissueWish& wish);
+[[nodiscard]] model::TissueParameters tissue_of(const TissueArgument& arguments);
 
 /// [setup] @throws InputError when a scene is given twice.
-[[nodiscard]] SceneWish wish_of(
+[[nodiscard]] SceneArguments parse_scene_arguments(
     const std::optional<std::filesystem::path>& scene, const std::optional<std::string>& scene_text,
     const std::optional<std::string>& task, const std::optional<std::string>& organ,
     const std::optional<std::string>& organ_unit, const std::vector<std::string>& organ_motion,
-    const std::optional<TissueWish>& tissue,
+    const std::optional<TissueArgument>& tissue,
     const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
     std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise);
@@ -48,7 +48,7 @@ using TissueWish = std::variant<model::TissueParameters, std::string>;
 /// The columns of a recording as NumPy names them, one TickRow an element.
 [[nodiscard]] py::dtype row_type();
 
-/// Names and defaults of wish_of()'s arguments, in their order.
+/// Names and defaults of parse_scene_arguments()'s arguments, in their order.
 [[nodiscard]] inline auto scene_arguments() {
   const py::none none;
   return std::make_tuple(py::arg("scene") = none, py::kw_only(), py::arg("scene_text") = none,
@@ -58,19 +58,19 @@ using TissueWish = std::variant<model::TissueParameters, std::string>;
                          py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true);
 }
 
-/// A function of a scene and more, as one of wish_of()'s arguments and more.
+/// A function of a scene and more, as one of parse_scene_arguments()'s arguments and more.
 template <typename... More, typename Function>
 auto of_a_scene(Function function) {
   return
       [function](const std::optional<std::filesystem::path>& scene,
                  const std::optional<std::string>& scene_text, const std::optional<std::string>& task,
                  const std::optional<std::string>& organ, const std::optional<std::string>& organ_unit,
-                 const std::vector<std::string>& organ_motion, const std::optional<TissueWish>& tissue,
+                 const std::vector<std::string>& organ_motion, const std::optional<TissueArgument>& tissue,
                  const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
                  const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
                  std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise, More... more) {
-        return function(wish_of(scene, scene_text, task, organ, organ_unit, organ_motion, tissue, tool,
-                                tool_unit, device, rate_Hz, seed, noise),
+        return function(parse_scene_arguments(scene, scene_text, task, organ, organ_unit, organ_motion,
+                                              tissue, tool, tool_unit, device, rate_Hz, seed, noise),
                         std::move(more)...);
       };
 }
