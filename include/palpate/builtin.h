@@ -8,19 +8,20 @@
 namespace palpate::geometry {
 
 /// [setup] Names of the built-in organs: "gallbladder", "heart", "liver", "kidney", "ball", "box". The first
-/// four also with the suffix "-30k" or "-300k", for that many triangles.
+/// four also exist with the suffix "-30k" or "-300k", which is the number of triangles.
 [[nodiscard]] const std::vector<std::string>& builtin_organ_names();
 
 /// [setup] A built-in organ in metres, with the centre of its bounding box at the origin. @throws InputError
-/// listing the names.
+/// that lists the names.
 [[nodiscard]] TriangleMesh make_organ(const std::string& name);
 
-/// [setup] Names of the built-in instruments: "curved-forceps" and "straight-forceps" (two jaws each), also
-/// with the suffix "-30k" or "-300k". "sphere:R" (R in mm) is a tool too, but not listed.
+/// [setup] Names of the built-in instruments: "curved-forceps" and "straight-forceps" (two jaws each). Both
+/// also exist with the suffix "-30k" or "-300k", which is the number of triangles. The list omits the ball
+/// tools "sphere:R" (R in mm), which make_tool() accepts too.
 [[nodiscard]] const std::vector<std::string>& builtin_tool_names();
 
 /// [setup] A built-in instrument in its handle frame (origin at the jaw pivot, +z towards the tips). @throws
-/// InputError listing the names.
+/// InputError that lists the names.
 [[nodiscard]] Tool make_tool(const std::string& name);
 
 }  // namespace palpate::geometry

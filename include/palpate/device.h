@@ -13,75 +13,79 @@ enum class Fault : std::uint8_t {
   kNotFinite = 1,  // a sample or a force is not finite
   kDevice = 2,     // the device could not be read or refused a command
   kStale = 3,      // the device gave no new sample for kStaleAfter
-  kStalled = 4,    // the loop stood still for kStalledAfter
+  kStalled = 4,    // the loop made no tick for kStalledAfter
   kForceOff = 5,   // the device itself switched its force off
 };
 
 inline constexpr double kStaleAfter = 5e-3;     // s
 inline constexpr double kStalledAfter = 20e-3;  // s
 
-/// [any] As in CSV and JSON: "none", "not-finite", "device", "stale-sample", "stalled-loop", "force-off".
+/// [any] The fault's name in CSV and JSON files: "none", "not-finite", "device", "stale-sample",
+/// "stalled-loop", "force-off".
 [[nodiscard]] const char* name_of(Fault fault) noexcept;
 
-/// [any] For people: "the device gave no new sample for 5 ms".
+/// [any] A readable description: "the device gave no new sample for 5 ms".
 [[nodiscard]] const char* describe(Fault fault) noexcept;
 
-/// What a user or the device adds to a sample; bits of DeviceState::events.
+/// Bits of DeviceState::events: requests of the user and reports of the device that come with a sample.
 inline constexpr std::uint32_t kResetFault = 1U << 0;        // clear a latched fault
-inline constexpr std::uint32_t kParameterUpdated = 1U << 1;  // from this tick on: a change of tissue or noise
-inline constexpr std::uint32_t kMotorsWarm = 1U << 2;  // the device's motors are: the gate lowers the force
+inline constexpr std::uint32_t kParameterUpdated = 1U << 1;  // tissue or noise parameters change at this tick
+inline constexpr std::uint32_t kMotorsWarm = 1U << 2;        // the motors are warm: the gate lowers the force
 
-/// One reading of a device, taken as ONE sample, in the device's frame D. SI.
+/// One sample of a device: all values belong to the same moment. SI units, in the device's frame D.
 struct DeviceState {
   Vec3 position_D = Vec3::Zero();  // m
   Quat orientation_D = Quat::Identity();
   Vec3 velocity_D = Vec3::Zero();  // m/s
   double gripper = 0.0;            // 0 closed .. 1 open
-  double age = 0.0;                // s since the device took this sample; 0: for this tick
-  std::uint32_t buttons = 0;       // a bit a button
-  Fault fault = Fault::kNone;      // kDevice: could not be read; kForceOff; kStalled (set by the loop)
-  std::uint32_t events = 0;  // kResetFault and kParameterUpdated are the loop's, kMotorsWarm is the device's
+  double age = 0.0;                // s since the device took this sample; 0: taken for this tick
+  std::uint32_t buttons = 0;       // one bit per button
+  Fault fault = Fault::kNone;  // kDevice (not readable) or kForceOff from the device; kStalled from the loop
+  std::uint32_t events = 0;    // the loop sets kResetFault and kParameterUpdated, the device sets kMotorsWarm
 };
 
-/// What goes to the hand. SI. World frame from the tick; the loop turns it into the device's frame.
+/// Force and torque that the device displays to the hand. SI units. The tick computes them in the world
+/// frame; the loop transforms them to the device's frame.
 struct ForceCommand {
   Vec3 force = Vec3::Zero();   // N
   Vec3 torque = Vec3::Zero();  // N m
   double gripper_force = 0.0;  // N
 };
 
-/// Limits of a device, by its maker or as the device reports them; infinite where unknown.
+/// Limits of a device, from its data sheet or as the device reports them; infinite where unknown.
 struct DeviceAbilities {
   static constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-  std::string model{};                 // as people know it; empty: not known
+  std::string model{};                 // product name; empty: unknown
   double max_force = kUnknown;         // N
-  double continuous_force = kUnknown;  // N, root mean square, without end
-  double max_stiffness = kUnknown;     // N/m that it renders without trembling
-  bool torque = true;                  // it can give torque
+  double continuous_force = kUnknown;  // N, RMS force that it can give for an unlimited time
+  double max_stiffness = kUnknown;     // N/m, largest stiffness that it displays without oscillation
+  bool torque = true;                  // whether it can give torque
 
   bool operator==(const DeviceAbilities&) const = default;
 };
 
-/// A force-feedback device as the loop sees it.
+/// An impedance display: the loop reads its motion and writes its force, once per tick.
 class Device {
  public:
   virtual ~Device() = default;
-  /// [rt] One sample. Scripted and replayed devices sample at `time` = tick / rate [s], never at wall time.
+  /// [rt] Returns one sample. Scripted and replayed devices sample at `time` = tick / rate [s], not at
+  /// wall-clock time.
   virtual DeviceState read(std::uint64_t tick, double time) noexcept = 0;
-  /// [rt] Called by the loop with what the gate let through, in the device's frame. @return false when the
-  /// device refused it.
+  /// [rt] Displays the force that the gate has limited, in the device's frame. @return false when the device
+  /// refuses the command.
   virtual bool write(const ForceCommand& command_D) noexcept = 0;
-  /// [any] Zero force; idempotent, from any thread.
+  /// [any] Sets the force to zero. Idempotent; may be called from any thread, during read() and write() too.
   virtual void stop() noexcept = 0;
-  /// [any] Tick number at which the device has nothing more to say (a path's end + 0.5 s), or 2^64-1: never.
+  /// [any] Number of the tick at which the device has no more samples (0.5 s after the end of a path).
+  /// 2^64-1: it always has more samples.
   [[nodiscard]] virtual std::uint64_t last_tick(double /*rate_Hz*/) const noexcept {
     return ~std::uint64_t{0};
   }
-  /// [setup] What it can give: the limits of a run follow it.
+  /// [setup] The device's limits. They bound the forces of a run.
   [[nodiscard]] virtual DeviceAbilities abilities() const { return {}; }
-  /// [any] What was last wrong with the device, in words for its user; empty: nothing. Not for the tick: may
-  /// allocate.
+  /// [any] Readable description of the device's last error; empty: no error. May allocate, so do not call it
+  /// from the tick.
   [[nodiscard]] virtual std::string last_error() const { return {}; }
 };
 

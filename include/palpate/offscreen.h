@@ -21,11 +21,11 @@ enum class Quality : std::uint8_t {
   kFast,      // as kBalanced without the finest pattern and without antialiasing
 };
 
-/// Chooses the quality from measured frame times, so that they stay within a budget: between kBalanced and
-/// kFast, or kFull where there is time. The quality goes down when the mean is over the budget or three
-/// pictures in a row are. It goes up when the mean is clearly below the budget; each time it has to go down
-/// again, the wait doubles, so that it does not oscillate. The first picture of a level is ignored, because
-/// it may include preparation.
+/// Chooses the quality from measured frame times, so that they stay within a budget [ms]. It chooses
+/// kBalanced or kFast, or kFull if `best` allows it. The quality goes down when the mean frame time or three
+/// consecutive frame times exceed the budget. It goes up when the mean is clearly below the budget. Each time
+/// it goes down again, the wait before the next rise doubles, so that the quality does not oscillate. The
+/// first picture of a level is ignored, because its time may include preparation.
 class QualityChoice final {
  public:
   static constexpr double kBudget_ms = 32.0;  // frame time of the paper
@@ -34,7 +34,7 @@ class QualityChoice final {
   explicit QualityChoice(Quality best = Quality::kBalanced, double budget_ms = kBudget_ms) noexcept
       : best_(best), now_(best), budget_ms_(budget_ms) {}
 
-  /// [any] Adds the frame time of one picture at now().
+  /// [any] Adds the frame time [ms] of one picture with the quality now().
   void add(double frame_ms) noexcept;
   /// [any] Limits all further pictures to this level.
   void limit(Quality best) noexcept;
@@ -84,8 +84,8 @@ struct Camera {
 
 /// [setup] A camera that frames organ and tool tip from the direction with the best view of the contact, 33
 /// degrees above the tangent plane, with the normal upright. It depends only on focus, normal, organ pose and
-/// direction of the tool's axis: keep it for pictures before, during and after a contact that are to be
-/// compared.
+/// direction of the tool's axis. To compare pictures before, during and after a contact, use one camera for
+/// all of them.
 /// @param focus_W contact point (or nearest point) @param normal_W outward normal there
 /// @param close_up true: the contact fills the picture; false: the whole organ is visible
 [[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
@@ -99,9 +99,10 @@ class OffscreenRenderer final {
   /// @throws std::runtime_error that names the missing packages when there is no OpenGL context, InputError
   /// for an invalid size.
   OffscreenRenderer(const Subject& subject, int width, int height, Quality quality = Quality::kFull);
-  /// [setup] Renders in the context that is current on this thread (a window's) at this and every later call;
-  /// the context must outlive this object. The quality adapts to the frame time (QualityChoice).
+  /// Selects the OpenGL context that is current on this thread, such as a window's.
   struct InCurrentContext {};
+  /// [setup] Renders in the context that is current on this thread. It must be current at every later call
+  /// too, and must outlive this object. The quality adapts to the frame time (QualityChoice).
   OffscreenRenderer(const Subject& subject, int width, int height, InCurrentContext here);
   /// [setup] Renders in the current context like the constructor above, but with a fixed quality and with the
   /// same pictures as a renderer that has its own context.

@@ -14,7 +14,7 @@
 
 namespace palpate::haptics {
 
-/// What of the touch noise may change while a run goes on; its clock and its seed stay.
+/// Touch-noise parameters that may change during a run. Rate and seed stay constant.
 struct LiveNoise {
   bool enabled = true;
   double gain = 5e-5;       // K [N m]
@@ -27,71 +27,77 @@ struct LiveNoise {
 inline constexpr std::uint32_t kTissueChanged = 1U << 0;
 inline constexpr std::uint32_t kNoiseChanged = 1U << 1;
 
-/// One change to a run under way: what is in force from its tick on, whole, and which of it is new. Plain
-/// data, so that it can be handed from thread to thread with one copy.
+/// One update of tissue or noise parameters during a run. It holds all parameters that apply from `tick` on;
+/// `what` marks those that are new. It is plain data, so one copy passes it to another thread.
 struct ParameterUpdate {
   static constexpr std::size_t kNameBytes = 64;
 
-  std::uint64_t tick = 0;    // the first that used it
-  std::uint64_t number = 0;  // from 1 on, in the order in which changes were offered
-  std::uint32_t what = 0;    // kTissueChanged, kNoiseChanged
+  std::uint64_t tick = 0;    // first tick that uses the update
+  std::uint64_t number = 0;  // 1, 2, ... in the order of the calls of offer()
+  std::uint32_t what = 0;    // bits kTissueChanged, kNoiseChanged
   model::TissueNumbers tissue;
   LiveNoise noise;
-  std::array<char, kNameBytes> name{};  // the tissue's, cut off and filled up with zeros
+  std::array<char, kNameBytes> name{};  // name of the tissue, truncated or padded with zeros
 
   bool operator==(const ParameterUpdate&) const = default;
 };
 static_assert(std::is_trivially_copyable_v<ParameterUpdate>);
 
-/// [setup] A change to this tissue and noise. @param what which of the two is new
+/// [setup] An update with this tissue and noise. @param what kTissueChanged, kNoiseChanged or both: the new
+/// part
 [[nodiscard]] ParameterUpdate parameter_update(const model::TissueParameters& tissue, const LiveNoise& noise,
                                                std::uint32_t what);
 
-/// [setup] The tissue of a change, not checked; it has no [source].
+/// [setup] The tissue of an update. It is not validated, and its `source` is empty.
 [[nodiscard]] model::TissueParameters tissue_of(const ParameterUpdate& change);
 
 struct PreparedUpdate;
 struct SimulationWorld;
 
-/// Hands new tissues and new noise from any thread to a loop that runs. Everything is prepared on the
-/// caller's side; the loop takes one a tick, with one copy of plain data, and never waits.
+/// Passes new tissue and noise parameters from any thread to a running loop. The calling thread checks and
+/// prepares each update. The loop takes at most one update per tick with one copy of plain data and never
+/// waits.
 class ParameterUpdates final {
  public:
-  /// Changes that may wait for the loop.
+  /// Largest number of updates that wait for the loop.
   static constexpr std::size_t kMaxWaiting = 8;
 
-  /// What a tissue should be warned of on this scene's devices, in words (scene::stability_remarks).
+  /// Returns the stability warnings for a tissue with this scene's devices (scene::stability_remarks).
   using Warnings = std::function<std::vector<std::string>(const model::TissueParameters&)>;
 
-  /// What became of an offer.
+  /// Result of offer().
   struct Accepted {
-    std::uint64_t number = 0;           // Snapshot::change is this, or more, once a tick has used it
-    std::vector<std::string> warnings;  // what the stability check says of the new tissue
+    std::uint64_t number = 0;           // Snapshot::change is at least this once a tick has used the update
+    std::vector<std::string> warnings;  // stability warnings for the new tissue
   };
 
-  /// [setup] @param world of the run, outlives this; @param tissue what the run begins with; @param warnings
-  /// may be empty: nobody warns
+  /// [setup] @param world of the run; must outlive this object @param tissue at the start of the run
+  /// @param warnings empty: no stability check
   ParameterUpdates(const SimulationWorld& world, const model::TissueParameters& tissue, Warnings warnings);
   ~ParameterUpdates();
   ParameterUpdates(const ParameterUpdates&) = delete;
   ParameterUpdates& operator=(const ParameterUpdates&) = delete;
 
-  /// [any] Not for the tick: allocates, and waits for another caller. Another tissue, with its laws,
-  /// relaxation, reach, friction, damping and grip limit, from one of the next ticks on.
-  /// @throws ParameterError for a bad value, InputError for another reference radius than the run's, or when
-  /// kMaxWaiting changes wait already; nothing has changed then.
+  /// [any] Replaces the tissue at one of the next ticks: law, relaxation, displacement profile, friction,
+  /// damping and grip limit. It allocates and may wait for another caller, so do not call it from the tick.
+  /// @throws ParameterError for an invalid value; InputError for a reference radius that differs from the
+  /// run's, or when kMaxWaiting updates wait already. After an exception nothing has changed.
   Accepted offer(const model::TissueParameters& tissue);
 
-  /// [any] As above, for the noise: switched on or off, and its strength; both go over in 50 ms.
-  /// @throws ParameterError naming gain_N_m or threshold_mm; InputError as above.
+  /// [any] Switches the touch noise on or off and sets its strength at one of the next ticks. The crossfade
+  /// takes 50 ms. It allocates and may wait for another caller, so do not call it from the tick.
+  /// @throws ParameterError that names gain_N_m or threshold_mm; InputError when kMaxWaiting updates wait
+  /// already. After an exception nothing has changed.
   Accepted offer(const LiveNoise& noise);
 
-  /// [any] What was accepted last, or what the run began with. Not for the tick.
+  /// [any] The parameters of the last accepted update, or those at the start of the run. May wait for another
+  /// caller, so do not call them from the tick.
   [[nodiscard]] model::TissueParameters tissue() const;
   [[nodiscard]] LiveNoise noise() const;
 
-  /// [rt] For the loop: the oldest change that waits, or null; it stays until taken().
+  /// [rt] For the loop: the oldest update that waits, or null. It stays valid until taken().
   [[nodiscard]] const PreparedUpdate* waiting() const noexcept;
+  /// [rt] For the loop: removes the update that waiting() returned.
   void taken() noexcept;
 
  private:
@@ -99,13 +105,13 @@ class ParameterUpdates final {
 
   const SimulationWorld& world_;
   Warnings warnings_;
-  mutable std::mutex callers_;  // one at a time; the loop never takes it
+  mutable std::mutex callers_;  // one caller at a time; the loop never locks it
   model::TissueParameters tissue_;
   LiveNoise noise_;
   std::uint64_t offered_ = 0;
   std::vector<PreparedUpdate> slots_;
-  alignas(64) std::atomic<std::uint64_t> head_{0};  // changes handed over
-  alignas(64) std::atomic<std::uint64_t> tail_{0};  // changes taken
+  alignas(64) std::atomic<std::uint64_t> head_{0};  // number of updates passed to the loop
+  alignas(64) std::atomic<std::uint64_t> tail_{0};  // number of updates taken by the loop
 };
 
 }  // namespace palpate::haptics

@@ -8,8 +8,7 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 
-/// Rigid transform: maps a point of the inner frame to the outer one, x_outer = rotation * x_inner + position
-/// [m].
+/// Rigid transform from the inner to the outer frame: x_outer = rotation * x_inner + position [m].
 struct Pose {
   Quat rotation = Quat::Identity();
   Vec3 position = Vec3::Zero();
@@ -30,7 +29,7 @@ struct Pose {
 /// [rt] Rotation by `angle` [rad] about the unit vector `axis`, right-handed.
 [[nodiscard]] Quat rotation_about(const Vec3& axis, double angle) noexcept;
 
-/// [rt] Constant-speed interpolation on the shorter arc from a (u = 0) to b (u = 1).
+/// [rt] Spherical linear interpolation on the shorter arc from a (u = 0) to b (u = 1), at constant speed.
 [[nodiscard]] Quat slerp(const Quat& a, const Quat& b, double u) noexcept;
 
 }  // namespace palpate

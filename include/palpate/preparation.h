@@ -11,17 +11,17 @@ namespace palpate::contact {
 
 struct OrganArrays;
 
-/// How an organ is prepared: by default computed, in silence.
+/// Options for the preparation of an organ. By default the arrays are computed, and no progress is reported.
 struct Preparation {
-  /// Returns the arrays of an earlier preparation of the same organ; nothing when there are none.
-  /// scene::use_organ_cache() keeps them in a folder.
+  /// Returns the stored arrays of this organ, or std::nullopt when it was not prepared before.
+  /// scene::use_organ_cache() stores them in a folder.
   std::function<std::optional<OrganArrays>(const geometry::TriangleMesh& organ, double reference_radius)>
       load = {};
-  /// Keeps the arrays that were computed.
+  /// Stores the arrays that were computed.
   std::function<void(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays)>
       store = {};
-  /// Called now and then with what is being done and the share of all of it that is done, 0..1; on the thread
-  /// that prepares.
+  /// Called repeatedly with the completed fraction of the preparation, 0..1, and a description of the current
+  /// step; on the thread that prepares the organ.
   std::function<void(double share, const std::string& what)> progress = {};
 };
 

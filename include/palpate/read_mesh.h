@@ -15,9 +15,9 @@ struct MeshFindings {
   bool manifold = false;
   int shells = 0;
   double volume = 0.0;                        // [m^3]
-  std::optional<std::size_t> crossing_pairs;  // pairs of triangles that intersect, if they were searched
-  std::vector<std::string> repairs;           // repairs that were made, a sentence each
-  std::vector<std::string> defects;           // defects that remain; an organ may not have them
+  std::optional<std::size_t> crossing_pairs;  // pairs of triangles that intersect; empty: not searched
+  std::vector<std::string> repairs;           // repairs that were made, one sentence per repair
+  std::vector<std::string> defects;           // remaining defects; an organ must not have any
   std::vector<std::string> remarks;           // harmless remaining defects
 };
 
@@ -35,20 +35,20 @@ struct LoadedMesh {
 /// extension decides the format. Merges vertices with exactly equal coordinates, drops unused ones, and lists
 /// these repairs. Applies node transforms and keeps the file's axes. Keeps the order and orientation of the
 /// triangles. Coordinates of STL, OBJ and OFF are 32-bit floats. Call from one thread at a time.
-/// @param unit of the file's numbers; never guessed, none is an error
-/// @throws InputError naming the file and the defect: missing, unknown extension, empty, truncated, NaN,
+/// @param unit of the coordinates in the file; it is never guessed, and a missing unit is an error
+/// @throws InputError that names the file and the defect: missing, unknown extension, empty, truncated, NaN,
 /// index out of range, no triangles, ...
 [[nodiscard]] LoadedMesh read_mesh(const std::filesystem::path& file, std::optional<LengthUnit> unit);
 
-/// [setup] The properties of any mesh, also of a built-in one (`repairs` stays empty). `closed`: every edge
+/// [setup] The properties of any mesh, also of a built-in one; `repairs` is empty. `closed`: every edge
 /// has at least two triangles. `manifold`: no edge has more than two, and no vertex joins separate surfaces.
 /// `shells`: components that are connected by edges. A sliver is a triangle whose height is below 2e-7 of its
 /// longest edge.
 [[nodiscard]] MeshFindings findings_of(const TriangleMesh& mesh);
 
 /// [setup] Rejects a mesh that cannot be an organ: open, not manifold, oriented inwards, or with a bounding
-/// box outside 5 mm to 2 m. @param name file or built-in name, for the message @throws InputError naming the
-/// defects.
+/// box outside 5 mm to 2 m. @param name file or built-in name, for the message @throws InputError that names
+/// the defects.
 void require_organ(const LoadedMesh& loaded, const std::string& name);
 
 }  // namespace palpate::geometry

@@ -21,7 +21,7 @@ struct TimeStatistics {
   std::int64_t max_ns = 0;
 };
 
-/// Histogram of a measured time: its buckets that are not empty, ascending, each at most 0.1 % wide.
+/// Histogram of a measured time: the buckets that are not empty, in ascending order, at most 0.1 % wide.
 using TimeHistogram = std::vector<haptics::Histogram::Bucket>;
 
 /// Called with the progress of a long operation, 0..1; may be empty.
@@ -34,19 +34,19 @@ struct RunFacts {
   std::string machine;               // processor, kernel
   std::int64_t started_unix_ns = 0;  // wall time of tick 0; 0 when no tick was due yet
   bool offline = false;
-  bool complete = false;  // properly closed; false: truncated
-  // The loop's report, zero in a truncated file:
+  bool complete = false;  // the file was closed; false: truncated
+  // From the loop's report; zero in a truncated file:
   std::uint64_t missed_deadlines = 0;
   std::int64_t longest_gap_ns = 0;
   bool realtime_priority = false;
   bool memory_locked = false;
-  bool polled = false;           // waited for ticks by polling; else the loop slept
+  bool polled = false;           // the loop polled the clock between ticks; false: it slept
   TimeStatistics tick_time;      // computing time of a tick
   TimeStatistics lateness;       // delay of the start of ticks
-  TimeHistogram tick_histogram;  // of tick_time and lateness; also of offline runs, whose rows have no times
-  TimeHistogram late_histogram;
+  TimeHistogram tick_histogram;  // of tick_time; also for offline runs, whose rows have no times
+  TimeHistogram late_histogram;  // of lateness
   std::uint64_t watchdog_stops = 0;
-  std::vector<std::string> remarks;  // what the system did not grant to the loop, and stops by the watchdog
+  std::vector<std::string> remarks;  // requests that the system refused, and stops by the watchdog
 };
 
 /// A complete recording in memory.
@@ -58,8 +58,8 @@ struct Recording {
 };
 
 /// [setup] Reads a recording. A truncated file (kill -9, full disk, interrupted copy), or one that is still
-/// being written, gives the rows up to the last complete tick before the damage. @throws InputError naming
-/// the file and the defect.
+/// being written, gives the rows up to the last complete tick before the damage. @throws InputError that
+/// names the file and the defect.
 [[nodiscard]] Recording read_recording(const std::filesystem::path& file, const Progress& progress = {});
 
 /// Result of repair_recording().
@@ -75,38 +75,40 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
 
 /// [setup] Writes the ticks as CSV with the columns of docs/file-formats.md, numbers in shortest round-trip
 /// form, then the device's sample (device_*). phase is approach, press or pull; fault is 0 or a name such as
-/// not-finite. @throws InputError naming the file when it cannot be written.
+/// not-finite. @throws InputError that names the file when it cannot be written.
 void export_csv(const Recording& recording, const std::filesystem::path& file, const Progress& progress = {});
 
 /// [any] The file for the parameter updates of a recording that is exported to `csv`: NAME-changes.csv in the
 /// same folder.
 [[nodiscard]] std::filesystem::path changes_csv_path(const std::filesystem::path& csv);
 
-/// [setup] Writes the updates of tissue and noise as CSV, one line per update with all parameters from its
-/// tick on. what is tissue or noise, law is layered or smooth. @throws InputError as export_csv().
+/// [setup] Writes the updates of tissue and noise as CSV. A line holds one update, with all parameters that
+/// apply from its tick on. The column what is tissue or noise, law is layered or smooth. @throws InputError
+/// that names the file when it cannot be written.
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file);
 
 /// Result of a replay.
 struct ReplayResult {
   std::uint64_t rows_compared = 0;
   std::uint64_t rows_different = 0;
-  std::string first_difference;  // tick, hand, column, recorded and replayed value; empty: none
+  std::string first_difference;  // tick, hand, column, recorded and replayed value; empty: all rows are equal
   std::uint64_t hash = 0;        // of the replayed rows' bits, without tick_ns and late_ns
 };
 
-/// [setup] The first column whose bits differ, as text; tick_ns and late_ns do not count. Empty: none.
+/// [setup] Describes the first column whose bits differ; tick_ns and late_ns are not compared. Empty: all
+/// columns are equal.
 [[nodiscard]] std::string row_difference(const haptics::TickRow& recorded, const haptics::TickRow& replayed);
 
 inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
 
-/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns; `hash` is that
-/// of the previous rows.
+/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns. `hash` is the
+/// hash of the previous rows.
 [[nodiscard]] std::uint64_t hash_rows(std::span<const haptics::TickRow> rows,
                                       std::uint64_t hash = kHashStart) noexcept;
 
 /// [setup] Replays the recorded device samples and compares all rows bit for bit, except tick_ns and late_ns.
-/// @param how as for contact::World @throws InputError when rows are missing in the middle or the scene is
-/// invalid.
+/// @param how options for the preparation of the organ @throws InputError when rows are missing in the middle
+/// or the scene is invalid.
 [[nodiscard]] ReplayResult replay(const Recording& recording, const Progress& progress = {},
                                   const contact::Preparation& how = {});
 

@@ -24,9 +24,9 @@ enum class EmulatedFaultKind : std::uint8_t {
   kDropOut,     // cannot be read
   kNotANumber,  // a NaN position
   kSpike,       // the position is wrong by 50 mm, along the device's -z
-  kLate,        // all samples are `age` old
+  kLate,        // every sample has the age `age`
   kWrongUnits,  // positions in mm instead of m
-  kForceOff,    // the device reports that it switched its force off, and does so
+  kForceOff,    // the device switches its force off and reports it
   kRefuse,      // refuses all commands
 };
 
@@ -41,7 +41,7 @@ struct EmulatedFaultName {
 /// [any] The name of a kind, as in a scene.
 [[nodiscard]] std::string_view name_of(EmulatedFaultKind kind) noexcept;
 
-/// [any] The kind of that name; empty if none has it.
+/// [any] The kind with this name; empty for an unknown name.
 [[nodiscard]] std::optional<EmulatedFaultKind> find_emulated_fault(std::string_view name) noexcept;
 
 inline constexpr double kLongestFaultAge = 1.0;  // s, of late samples
@@ -49,9 +49,9 @@ inline constexpr double kLongestFaultAge = 1.0;  // s, of late samples
 /// A fault and its time in the run.
 struct EmulatedFault {
   EmulatedFaultKind kind = EmulatedFaultKind::kFreeze;
-  double time = 0.0;      // s, >= 0: starts at the first tick at or after it
+  double time = 0.0;      // s, >= 0: the fault starts at the first tick at or after this time
   double duration = 0.0;  // s, >= 0; 0: one tick
-  double age = 8e-3;      // s, of late samples; > 0, at most kLongestFaultAge
+  double age = 8e-3;      // s, age of late samples; > 0, at most kLongestFaultAge
 };
 
 /// Spring and damper with which the hand holds the device.
@@ -66,8 +66,8 @@ struct HandGrip {
 inline constexpr HandGrip kLightGrip{50.0, 1.0};
 inline constexpr HandGrip kFirmGrip{500.0, 5.0};
 
-// Default of an emulated device: a well-damped desktop device.
-inline constexpr double kEmulatedDamping = 1.5;      // N s/m: enough for every built-in tissue at 1 kHz
+// Defaults of an emulated device, which is a well-damped desktop device.
+inline constexpr double kEmulatedDamping = 1.5;      // N s/m: every built-in tissue is stable at 1 kHz
 inline constexpr double kEmulatedFriction = 0.05;    // N
 inline constexpr double kEmulatedResolution = 1e-5;  // m
 
@@ -81,10 +81,10 @@ struct EmulatedHand {
 enum class Task { kPress, kPull };
 
 inline constexpr std::size_t kMaxHands = 4;      // tools (and devices) in one scene
-inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that contact solves
+inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that contact supports
 
-inline constexpr double kSlowestRate = 100.0;  // Hz, of the loop
-inline constexpr double kFastestRate = 20000.0;
+inline constexpr double kSlowestRate = 100.0;    // Hz, lowest rate of the loop
+inline constexpr double kFastestRate = 20000.0;  // Hz
 
 /// Mechanics of a device, for the stability check (docs/safety.md) and the emulated hand. Empty: unknown.
 struct DeviceDynamics {
@@ -95,36 +95,38 @@ struct DeviceDynamics {
 
 /// Interpolation of positions between the rows of a tool path.
 enum class PathInterpolation : std::uint8_t {
-  kLinear,  // the velocity, and so the damping force, steps at each row
-  kCubic    // continuous velocity, no overshoot of neighbouring rows
+  kLinear,  // the velocity has a step at each row, and so has the damping force
+  kCubic    // continuous velocity, no overshoot beyond neighbouring rows
 };
 
-/// [any] "linear", "cubic".
+/// [any] "linear" or "cubic", as in a scene file.
 [[nodiscard]] const char* to_string(PathInterpolation interpolation) noexcept;
+/// [any] The interpolation with this name; empty for an unknown name.
 [[nodiscard]] std::optional<PathInterpolation> interpolation_of(std::string_view name) noexcept;
 
-/// Device of a hand, and the map from its sample to the tool's pose: translation times workspace_scale, then
-/// the transform `base`.
+/// Device of a hand. The tool's pose follows from the device's sample: the translation times workspace_scale,
+/// then the rigid transform `base`.
 struct DeviceSetup {
-  std::string kind = "scripted";  // a name of device_kinds.h
-  std::string path;               // file or address, resolved; empty: none given
+  std::string kind = "scripted";  // a name from io/scene/device_kinds.h
+  std::string path;               // resolved file or address; empty: not given
   double workspace_scale = 1.0;   // > 0
   Pose base;
   DeviceDynamics dynamics{};
-  EmulatedHand emulated{};                       // of kind "emulated" only
-  std::optional<std::uint32_t> clutch_button{};  // bit of DeviceState::buttons that holds the tool (clutch)
-  bool fit = false;                              // scales the force to the device's largest stiffness
-  haptics::DeviceAbilities abilities{};          // of the opened device
-  double force_scale = 1.0;                      // of the tissue force at the hand; below 1 only by `fit`
-  PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path's file
+  EmulatedHand emulated{};  // only for kind "emulated"
+  std::optional<std::uint32_t>
+      clutch_button{};  // bit of DeviceState::buttons for clutching: the tool stays while it is set
+  bool fit = false;     // lowers force_scale to the device's largest stiffness
+  haptics::DeviceAbilities abilities{};  // of the opened device
+  double force_scale = 1.0;              // factor of the tissue force at the hand; below 1 only with `fit`
+  PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path that is read from a file
   double path_speed = 1.0;  // > 0: the duration of tool paths is divided by it
 };
 
-/// Limits of the gate; SI (slew per second). The largest values that a scene may set are 2.5 times those of
-/// the strongest arm in docs/devices.md.
+/// Saturation and slew limits of the gate, SI units. The constants are the largest values that a scene may
+/// set: 2.5 times those of the strongest device in docs/devices.md.
 struct SafetySetup {
   static constexpr double kMaxForce = 50.0;      // N
-  static constexpr double kMaxSlew = 50e3;       // N/s: all of kMaxForce in a millisecond
+  static constexpr double kMaxSlew = 50e3;       // N/s: kMaxForce within 1 ms
   static constexpr double kMaxTorque = 5.0;      // N m
   static constexpr double kMaxTorqueSlew = 5e3;  // N m/s
 
@@ -134,13 +136,14 @@ struct SafetySetup {
   double max_torque_slew = 50.0;  // N m/s
 };
 
-/// A file that was read for a scene, and the flag or line that names it.
+/// A file that was read for a scene, with the flag or line that names it.
 struct SourceFile {
   std::string named_by;  // "--organ", "FILE:LINE: organ.mesh"
   std::filesystem::path path;
 };
 
-/// One scene, resolved and checked: all that the simulation needs, in SI units, without files left to read.
+/// One scene, resolved and checked. It holds everything that the simulation needs, in SI units; no further
+/// file is read.
 struct Scene {
   std::string name;
   Task task = Task::kPress;
@@ -150,7 +153,7 @@ struct Scene {
   geometry::TriangleMesh organ;  // organ frame, m
   Pose organ_pose;               // at rest
   std::vector<model::OrganMotionParameters>
-      organ_motion;  // added up, about the centre of its bounding box; empty: no motion
+      organ_motion;  // their sum, about the centre of the bounding box; empty: no motion
   model::TissueParameters tissue;
   std::vector<geometry::Tool> tools;  // one per hand
   std::vector<DeviceSetup> devices;   // one per hand
@@ -158,20 +161,20 @@ struct Scene {
   SafetySetup safety;
   // Shown to the user, stored in recordings, printed in reports:
   std::vector<std::string> repairs;  // repairs of mesh files; each begins with the file's name
-  std::vector<std::string> remarks;  // remaining defects, warnings
-  std::vector<SourceFile> files;     // all files that were read; no output may replace one
+  std::vector<std::string> remarks;  // remaining defects of meshes, and warnings
+  std::vector<SourceFile> files;     // all files that were read; no output file may overwrite them
 };
 
-/// The text of a scene that is not in a file.
+/// A scene given as text instead of a file.
 struct SceneText {
   std::string toml;
-  std::filesystem::path folder;  // base of relative paths in it
+  std::filesystem::path folder;  // folder that relative paths in the text start from
 };
 
 /// Replaces a value of the scene file or of its tissue: {"device.mass_kg", "0.25"}.
 struct Setting {
   std::string key;    // "TABLE.KEY" as in docs/file-formats.md; "tissue.KEY" for a number of the tissue
-  std::string value;  // as in a scene file; a text without its quotes
+  std::string value;  // as in a scene file; strings without quotes
 };
 
 /// The scene file and the flags of a command line; flags override the file.
@@ -183,33 +186,34 @@ struct Overrides {
   std::optional<std::string> organ_unit;
   std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
   std::optional<std::string> tissue;      // built-in name or tissue file
-  std::vector<std::string> tools;         // one: the tool; several: its jaws
+  std::vector<std::string> tools;         // one entry: the tool; several: the jaws of one tool
   std::optional<std::string> tool_unit;
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;
   std::optional<std::uint64_t> seed;
-  std::vector<Setting> settings;  // only with a file or a text
+  std::vector<Setting> settings;  // requires `scene` or `scene_text`
   bool no_noise = false;
   bool fit_device = false;  // sets `fit` of all devices
-  // If set, the scene and all its files must be inside this folder after links and `..` are resolved; for
-  // scenes from other people. Empty: no limit.
+  // If set, the scene and all its files must be inside this folder after links and `..` are resolved. Set it
+  // for scenes from untrusted sources. Empty: no restriction.
   std::filesystem::path files_below;
 };
 
-/// [setup] Reads and checks the scene and all its files, and resolves defaults. Paths in a scene are relative
-/// to the scene, paths in the request to the working folder. Writes nothing. @throws InputError in one line
-/// with file, field or line, value and what would be right; for an unknown key with the nearest valid one.
+/// [setup] Reads and checks the scene and all its files, and fills in defaults. Paths in a scene file are
+/// relative to its folder, paths in the request to the working folder. It writes no files. @throws InputError
+/// with one line that names the file, the field or line, the value and the valid values. For an unknown key
+/// it names the nearest valid key.
 [[nodiscard]] Scene load(const Overrides& request);
 
-/// [setup] A tissue by built-in name or from a tissue file. @throws InputError as load().
+/// [setup] Returns a built-in tissue or reads a tissue file. @throws InputError as load().
 [[nodiscard]] model::TissueParameters load_tissue(const std::string& name_or_file);
 
-/// [setup] Reads and checks a tissue file. @throws InputError in one line, FILE:LINE: field = value: what
-/// would be right; for an unknown key with the nearest valid one.
+/// [setup] Reads and checks a tissue file. @throws InputError with one line: FILE:LINE: field = value: valid
+/// values. For an unknown key it names the nearest valid key.
 [[nodiscard]] model::TissueParameters read_tissue_file(const std::filesystem::path& file);
 
-/// [setup] The text of a tissue file. Reading it gives the same parameters (lengths within one rounding of
-/// the last digit).
+/// [setup] The tissue as the text of a tissue file. Reading the text gives equal parameters; lengths may
+/// differ by one rounding of the last digit.
 [[nodiscard]] std::string to_toml(const model::TissueParameters& tissue);
 
 }  // namespace palpate::scene
