@@ -244,7 +244,7 @@ TEST_F(Touch, ASilentSchedulersSampleGrowsOlderByTheClock) {
   double young = 0.0;
   double old = 0.0;
   std::int64_t begun = 0;
-  for (int i = 0; i < 10 && old - young < 0.008; ++i) {  // on a busy machine one frame may still end meanwhile
+  for (int i = 0; i < 10 && old - young < 0.008; ++i) {  // one frame may still end meanwhile
     young = device.read(0, 0.0).age;
     begun = monotonic_ns();
     std::this_thread::sleep_for(std::chrono::milliseconds(8));
