@@ -95,7 +95,7 @@ struct DeviceDynamics {
 
 /// Interpolation of positions between the rows of a tool path.
 enum class PathInterpolation : std::uint8_t {
-  kLinear,  // the velocity has a step at each row, and so has the damping force
+  kLinear,  // velocity and damping force have a step at each row
   kCubic    // continuous velocity, no overshoot beyond neighbouring rows
 };
 
