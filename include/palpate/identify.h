@@ -58,8 +58,9 @@ struct Settings {
 /// for each relaxation term its weight g_i and time tau_i), then a specimen's own two (first-contact depth,
 /// sensor offset).
 ///
-/// A Point holds them as the solver uses them: ln k_1, ln beta, ln q, ln L_1; ln(g_i / g_inf), ln tau_i; and
-/// the two own parameters as fractions of the specimen's ranges of displacement and force.
+/// A Point holds the parameters in the form that the solver uses: ln k_1, ln beta, ln q, ln L_1; ln(g_i /
+/// g_inf), ln tau_i; and the two own parameters as fractions of the specimen's ranges of displacement and
+/// force.
 using Point = std::vector<double>;
 
 inline constexpr std::size_t kLawParameters = 4;
@@ -104,8 +105,8 @@ struct OwnPrior {
 [[nodiscard]] OwnPrior own_prior(const Ranges& ranges);
 
 /// [setup] Displacement [m] up to which the least-squares line through the data does not rise beyond the
-/// noise: motion without contact, or a first layer that is too soft to be distinguished from it. The lowest
-/// displacement when the force rises at once.
+/// noise. The tool has no contact there, or the first layer is too soft to be distinguished from no contact.
+/// It is the lowest displacement when the force rises at once.
 [[nodiscard]] double flat_until(const Specimen& specimen, const Ranges& ranges);
 
 /// [setup] Bounds of the shared parameters, for data of these ranges.

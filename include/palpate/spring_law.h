@@ -10,7 +10,7 @@ namespace palpate::model {
 /// Force and tangent stiffness at a penetration depth.
 struct ContactResponse {
   double force = 0.0;      // [N]
-  double stiffness = 0.0;  // tangent stiffness dF/dD [N/m]; 0 when saturated
+  double stiffness = 0.0;  // dF/dD [N/m]; at the end of a layer that of this layer; 0 when saturated
   int cutoff_layer = 1;    // cut-off layer M, 1-based
   bool saturated = false;  // beyond the last allowed layer: force and deformation stay constant
 };

@@ -13,36 +13,36 @@ namespace palpate::deform {
 
 class DeformedSurface;
 
-/// One place where a tool presses or pulls the surface, in the organ's frame.
+/// Displaced surface of one contact, in the organ's frame: a tool presses or pulls the surface there.
 struct Indentation {
   Vec3 point = Vec3::Zero();      // on the rest surface [m]
-  Vec3 direction = Vec3::Zero();  // unit: where the surface goes
-  double depth = 0.0;             // D [m], u(0) = D
-  double tip_radius = 0.0;        // R [m]
-  double half_width = 0.0;        // of the tool there [m]: R_1 is never more; 0: no bound
+  Vec3 direction = Vec3::Zero();  // unit vector along which the surface moves
+  double depth = 0.0;             // D [m], displacement at the contact: u(0) = D
+  double tip_radius = 0.0;        // R [m], radius of curvature of the tool tip
+  double half_width = 0.0;  // half-width of the tool at the contact [m], upper bound of R_1; 0: no bound
 };
 
-/// The surface profile u(r) around one contact (model.md, section 3):
+/// Displacement profile u(r) around one contact (docs/model.md, section 3):
 /// u(r) = D sum_i w_i max(0, 1 - (r/R_i)^2), w_i proportional to g^(i-1), R_1 = c R (D/R)^p,
-/// R_i = R_1 (1 + a (s^(i-1) - 1)/(s - 1)), i = 1..6. At every r it grows with D.
+/// R_i = R_1 (1 + a (s^(i-1) - 1)/(s - 1)), i = 1..6. At every r, u increases with D.
 class DisplacementProfile final {
  public:
   static constexpr int kLayers = 6;
-  /// [any] @param reach checked by model::validate
-  /// @param depth D [m]; <= 0 (or NaN): nothing moves
-  /// @param tip_radius R [m]; @param half_width bound of R_1 [m], 0: none
+  /// [any] @param reach falloff ratios, validated by model::validate()
+  /// @param depth D [m]; <= 0 or NaN: no displacement
+  /// @param tip_radius R [m] @param half_width upper bound of R_1 [m]; 0: no bound
   DisplacementProfile(const model::FalloffRatios& reach, double depth, double tip_radius,
                       double half_width = 0.0) noexcept;
-  /// [rt] Displacement [m] at distance r [m] along the surface. at(0) is D exactly.
+  /// [rt] Displacement [m] at a distance r [m] along the surface. at(0) is exactly D.
   [[nodiscard]] double at(double r) const noexcept;
-  /// [rt] The mean of u over r (1 - share) .. r (1 + share): the same depth at r = 0, but without the corners
-  /// that u has at each R_i, which a light would show as rings.
+  /// [rt] Mean [m] of u over r (1 - share) .. r (1 + share). The value at r = 0 is still D. The mean has no
+  /// corners at the R_i; the corners of u would appear as rings in a picture.
   [[nodiscard]] double rounded_at(double r, double share) const noexcept;
-  /// [rt] Beyond this distance [m] nothing moves (R_6; 0 when D <= 0).
+  /// [rt] Distance [m] beyond which the displacement is 0 (R_6; 0 when D <= 0).
   [[nodiscard]] double outer_radius() const noexcept { return radius_[kLayers - 1]; }
-  /// [rt] Largest |du/dr|, without unit.
+  /// [rt] Largest |du/dr|, dimensionless.
   [[nodiscard]] double steepest() const noexcept;
-  /// [rt] The same depth with every R_i `factor` times as long.
+  /// [rt] A profile with the same depth, whose R_i are `factor` times as large.
   [[nodiscard]] DisplacementProfile widened(double factor) const noexcept;
 
  private:
@@ -51,66 +51,73 @@ class DisplacementProfile final {
   std::array<double, kLayers> weight_{};  // D w_i [m]
 };
 
-/// Slope of a displacement that lies in the surface, at most; 1 would fold the surface.
+/// Largest slope of a tangential displacement, dimensionless. A slope of 1 would fold the surface.
 inline constexpr double kMaxTangentialSlope = 0.8;
 
-/// [any] Depth [m] of a press as drawn in front of a surface `thickness` [m] behind: itself up to 0.7 of it,
-/// then smoothly to 0.9.
+/// [any] Drawn depth [m] of a press where the organ is `thickness` [m] thick. The depth is unchanged up to
+/// 0.7 of the thickness. Above, it rises smoothly towards 0.9 of the thickness.
 [[nodiscard]] double limited_depth(double depth, double thickness) noexcept;
 
-/// [any] For each indentation the factor, at most 1, by which it is drawn shallower because another one comes
-/// towards it from the opposite side: where two directions differ by over 90 degrees, the way by which they
-/// shorten the distance between their contacts is limited_depth() in that distance; in full from 107 degrees
-/// on.
+/// [any] One factor (at most 1) per indentation, by which its drawn depth is reduced because another
+/// indentation comes from the opposite side. The rule applies where two directions differ by more than 90
+/// degrees, and fully from 107 degrees on. It limits the sum of both displacements along the line between the
+/// contacts to limited_depth(), with the distance of the contacts as thickness.
 [[nodiscard]] std::vector<double> opposition_factors(std::span<const Indentation> indentations);
 
-/// Squared length of a mean of directions from which it is made a unit vector.
+/// Squared length of a mean of unit vectors from which on the mean is normalized to length 1.
 inline constexpr double kAlike = 0.64;
-/// [any] By what a mean of unit vectors is multiplied to be one itself, `squared` being its squared length.
-/// Directions that oppose one another (below kAlike) are left shorter, so that nothing jumps between them.
+/// [any] Factor that normalizes a mean of unit vectors, whose squared length is `squared`. Below kAlike the
+/// directions oppose each other; the factor then leaves the mean shorter than 1, so that the displacement
+/// between the contacts has no jump.
 [[nodiscard]] double mean_direction_gain(double squared) noexcept;
 
-/// Moves a surface's vertices around contacts; r is measured along the surface, so the far side of a thin
-/// organ stays still.
+/// Displaces the vertices of a surface around contacts. The distance r is geodesic, so the far side of a thin
+/// organ does not move.
 ///
-/// A contact moves a vertex by u(r) along its direction. Three rules beyond model.md keep the picture whole:
-/// - The part of a displacement that lies in the surface (a pull to the side) is spread wide enough that its
-///   slope stays below 0.8: the surface ahead of the contact is crowded, never folded over.
-/// - Several contacts: the length is the mean of their displacements' lengths, weighted by eighth powers, the
-///   direction that of the mean of their directions, weighted by squares (mean_direction_gain). So coincident
-///   contacts act as one, where they overlap the largest one rules to 3 %, nothing jumps as they part, and
-///   the crest between two that converge turns from one direction to the other slowly enough not to fold.
-/// - A press deeper than 0.7 of the organ's thickness at the contact is drawn shallower, at most 0.9 of it:
-///   the entry side never comes out of the far side. Two that press towards one another from opposite sides
-///   share what lies between them in the same way (opposition_factors). Elsewhere u(0) = D.
+/// A contact moves a vertex by u(r) along the contact's direction. Three rules beyond docs/model.md keep the
+/// drawn surface free of folds and self-intersections:
+/// - A tangential displacement (a pull to the side) is widened until its slope is below kMaxTangentialSlope.
+///   The surface ahead of the contact is compressed, but does not fold.
+/// - For several contacts, the length of the displacement is the mean of their lengths, weighted by the
+/// eighth
+///   powers of the lengths. The direction is the mean of their directions, weighted by the squares of the
+///   lengths (mean_direction_gain). Coincident contacts therefore act as one contact. Where contacts overlap,
+///   the largest displacement determines the result within 3 %. The displacement has no jump when contacts
+///   separate. Between two converging contacts the direction turns slowly enough that the surface does not
+///   fold.
+/// - A press that is deeper than 0.7 of the organ's thickness at the contact is drawn with less depth, at
+/// most
+///   0.9 of the thickness (limited_depth). The pressed side therefore never comes out of the far side. Two
+///   presses from opposite sides are limited together (opposition_factors). In all other cases u(0) = D.
 class SurfaceDeformer final {
  public:
-  /// [setup] Prepares the rest mesh, which is kept. It may be open.
+  /// [setup] Prepares the rest mesh and keeps it. The mesh may be open.
   explicit SurfaceDeformer(geometry::TriangleMesh rest);
   ~SurfaceDeformer();
   SurfaceDeformer(SurfaceDeformer&& other) noexcept;
   SurfaceDeformer& operator=(SurfaceDeformer&& other) noexcept;
 
-  /// [setup] Displaced vertices under all indentations together, to single precision; as many as the rest
-  /// mesh has, organ frame. For the picture's thread. Vertices out of reach equal the rest bit for bit. The
-  /// result does not depend on what was before.
+  /// [setup] Computes the displaced vertices under all indentations, in single precision. Call it from the
+  /// thread that draws. Vertices beyond the outer radius of every profile equal the rest mesh bit for bit.
+  /// The result does not depend on earlier calls. @param vertices receives one position [m] per vertex of the
+  /// rest mesh, organ frame
   void deform(const model::FalloffRatios& reach, std::span<const Indentation> indentations,
               std::vector<Vec3>& vertices);
 
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept;
 
  private:
-  model::FalloffRatios reach_;  // that the surface is made for
+  model::FalloffRatios reach_;  // for which surface_ is prepared
   std::unique_ptr<DeformedSurface> surface_;
 };
 
-/// [setup] Where the tools of all hands press or pull the organ at one tick, organ frame.
+/// [setup] Indentations of all hands at one tick, organ frame.
 ///
-/// A tip is drawn no blunter than it is wide: R is the smaller of its radius of curvature and its half-width
-/// there. The bound of R_1 itself (Indentation::half_width) is not used: a ball's half-width is its radius,
-/// and R_1 so bounded would cut the drawn surface through a ball that is pressed deeper than its radius; in
-/// the finite-element runs that the profile was fitted to, R_1 reaches 1.56 R at D = 2 R.
-/// @param results one a hand (haptics::Snapshot::hand_results)
+/// R is the smaller of the tip's radius of curvature and its half-width at the contact. The bound of R_1
+/// (Indentation::half_width) is not set. The half-width of a ball is its radius; with this bound the drawn
+/// surface would cut through a ball that is pressed deeper than its radius. In the finite-element results
+/// that the profile was fitted to, R_1 reaches 1.56 R at D = 2 R.
+/// @param results one per hand (haptics::Snapshot::hand_results)
 [[nodiscard]] std::vector<Indentation> indentations_of(std::span<const contact::ToolResult> results);
 
 }  // namespace palpate::deform

@@ -17,20 +17,20 @@ namespace palpate::haptics {
 
 struct SimulationState;
 
-/// The state after one tick, for pictures and for other programs. Plain data, so that it can be handed from
-/// thread to thread.
+/// The state after one tick, for pictures and for other programs. It is plain data, so one copy passes it to
+/// another thread.
 struct Snapshot {
   static constexpr std::size_t kMaxHands = 4;
   std::uint64_t tick = 0;
-  std::int64_t taken_ns = 0;  // when the tick began, monotonic clock; 0 in an offline run
-  Pose organ_W;               // at that tick
+  std::int64_t taken_ns = 0;  // start of the tick, monotonic clock; 0 in an offline run
+  Pose organ_W;               // pose of the organ at the tick
   std::uint32_t hands = 0;
   std::array<contact::ToolInput, kMaxHands> tools{};
   std::array<contact::ToolResult, kMaxHands> results{};
   std::array<ForceCommand, kMaxHands> commands{};  // world frame
   std::array<Fault, kMaxHands> faults{};           // latched
-  std::uint64_t change = 0;                        // number of the last live change in force; 0: none
-  model::FalloffRatios reach;                      // of the tissue in force
+  std::uint64_t change = 0;    // number of the last parameter update that applies; 0: none
+  model::FalloffRatios reach;  // displacement profile of the current tissue
 
   /// [rt] The contact of each hand.
   [[nodiscard]] std::span<const contact::ToolResult> hand_results() const noexcept {
@@ -38,42 +38,44 @@ struct Snapshot {
   }
 };
 
-/// One tick after it was made, as long as an observer looks at it.
+/// A completed tick. It is valid only during TickObserver::on_tick().
 struct TickState {
   const SimulationState& state;
-  std::span<const ForceCommand> commands;  // what tick() returned, one a hand, world frame
+  std::span<const ForceCommand> commands;  // results of tick(), one per hand, world frame
   std::uint64_t tick = 0;
-  std::int64_t taken_ns = 0;  // when the tick began, monotonic clock; 0 in an offline run
+  std::int64_t taken_ns = 0;  // start of the tick, monotonic clock; 0 in an offline run
 };
 
-/// [rt] Fills in the state after a tick (entries of hands that the scene lacks stay as they are).
+/// [rt] Copies the state after a tick into `snapshot`. Entries beyond the scene's number of hands are not
+/// changed.
 void make_snapshot(const TickState& now, Snapshot& snapshot) noexcept;
 
-/// Watches a run. The loop's thread calls these functions; they must not block. Within a tick the order is
-/// on_start (once), on_update, then on_row and on_fault of each hand, then on_tick.
+/// Receives the ticks, rows and faults of a run. The loop's thread calls these functions, so they must not
+/// block. The order within a tick is on_start (first tick only), on_update, then on_row and on_fault of each
+/// hand, then on_tick.
 class TickObserver {
  public:
   virtual ~TickObserver() = default;
-  /// [rt] The first tick is due now. @param started_unix_ns wall-clock time of tick 0
+  /// [rt] Called when the first tick is due. @param started_unix_ns wall-clock time of tick 0
   virtual void on_start(std::int64_t /*started_unix_ns*/) noexcept {}
   /// [rt] Tissue or noise parameters change at update.tick.
   virtual void on_update(const ParameterUpdate& /*update*/) noexcept {}
   /// [rt] The row of one hand.
   virtual void on_row(const TickRow& /*row*/) noexcept {}
-  /// [rt] A fault was latched; a fault that is latched again after a reset is a new one.
+  /// [rt] A fault was latched. A fault that is latched again after a reset is reported again.
   virtual void on_fault(const FaultSeen& /*fault*/) noexcept {}
-  /// [rt] The tick is complete. make_snapshot() copies what pictures and other programs need of it.
+  /// [rt] The tick is complete. make_snapshot() copies the state that pictures and other programs need.
   virtual void on_tick(const TickState& /*now*/) noexcept {}
 };
 
-/// Hands the newest snapshot to one reader on another thread.
+/// Passes the newest snapshot to one reader on another thread.
 class SnapshotPublisher final : public TickObserver {
  public:
   void on_tick(const TickState& now) noexcept override {
     make_snapshot(now, cell_.writable());
     cell_.publish();
   }
-  /// [any] Where the one reader takes it from.
+  /// [any] The triple buffer that the one reader reads.
   [[nodiscard]] TripleBuffer<Snapshot>& cell() noexcept { return cell_; }
   [[nodiscard]] const TripleBuffer<Snapshot>& cell() const noexcept { return cell_; }
 

@@ -11,22 +11,23 @@
 
 namespace palpate::model {
 
-/// Which limit of the springs counts: pressed (X_1o - X_1min) or pulled (X_1max - X_1o). [Zhang 2011, eq. 4]
+/// Direction of a contact. It selects the limit of the springs: X_1o - X_1min when pressed, X_1max - X_1o
+/// when pulled [Zhang 2011, eq. 4].
 enum class Direction { kPress, kPull };
 
-/// How force goes with depth: in layers, as the paper has it, or with a stiffness that rises without jumps
+/// Law of force over depth: the layered law of [Zhang 2011], or the smooth law, whose stiffness has no steps
 /// (docs/model.md, "Beyond the paper").
 enum class LawKind : std::uint32_t { kLayered, kSmooth };
 
-/// [any] "layered" or "smooth", as a tissue file has it.
+/// [any] "layered" or "smooth", as in a tissue file.
 [[nodiscard]] const char* to_string(LawKind law) noexcept;
-/// [setup] The law of that name. @throws InputError naming the two.
+/// [setup] The law with this name. @throws InputError that lists the valid names.
 [[nodiscard]] LawKind parse_law(std::string_view text);
 
-/// One way in which a held tissue lets go: the force falls by `g` of the elastic one, with time constant
-/// `tau`.
+/// One term of the Prony series: at constant depth the force falls by the fraction `g` of the elastic force,
+/// with the time constant `tau`.
 struct RelaxationTerm {
-  double g = 0.0;    // > 0; those of all terms sum to less than 1
+  double g = 0.0;    // dimensionless, > 0; the sum over all terms is less than 1
   double tau = 0.0;  // [s]
 
   bool operator==(const RelaxationTerm&) const = default;
@@ -34,11 +35,11 @@ struct RelaxationTerm {
 
 inline constexpr std::size_t kMaxRelaxationTerms = 3;
 
-/// Up to kMaxRelaxationTerms terms, without memory of their own: a copy is a copy of plain data.
+/// A Prony series of up to kMaxRelaxationTerms terms. It is plain data without memory on the heap.
 class RelaxationTerms final {
  public:
   RelaxationTerms() = default;
-  /// [setup] @throws ParameterError for more than kMaxRelaxationTerms.
+  /// [setup] @throws ParameterError for more than kMaxRelaxationTerms terms.
   RelaxationTerms(std::initializer_list<RelaxationTerm> terms) {
     for (const RelaxationTerm& term : terms) push_back(term);
   }
@@ -52,9 +53,9 @@ class RelaxationTerms final {
   [[nodiscard]] const RelaxationTerm& operator[](std::size_t index) const noexcept { return terms_[index]; }
   [[nodiscard]] RelaxationTerm& operator[](std::size_t index) noexcept { return terms_[index]; }
 
-  /// [setup] @throws ParameterError when there are kMaxRelaxationTerms already.
+  /// [setup] Appends a term. @throws ParameterError when the series has kMaxRelaxationTerms terms already.
   void push_back(const RelaxationTerm& term);
-  /// [any] Takes the last term away; there must be one.
+  /// [any] Removes the last term. The series must not be empty.
   void pop_back() noexcept { terms_[--count_] = {}; }
   void clear() noexcept { *this = {}; }
 
@@ -65,7 +66,8 @@ class RelaxationTerms final {
   std::size_t count_ = 0;
 };
 
-/// How the surface gives way around a contact (docs/model.md, section 3); all without unit.
+/// Falloff ratios: extent and steepness of the displacement profile around a contact (docs/model.md,
+/// section 3). All are dimensionless.
 struct FalloffRatios {
   double contact_ratio = 1.1;     // c: R_1 = c R (D/R)^p
   double first_bar_ratio = 0.43;  // a
@@ -76,14 +78,14 @@ struct FalloffRatios {
   bool operator==(const FalloffRatios&) const = default;
 };
 
-/// What the contact rules need of a tissue (docs/model.md, section 4).
+/// Contact parameters of a tissue (docs/model.md, section 4).
 struct ContactParameters {
   double friction = 0.2;                       // Coulomb coefficient, >= 0
-  std::optional<double> tangential_stiffness;  // k_t [N/m]; 10 k_1 when not given
+  std::optional<double> tangential_stiffness;  // k_t [N/m]; empty: 10 k_1
   double tangential_damping = 0.0;             // c_t [N s/m], >= 0
   double damping = 0.5;                        // b [N s/m], >= 0
   double reference_radius = 10e-3;             // R_ref [m]
-  double grip_limit = 8.0;                     // [N]
+  double grip_limit = 8.0;                     // [N], force at which a grasp lets go
 
   bool operator==(const ContactParameters&) const = default;
 };
@@ -94,9 +96,9 @@ struct SourceParameters {
   double radius = 0.0;  // [m]
 };
 
-/// All that a tick needs of one tissue: the springs' law, relaxation, reach and contact. SI units. Plain data
-/// of fixed size: a loop that runs takes over another tissue with one copy. model/tissue_fields.h has a line
-/// for each number.
+/// Tissue parameters that a tick needs: spring law, relaxation, displacement profile and contact. SI units.
+/// It is plain data of fixed size, so a running loop replaces the tissue with one copy. model/tissue_fields.h
+/// lists every number.
 struct TissueNumbers {
   double k1 = 0.0;           // stiffness of the first layer's spring [N/m]
   double beta = 0.0;         // eq. 3
@@ -106,36 +108,37 @@ struct TissueNumbers {
   double min_length = 0.0;   // X_1min [m]
   double t1 = 0.0;           // delay of the first layer [s], eq. 6
   LawKind law = LawKind::kLayered;
-  RelaxationTerms relaxation;  // none, or up to kMaxRelaxationTerms
+  RelaxationTerms relaxation;  // empty: purely elastic
   FalloffRatios reach;
   ContactParameters contact;
 
-  /// [any] L_1 [m]: X_1max - X_1o when pulled, X_1o - X_1min when pressed.
+  /// [any] L_1 [m], limit of the first layer: X_1max - X_1o when pulled, X_1o - X_1min when pressed.
   [[nodiscard]] double first_limit(Direction direction) const noexcept;
-  /// [any] k_t [N/m].
+  /// [any] k_t [N/m], also when it has the default 10 k_1.
   [[nodiscard]] double tangential_stiffness() const noexcept;
 
   bool operator==(const TissueNumbers&) const = default;
 };
 static_assert(std::is_trivially_copyable_v<TissueNumbers>);
 
-/// One tissue: the layered springs' parameters and what belongs to them.
+/// One tissue: its numbers, its name and the indenter of the measurement.
 struct TissueParameters : TissueNumbers {
   std::string name;
   std::optional<SourceParameters> source;
 
-  /// [any] The part that a tick needs.
+  /// [any] The parameters that a tick needs.
   [[nodiscard]] const TissueNumbers& numbers() const noexcept { return *this; }
 };
 
-/// [setup] Checks every field. @throws ParameterError naming the first bad field as it stands in a tissue
-/// file (k1_N_per_m, rest_length_mm, contact.friction, ...), its value in that unit and what would be right.
+/// [setup] Checks every field. @throws ParameterError that names the first invalid field by its key in a
+/// tissue file (k1_N_per_m, rest_length_mm, contact.friction, ...), its value in that unit and the valid
+/// range.
 void validate(const TissueParameters& tissue);
 
-/// [setup] Checks relaxation terms alone, as validate() does.
+/// [setup] Checks only relaxation terms. @throws ParameterError as validate().
 void validate_relaxation(std::span<const RelaxationTerm> terms);
 
-/// [setup] A built-in tissue: "gallbladder", "heart", "liver" or "kidney". @throws InputError listing those
+/// [setup] A built-in tissue: "gallbladder", "heart", "liver" or "kidney". @throws InputError that lists the
 /// names.
 [[nodiscard]] TissueParameters tissue_preset(const std::string& name);
 

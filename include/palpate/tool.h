@@ -7,21 +7,21 @@
 
 namespace palpate::geometry {
 
-/// One rigid part of an instrument, in the handle frame of the device, metres, drawn closed.
+/// One rigid part of an instrument with the jaws closed. Handle frame, metres.
 struct ToolPart {
   std::string name;
   TriangleMesh mesh;  // need not be closed
   bool is_jaw = false;
   Vec3 pivot = Vec3::Zero();  // a point on the jaw's axis [m]
   Vec3 axis = Vec3::UnitY();  // unit
-  double open_angle = 0.0;    // [rad] turned at gripper 1; may be negative
+  double open_angle = 0.0;    // [rad], rotation about the axis at gripper 1; may be negative
 };
 
-/// An instrument: its rigid parts, with the handle frame's origin as reference point of pose and torque.
+/// An instrument and its rigid parts. Pose and torque refer to the origin of the handle frame.
 struct Tool {
   std::string name;
   std::vector<ToolPart> parts;
-  std::optional<double> tip_radius;  // [m], given by the user
+  std::optional<double> tip_radius;  // [m], radius of curvature that the user sets
 };
 
 /// [rt] Pose of a part in the handle frame at a gripper opening (0 closed .. 1 open).

@@ -11,27 +11,28 @@ namespace palpate::scene {
 
 /// One row of a tool path.
 struct PathRow {
-  double time = 0.0;  // s
-  Vec3 position = Vec3::Zero();
+  double time = 0.0;             // s
+  Vec3 position = Vec3::Zero();  // m
   Quat orientation = Quat::Identity();
-  double gripper = 0.0;
+  double gripper = 0.0;  // 0 closed .. 1 open
 };
 
-/// A motion in time: positions by PathInterpolation, orientations by slerp, the gripper linearly. Before the
-/// first and after the last row the pose is constant.
+/// A tool's motion over time. Between rows, positions follow PathInterpolation, orientations slerp, and the
+/// gripper is interpolated linearly. Before the first and after the last row the pose is constant.
 class ToolPath final {
  public:
-  /// [setup] @param rows with unit quaternions @throws InputError when there is no row, or times do not
-  /// strictly increase.
+  /// [setup] @param rows with unit quaternions @throws InputError when there are no rows, or when the times
+  /// do not strictly increase.
   explicit ToolPath(std::vector<PathRow> rows, bool has_gripper = true,
                     PathInterpolation interpolation = PathInterpolation::kLinear);
 
-  /// [setup] The same motion, `factor` times as fast; factor > 0.
+  /// [setup] The same motion with the duration divided by `factor`; factor > 0.
   [[nodiscard]] ToolPath faster(double factor) const;
 
   /// [rt] The interpolated row at `time` [s].
   [[nodiscard]] PathRow at(double time) const noexcept;
-  /// [rt] Velocity [m/s] at `time` [s]; at a row the one after it, outside the path 0.
+  /// [rt] Velocity [m/s] at `time` [s]. The velocity at a row is that of the
+  /// interval after it, and 0 outside the path.
   [[nodiscard]] Vec3 velocity_at(double time) const noexcept;
   [[nodiscard]] double end_time() const noexcept { return rows_.back().time; }
   [[nodiscard]] bool has_gripper() const noexcept { return has_gripper_; }
@@ -43,20 +44,21 @@ class ToolPath final {
 
   std::vector<PathRow> rows_;
   std::vector<Vec3> slopes_;      // m/s, at each row; empty if linear
-  double rows_per_second_ = 0.0;  // mean rate; 0 with one row
+  double rows_per_second_ = 0.0;  // mean number of rows per second; 0 with one row
   bool has_gripper_;
 };
 
-/// [setup] Reads a path CSV (columns by header name). @throws InputError naming file, line, column and value.
+/// [setup] Reads a path CSV (columns by header name). @throws InputError that names file, line,
+/// column and value.
 [[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file,
                                       PathInterpolation interpolation = PathInterpolation::kLinear);
 
 /// [setup] The path of a scripted device without a file, in the device's frame. The tool points down (+z
-/// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. It moves to 12
-/// mm of depth (press) or closes at touch and lifts 12 mm (pull), holds for 1 s, and returns. If the press of
-/// a single tool would slide off there, or start inside, it presses along the normal of a flat region
-/// (docs/model.md, section 4). Several hands are side by side, at most 30 mm apart. @throws InputError when
-/// the organ's mesh is not closed.
+/// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. In a press it
+/// moves to a depth of 12 mm. In a pull it closes the jaws at the surface and lifts by 12 mm. Then it holds
+/// for 1 s and returns. If a single tool would slide off there, or start inside the organ, it presses along
+/// the normal of a flat region instead (docs/model.md, section 4). Several hands are side by side, at most 30
+/// mm apart. @throws InputError when the organ's mesh is not closed.
 [[nodiscard]] ToolPath default_path(const Scene& setup, std::size_t hand);
 
 }  // namespace palpate::scene

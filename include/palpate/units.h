@@ -3,7 +3,7 @@
 
 namespace palpate {
 
-/// Length units that a mesh file may be in (shared by scene files and flags): "mm", "cm", "m", "in".
+/// Length units of mesh files, as in scene files and flags: "mm", "cm", "m", "in".
 enum class LengthUnit { kMillimetre, kCentimetre, kMetre, kInch };
 
 inline constexpr double kMillimetre = 1e-3;   // m
@@ -24,7 +24,7 @@ inline constexpr double kMicrosecond = 1e-6;  // s
   return 1.0;
 }
 
-/// [setup] The unit named by `text`. @throws InputError listing the known ones.
+/// [setup] The unit with this name. @throws InputError that lists the valid units.
 [[nodiscard]] LengthUnit parse_length_unit(std::string_view text);
 
 /// [any] "mm", "cm", "m" or "in".

@@ -10,7 +10,7 @@
 
 namespace palpate::validate {
 
-/// A measured displacement profile: displacement of the surface around one contact along the tool's
+/// A measured displacement profile: displacement of the surface around one contact, along the tool's
 /// direction. SI units.
 struct Deformation {
   std::string name;
@@ -33,21 +33,21 @@ inline constexpr std::size_t kFewestPlaces = 5;
 /// wrong sign).
 [[nodiscard]] std::vector<Deformation> read_deformations(const std::filesystem::path& file);
 
-/// [setup] Sorts a profile by distance. @param where for the message @throws InputError as
-/// read_deformations(), when it cannot be compared.
+/// [setup] Sorts a profile by distance and checks it. @param where file or name, for the message @throws
+/// InputError for the causes that read_deformations() lists.
 void check_deformation(Deformation& deformation, const std::string& where);
 
 /// [setup] Reduces a profile, sorted by distance, to at most `most` points, each the mean of neighbours. A
 /// profile with no more points is returned unchanged.
 [[nodiscard]] Deformation thinned(const Deformation& deformation, std::size_t most);
 
-/// Which form of the surface under a ball is used.
+/// Form of the surface under an indenting ball.
 struct SurfaceRule {
   /// False: u(r) of model.md, section 3, with R_1 limited to the ball's radius. True: the displayed surface,
   /// with unlimited R_1 and nowhere above the ball.
   bool as_drawn = false;
-  /// Radius of the convex rest surface [m]; 0: flat. Beyond a quarter turn it faces away from the ball, and
-  /// u(r) applies unchanged.
+  /// Radius of the convex rest surface [m]; 0: flat. More than 90 degrees from the contact the surface faces
+  /// away from the ball; u(r) then applies unchanged.
   double rest_radius = 0.0;
 };
 
@@ -79,7 +79,8 @@ struct Errors {
   double nrmse = 0.0;  // rms / scale
 };
 
-/// [setup] Errors of `computed`, with `scale` > 0; both of equal size, not empty.
+/// [setup] Errors of `computed`. Both curves must have equal size and must not be empty. @param scale > 0, in
+/// the unit of the curves
 [[nodiscard]] Errors errors_of(const std::vector<double>& measured, const std::vector<double>& computed,
                                double scale);
 
