@@ -392,8 +392,8 @@ class LiveServer::Server final : public ConnectionHandler {
   std::int64_t farewell_until_ns_ = 0;
   std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of written_text_
   std::string written_text_;
-  std::map<std::uint64_t, std::unique_ptr<LiveConnection>>
-      connections_;  // last: connections use the members above
+  // The connections are the last member because they use the members above.
+  std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;
 };
 
 LiveServer::LiveServer(const LiveOptions& options, RunService& service)
