@@ -20,7 +20,8 @@ namespace palpate::net {
 namespace {
 
 constexpr int kLargestPort = 65535;
-/// What the system keeps on its way to a client: more would only make what a slow one sees older.
+/// Size of each client's send buffer in the system. A larger buffer would only make the data older that a
+/// slow client receives.
 constexpr int kSendBuffer = 128 * 1024;  // bytes
 constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
 
@@ -42,7 +43,7 @@ sockaddr_in socket_address(const IgtlAddress& address) {
   return where;
 }
 
-/// Why a port cannot be listened at, in words.
+/// Describes why the server cannot listen at a port.
 std::string describe(int error, const IgtlAddress& address) {
   switch (error) {
     case EADDRINUSE:
@@ -61,7 +62,7 @@ Descriptor listen_at(const IgtlAddress& address) {
   const std::string text = fmt::format("{}:{}", address.host, address.port);
   const sockaddr_in where = socket_address(address);
   Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a run that has just ended
+  set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a previous run is free at once
   if (listener.number() < 0 ||
       bind(listener.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
       listen(listener.number(), SOMAXCONN) != 0) {
@@ -122,13 +123,13 @@ void IgtlClients::let_in() {
   }
 }
 
-/// At most so much at a time: a client that sends without end is held up by its own connection.
+/// Reads and discards at most kMostReadAtOnce bytes. TCP flow control slows a client that sends without end.
 void IgtlClients::discard_input(Client& client) {
   std::array<unsigned char, kMostReadAtOnce> received;
   if (!client.talks) return;
   const ssize_t got = recv(client.socket.number(), received.data(), received.size(), MSG_DONTWAIT);
   if (got > 0) recognise(client, std::span(received).first(static_cast<std::size_t>(got)));
-  if (got == 0) client.talks = false;  // it may still listen
+  if (got == 0) client.talks = false;  // the client has ended its sending side; it may still receive
   if (got < 0 && errno != EAGAIN && errno != EINTR) client.gone = true;
 }
 
@@ -207,7 +208,7 @@ void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
   for (;;) {
     waited_for.assign(1, {wake, POLLIN, 0});
     for (const Client& client : clients_) {
-      // A negative number is passed over.
+      // poll() ignores a negative descriptor.
       waited_for.push_back({client.busy() ? client.socket.number() : -1, POLLOUT, 0});
     }
     const std::int64_t left = std::max<std::int64_t>(0, deadline_ns - monotonic_ns());
@@ -221,7 +222,8 @@ void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
   }
 }
 
-/// A connection closed with something unread in it is cut off, and what is on its way lost.
+/// Closes all connections. Closing a connection with unread input would reset it, and data under way would be
+/// lost. So each input is read first.
 void IgtlClients::close_all() {
   listener_ = Descriptor(-1);
   for (Client& client : clients_) {

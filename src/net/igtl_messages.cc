@@ -15,7 +15,7 @@
 namespace palpate::net {
 namespace {
 
-/// mm, in the messages' single precision.
+/// Converts a position [m] to mm in the single precision of the messages.
 std::array<float, 3> millimetres(const Vec3& place) {
   return {static_cast<float>(1e3 * place.x()), static_cast<float>(1e3 * place.y()),
           static_cast<float>(1e3 * place.z())};
@@ -28,7 +28,8 @@ igtl::TimeStamp::Pointer stamp_of(std::int64_t unix_ns) {
   return stamp;
 }
 
-/// The 64 bits of a unit. By the library's C functions: its class igtl::Unit keeps only the last of several.
+/// Packs a unit into OpenIGTLink's 64 bits. It calls the library's C functions because the class igtl::Unit
+/// keeps only the last of several units.
 igtl_unit unit_of(SensorUnit unit) {
   igtl_unit_data data{};
   igtl_unit_init(&data);
@@ -55,7 +56,7 @@ igtl_unit unit_of(SensorUnit unit) {
   return igtl_unit_pack(&data);
 }
 
-/// Packs a message and gives its bytes, head and body.
+/// Packs a message. @return its bytes, header and body
 std::span<const unsigned char> packed(igtl::MessageBase& message, const std::string& name,
                                       std::int64_t unix_ns) {
   igtl::TimeStamp::Pointer stamp = stamp_of(unix_ns);

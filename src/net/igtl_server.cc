@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::int64_t period_ns(double rate_Hz) { return static_cast<std::int64_t>(1e9 / rate_Hz); }
 
-/// A surface takes at most one part in so many of the thread's time.
+/// Packing surfaces takes at most 1/kShareOfSurface of the thread's time.
 constexpr std::int64_t kShareOfSurface = 4;
-/// Behind everything else of the run.
+/// Nice value of the thread. The rest of the run has a higher priority.
 constexpr int kNiceness = 5;
 
 }  // namespace
@@ -45,7 +45,7 @@ IgtlStatistics IgtlServer::finish() {
   return tally;
 }
 
-/// Returns when the thread has done it.
+/// Passes a request to the server's thread and waits until the thread has answered it.
 void IgtlServer::ask(Ask what, std::unique_ptr<IgtlStream> stream) {
   std::unique_lock lock(mutex_);
   if (!serving_) return;
@@ -63,7 +63,7 @@ void IgtlServer::answer() {
 }
 
 void IgtlServer::serve() {
-  (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread alone
+  (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // Linux changes this thread alone
   try {
     serve_until_finish();
   } catch (const std::exception& error) {
@@ -98,7 +98,8 @@ void IgtlServer::serve_until_finish() {
   }
 }
 
-/// What the cell still holds is another run's.
+/// Begins the stream of a run. It first takes the previous run's last snapshot out of the triple buffer, so
+/// that the new stream does not send it.
 void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
   (void)published_.cell().refresh();
   stream_ = std::move(stream);
@@ -123,7 +124,8 @@ void IgtlServer::frame(std::int64_t now, bool last) {
   clients_.offer(channels_);
 }
 
-/// Wall time of the state in hand [ns]. An offline run has none: its state is of now.
+/// Wall time of the current state [ns]. A state of an offline run has no wall time, so it gets the present
+/// time.
 std::int64_t IgtlServer::stamp() const noexcept {
   const std::int64_t taken = published_.cell().value().taken_ns;
   const std::int64_t now = unix_ns();
@@ -163,7 +165,7 @@ void IgtlServer::pack_surface(std::int64_t now, std::int64_t stamp) {
   if (!bytes.empty()) send_next(kSurfaceChannel, std::move(bytes));
 }
 
-/// Whatever clients have not had yet, and that it was the last.
+/// Sends the data that clients have not received yet, and a last status that palpate ends.
 void IgtlServer::send_goodbye() {
   send_next(kStatusChannel, status_without_run(true, unix_ns()));
   const std::int64_t until = monotonic_ns() + kShutdownTime;

@@ -15,7 +15,8 @@ namespace {
 
 constexpr const char* kStatusNames = "PalpateStatus";
 
-/// Finer, so that a dent is a dent and not one corner pushed in; the surface stays where it is.
+/// Subdivides a coarse mesh so that an indentation moves more than one vertex. The shape of the surface does
+/// not change.
 geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
   while (!mesh.triangles.empty() && mesh.triangles.size() <= IgtlStream::kFewestTriangles) {
     mesh = geometry::subdivide(mesh);
@@ -25,13 +26,13 @@ geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
 
 std::array<double, 3> plain(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-/// With so many digits after the point.
+/// Rounds to `digits` digits after the decimal point.
 std::string with_digits(double value, int digits) {
   const double scale = std::pow(10.0, digits);
   return shortest(std::round(value * scale) / scale);
 }
 
-/// "hand 0 at 1.234 s: presses 3.2 mm deep, 1.05 N".
+/// Describes the contact of one hand, as in "hand 0 at 1.234 s: presses 3.2 mm deep, 1.05 N".
 std::string reading(const haptics::Snapshot& snapshot, std::size_t hand, double time) {
   const contact::ToolResult& result = snapshot.results[hand];
   std::string text = fmt::format("hand {} at {} s: ", hand, with_digits(time, 3));

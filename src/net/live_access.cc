@@ -83,7 +83,7 @@ void check_origin(const std::string& origin) {
 
 bool origin_allowed(std::string_view origin, const std::string& host, std::uint16_t port, bool loopback,
                     std::span<const std::string> allowed) {
-  // A browser leaves out the port that is the scheme's own.
+  // Browsers omit the scheme's default port, which is 80 for http.
   const std::string ending = port == 80 ? "" : ":" + std::to_string(port);
   if (origin == "http://" + host + ending) return true;
   if (loopback && origin == "http://localhost" + ending) return true;

@@ -23,7 +23,8 @@ LiveConnection::LiveConnection(std::uint64_t number, tcp::socket socket, Connect
   peer_ = raw.remote_endpoint(ignored).address();
   begun_ns_ = monotonic_ns();
   raw.set_option(tcp::no_delay(true), ignored);
-  // A client that does not read must see old states for a moment only, and fill no memory of the system.
+  // A small send buffer limits the age of the states that a slow client receives, and the memory that the
+  // system needs.
   raw.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
 }
 
@@ -48,11 +49,11 @@ void LiveConnection::on_request(const error_code& error) {
   if (std::optional<HttpResponse> refusal = handler_.refusal(*this, request)) {
     return answer_http(std::move(*refusal));
   }
-  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has time limits of its own
+  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket's own time limits apply from here on
   socket_.set_option(websocket::stream_base::timeout{kOpening, kSilence, true});
   socket_.read_message_max(kLargestRequest);
   socket_.control_callback([this](websocket::frame_type, beast::string_view payload) {
-    constexpr std::size_t kHeader = 6;  // bytes of a control frame before its payload: they are of no message
+    constexpr std::size_t kHeader = 6;  // bytes before the payload of a control frame
     read_bytes() -= std::min<std::uint64_t>(read_bytes(), kHeader + payload.size());
     count_control();
   });
@@ -78,7 +79,8 @@ void LiveConnection::answer_http(HttpResponse response) {
     --under_way_;
     if (ended_) return;
     if (failure) return end();
-    // The client must not lose the answer to a reset, which closing at once with unread bytes would send.
+    // The sending side is closed first. Closing with unread bytes sends a reset, and the client loses the
+    // answer.
     error_code ignored;
     beast::get_lowest_layer(socket_).socket().shutdown(tcp::socket::shutdown_send, ignored);
     end();
@@ -99,7 +101,7 @@ void LiveConnection::read() {
 void LiveConnection::on_message(const error_code& error) {
   if (ended_) return;
   if (error) {
-    if (!close_begun_) end();  // else async_close ends it
+    if (!close_begun_) end();  // otherwise async_close ends the connection
     return;
   }
   const bool excess = !limit_.allows(monotonic_ns());
@@ -118,11 +120,12 @@ void LiveConnection::on_message(const error_code& error) {
   if (!closing_) read();
 }
 
-/// Pings count as messages: their answers cost as much.
+/// Counts a control frame towards the message limit. The answer to a ping costs the same as the answer to a
+/// message.
 void LiveConnection::count_control() {
   if (limit_.allows(monotonic_ns()) || ++excess_ != kMostExcess + 1) return;
   ++under_way_;
-  asio::post(socket_.get_executor(), [this] {  // the library calls this in the middle of a read
+  asio::post(socket_.get_executor(), [this] {  // the library calls this function during a read
     --under_way_;
     close(websocket::close_code::policy_error, "too many messages");
   });
@@ -207,8 +210,8 @@ void LiveConnection::wait_for_frame() {
   });
 }
 
-/// Frames are due at even times, whatever the client does; what this thread itself has slept through is left
-/// out as well.
+/// Sends the frame that is due. Frames are due at equal intervals, whatever the client does. Frames that
+/// became due while this thread slept count as left out.
 void LiveConnection::on_frame_due() {
   const auto late = std::chrono::steady_clock::now() - due_;
   const auto skipped = late / period_;

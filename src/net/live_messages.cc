@@ -75,7 +75,7 @@ Json hand_json(const haptics::TickRow& row) {
   return json;
 }
 
-/// What stands in every answer.
+/// Members that every answer contains.
 Json refer(const LiveReference& reference) {
   Json json = Json::object();
   json["answer"] = reference.command.empty() ? Json(nullptr) : Json(reference.command);

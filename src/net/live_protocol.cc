@@ -17,14 +17,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kDeepest = 8;                  // levels of a message; the commands need three
-constexpr std::size_t kLongestText = 1024;   // bytes of a text: a path
-constexpr std::size_t kLongestName = 63;     // bytes of a tissue's name, as a recorded change keeps it
+constexpr int kDeepest = 8;                  // nesting levels of a message; the commands need three
+constexpr std::size_t kLongestText = 1024;   // bytes of a text value, such as a path
+constexpr std::size_t kLongestName = 63;     // bytes of a tissue's name, as in a recorded parameter update
 constexpr std::size_t kLongestId = 64;       // bytes
 constexpr std::size_t kLongestExcerpt = 40;  // bytes of a value in an error
-constexpr double kLargestWhole = 9007199254740992.0;  // 2^53: beyond it JSON readers lose the last digits
+constexpr double kLargestWhole = 9007199254740992.0;  // 2^53; JSON readers round larger integers
 
-/// Printable ASCII only, and not too long: what a stranger sent is about to be shown.
+/// Shortens a client's text for an error message and replaces characters that are not printable ASCII.
 std::string excerpt(std::string text) {
   if (text.size() > kLongestExcerpt) text = text.substr(0, kLongestExcerpt) + "...";
   std::replace_if(
@@ -39,10 +39,10 @@ std::string excerpt(std::string text) {
                   field);
 }
 
-/// An object of a message, read key by key; what nobody has asked for at the end is refused.
+/// Reads an object of a message key by key. allow_no_more() refuses the keys that were not read.
 class Members final {
  public:
-  /// @param path of the object in the message, empty: the message itself
+  /// @param path name of the object in the message; empty for the message itself
   Members(const json& object, std::string path) : object_(object), path_(std::move(path)) {
     if (!object_.is_object()) fail(path_.empty() ? "message" : path_, object_, "an object");
   }
@@ -84,7 +84,7 @@ class Members final {
     if (read.empty() || read.size() > longest || !plain) fail(path_of(key), *value, want);
     return read;
   }
-  /// Refuses what was not asked for.
+  /// Refuses a key that was not read. @throws LiveError
   void allow_no_more() const {
     for (const auto& [key, value] : object_.items()) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
@@ -102,7 +102,8 @@ class Members final {
   std::vector<std::string> known_;
 };
 
-/// The library reads and writes values by recursion, so that one nested a million deep would end the program.
+/// Refuses a message with too many nesting levels. The JSON library is recursive, so a very deep message
+/// would overflow the stack.
 void check_depth(std::string_view text) {
   int depth = 0;
   bool quoted = false;
@@ -133,7 +134,7 @@ json parse(std::string_view text) {
     json message = json::parse(text);
     if (message.is_object()) return message;
   } catch (const json::parse_error& error) {
-    // The byte is enough to find it; what the parser says would repeat the message's own bytes.
+    // The error gives the byte's position only. The parser's own text would repeat bytes of the message.
     throw LiveError("json", "message: byte " + std::to_string(error.byte) + " of " +
                                 std::to_string(text.size()) + ": is no JSON");
   } catch (const json::exception&) {

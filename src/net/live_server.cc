@@ -4,7 +4,7 @@
 #include <chrono>
 #include <exception>
 #include <map>
-#include <utility>  // before Asio, whose 1.74 forgets it
+#include <utility>  // before Asio: Asio 1.74 does not include it
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -27,14 +27,14 @@ using boost::beast::error_code;
 using boost::beast::websocket::close_code;
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the connection on
-constexpr std::int64_t kCloseLimit = 2'000'000'000;  // ns for a client to take the end of its connection
-constexpr double kLogLines = 0.1;                    // a second, and so many at once:
+constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the connection to "hello"
+constexpr std::int64_t kCloseLimit = 2'000'000'000;  // ns for a client to close its side
+constexpr double kLogLines = 0.1;  // lines per second on average; kLogLinesAtOnce lines may come at once
 constexpr double kLogLinesAtOnce = 20.0;
-constexpr int kBacklog = 64;  // connections that the system keeps until they are accepted
-constexpr std::int64_t kShutdownTime = 500'000'000;  // ns, for clients to take the last word
+constexpr int kBacklog = 64;  // connections that wait in the system until they are accepted
+constexpr std::int64_t kShutdownTime = 500'000'000;  // ns for clients to receive the last messages
 
-/// An address as it stands in a URL.
+/// Writes an address as in a URL, where brackets enclose an IPv6 address.
 std::string in_url(const asio::ip::address& address) {
   return address.is_v6() ? "[" + address.to_string() + "]" : address.to_string();
 }
@@ -62,7 +62,8 @@ HttpResponse plain_answer(http::status status, const std::string& words) {
   return response;
 }
 
-/// The page may speak to its own server alone, and nobody may put it into a frame.
+/// Answers with the page. The headers allow the page to connect to its own server alone, and forbid frames
+/// around it.
 HttpResponse page_answer(const std::string& page) {
   HttpResponse response(http::status::ok, 11);
   response.set(http::field::content_type, "text/html; charset=utf-8");
@@ -137,7 +138,7 @@ class LiveServer::Server final : public ConnectionHandler {
         from.close(live->code() == "full" ? close_code::try_again_later : close_code::policy_error,
                    live->code());
       }
-    } catch (const std::exception& error) {  // no client may end the run of the others
+    } catch (const std::exception& error) {  // one client's error must not end the others' service
       ++statistics_.errors;
       from.send(error_text(reference, LiveError("refused", error.what())));
     }
@@ -161,7 +162,7 @@ class LiveServer::Server final : public ConnectionHandler {
   void accept() {
     acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      if (error) {  // no file handles left: the next one may do better, after a pause
+      if (error) {  // such as no free descriptor: accept again after a pause
         accept_later_ = true;
         return;
       }
@@ -176,14 +177,14 @@ class LiveServer::Server final : public ConnectionHandler {
     });
   }
 
-  /// Drops the oldest connection that has not said hello: of this peer when it has too many, of all when
-  /// there are.
+  /// Drops the oldest connection without "hello" when too many of them wait: from this peer at
+  /// kMaxPendingPerAddress, from all peers at kMaxPending.
   void make_room(const asio::ip::address& peer) {
     LiveConnection* oldest = nullptr;
     LiveConnection* oldest_of_peer = nullptr;
     std::size_t all = 0;
     std::size_t of_peer = 0;
-    for (const auto& [number, connection] : connections_) {  // in the order in which they came
+    for (const auto& [number, connection] : connections_) {  // in the order of connection
       if (connection->greeted || connection->is_over()) continue;
       ++all;
       if (oldest == nullptr) oldest = connection.get();
@@ -293,9 +294,11 @@ class LiveServer::Server final : public ConnectionHandler {
     return {{"palpate", kLiveProtocol}, {"program", std::string("palpate ") + kVersion}};
   }
 
-  /// Every few milliseconds: what the host has to say, who has not said hello, who is gone, whether to stop.
+  /// Runs every kPollPeriodMs. It sends the service's events, checks each connection, removes closed
+  /// connections and stops the server when `stop` is set.
   void poll(const std::atomic<bool>& stop) {
-    const bool ends = stop.load(std::memory_order_relaxed);  // before the host looks, which may want to know
+    const bool ends = stop.load(std::memory_order_relaxed);  // read first, so that the service is polled once
+                                                             // more after `stop` was set
     const auto present = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
       return entry.second->greeted && entry.second->is_open();
     });
@@ -311,7 +314,8 @@ class LiveServer::Server final : public ConnectionHandler {
     timer_.async_wait([this, &stop](const error_code&) { poll(stop); });
   }
 
-  /// Ends a connection that says no hello, sends a message without an end, or does not take its end.
+  /// Ends a connection without "hello" within kHelloLimit, a connection whose message has too many fragments,
+  /// and a connection that the client does not close within kCloseLimit.
   void watch(LiveConnection& connection) {
     const std::int64_t now = monotonic_ns();
     if (connection.closing_ns() != 0) {
@@ -362,10 +366,11 @@ class LiveServer::Server final : public ConnectionHandler {
     wait_for_last_connection();
   }
 
-  /// Ends run() when all connections are over; those that take too long are dropped.
+  /// Ends run() when all connections are closed. Connections that are still open after kShutdownTime are
+  /// dropped.
   void wait_for_last_connection() {
     remove_closed();
-    if (connections_.empty()) return context_.stop();  // the library's own alarms may be set still
+    if (connections_.empty()) return context_.stop();  // the library's timers may still be set
     if (monotonic_ns() >= farewell_until_ns_) {
       for (const auto& [number, connection] : connections_) connection->drop();
     }
@@ -381,13 +386,14 @@ class LiveServer::Server final : public ConnectionHandler {
   tcp::endpoint endpoint_;
   asio::steady_timer timer_{context_};
   RateLimit log_limit_{kLogLines, kLogLinesAtOnce};
-  std::uint64_t unlogged_ = 0;  // refused since the last line of log
+  std::uint64_t unlogged_ = 0;  // connections refused since the last log line
   bool accept_later_ = false;
-  bool someone_came_ = false;  // since the host last looked
+  bool someone_came_ = false;  // a client came since the last poll()
   std::int64_t farewell_until_ns_ = 0;
-  std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of:
+  std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of written_text_
   std::string written_text_;
-  std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;  // last: they use all of the above
+  // The connections are the last member because they use the members above.
+  std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;
 };
 
 LiveServer::LiveServer(const LiveOptions& options, RunService& service)

@@ -22,7 +22,7 @@ const geometry::TriangleMesh& checked(const geometry::TriangleMesh& organ) {
 }
 
 void append(Json& list, const Vec3& point) {
-  constexpr double kSteps = 1000.0;  // of a millimetre
+  constexpr double kSteps = 1000.0;  // steps per millimetre
   for (int axis = 0; axis < 3; ++axis) {
     list.push_back(std::round(point[axis] / kMillimetre * kSteps) / kSteps);
   }

@@ -1,4 +1,4 @@
-// Clients that are slow, deaf, rude or many.
+// Clients that are slow, read nothing, send invalid bytes or are many.
 #include "net/igtl_clients.h"
 
 #include <chrono>
@@ -33,7 +33,7 @@ TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
     IgtlRun run(&server, large_setup());
     report = haptics::run_loop(world, state, devices, {&server}, {.ticks = kTicks, .stalled_after_ns = 0});
   });
-  // The other sees the run to its last tick, and each state is newer than the one before.
+  // The other client sees the run to its last tick, and each state is newer than the previous state.
   double last = -1.0;
   while (last < 1e-3 * (kTicks - 1)) {
     const double time = other.next("SENSOR", "PalpateTime").values()[0];
@@ -55,7 +55,8 @@ TEST(IgtlClients, WhoTakesNothingForLongIsLetGo) {
   Client other(server.port());
   const Publisher loop(server);
   (void)other.next("POLYDATA", "PalpateOrgan");
-  // The other sees time pass in its frames; the deaf one's time is over long before.
+  // The other client sees the time advance in its frames. The time limit of the client that reads nothing is
+  // over long before.
   const double begin = other.next("SENSOR", "PalpateTime").time;
   while (other.next("SENSOR", "PalpateTime").time < begin + 1.5) continue;
   const IgtlStatistics tally = server.finish();
@@ -68,7 +69,7 @@ TEST(IgtlClients, ASlowClientGetsFewerFramesWholeAndInOrderAndTheyAreCounted) {
   server.begin(std::make_unique<IgtlStream>(large_setup()));
   Client slow(server.port());
   const Publisher loop(server);
-  // It reads nothing for a while, in the middle of the surface that is larger than all buffers.
+  // The client pauses in the middle of a surface that is larger than all buffers.
   (void)slow.next("SENSOR", "PalpateTime");
   std::this_thread::sleep_for(700ms);
   double last = 0.0;
@@ -90,8 +91,10 @@ TEST(IgtlClients, AClientThatVanishesInTheMiddleOfAMessageHarmsNobody) {
   for (int i = 0; i < 20; ++i) {
     BareClient passing(server.port());
     ASSERT_TRUE(passing.connected());
-    (void)passing.receive(30);  // half a header, and it is gone: the system tells the server so at once
-    if (i % 2 == 0) passing.receive_what_is_there();  // or only when the server sends the next time
+    (void)passing.receive(30);  // half a header
+    // A client that closes with unread bytes resets the connection, which the server sees at once. After the
+    // close of a client without unread bytes, the server sees it at its next send.
+    if (i % 2 == 0) passing.receive_what_is_there();
   }
   for (int i = 0; i < 20; ++i) (void)other.next("SENSOR", "PalpateForce");
   EXPECT_EQ(server.finish().failure, "");
@@ -106,7 +109,7 @@ TEST(IgtlClients, WhateverClientsSendIsForgottenHoweverMuch) {
   Bytes noise(1 << 16);
   for (std::size_t i = 0; i < noise.size(); ++i)
     noise[i] = static_cast<unsigned char>((i * 2654435761U) >> 13U);
-  // A header that promises 2^63 bytes, then noise without end.
+  // A header that announces 2^63 bytes, then bytes without end.
   Bytes header(58, 0xFF);
   header[0] = 0;
   header[1] = 1;
@@ -117,7 +120,7 @@ TEST(IgtlClients, WhateverClientsSendIsForgottenHoweverMuch) {
     (void)other.next("SENSOR", "PalpateForce");
   }
   EXPECT_GT(sent, noise.size()) << "it was taken";
-  // The library's own client asks for things, too.
+  // The library's own client also sends requests.
   igtl::GetTransformMessage::Pointer question = igtl::GetTransformMessage::New();
   question->SetDeviceName("PalpateTool");
   question->Pack();
@@ -131,7 +134,7 @@ TEST(IgtlClients, Slicer3DWhichKnowsNoSensorGetsNone) {
   IgtlServer server(kAnyFreePort);
   Client slicer(server.port());
   Client other(server.port());
-  // What its connector sends first: a status without a name.
+  // The connector of 3D Slicer first sends a status without a name.
   igtl::StatusMessage::Pointer hello = igtl::StatusMessage::New();
   hello->Pack();
   const std::span bytes(static_cast<const unsigned char*>(hello->GetPackPointer()),
@@ -139,7 +142,7 @@ TEST(IgtlClients, Slicer3DWhichKnowsNoSensorGetsNone) {
   slicer.send(bytes.first(20));  // in two pieces
   (void)slicer.next("STATUS", "PalpateStatus");
   slicer.send(bytes.subspan(20));
-  for (int i = 0; i < 2; ++i) (void)slicer.next("STATUS", "PalpateStatus");  // 0.2 s: it has been read
+  for (int i = 0; i < 2; ++i) (void)slicer.next("STATUS", "PalpateStatus");  // read after 0.2 s
   server.begin(block_stream());
   const Publisher loop(server);
   for (int i = 0; i < 60; ++i) EXPECT_NE(slicer.next()->type, "SENSOR");

@@ -15,7 +15,7 @@ using test::read_all;
 using testing::ElementsAre;
 using testing::FloatEq;
 
-constexpr std::int64_t kStamp = 1'700'000'000'250'000'000;  // ns: a quarter second has an exact fraction
+constexpr std::int64_t kStamp = 1'700'000'000'250'000'000;  // ns; 0.25 s is exact in binary
 
 TEST(IgtlMessages, ATransformIsThePoseInMillimetresWithItsTimeAndName) {
   IgtlMessages messages(kStamp);
@@ -70,7 +70,7 @@ TEST(IgtlMessages, ASensorHasItsValuesInDoublePrecisionAndItsUnit) {
   EXPECT_EQ(all[0].type, "SENSOR");
   EXPECT_THAT(all[0].values(), ElementsAre(1.0 / 3.0, -2.5, 1e-9)) << "bit for bit";
   EXPECT_EQ(all[2].values().size(), 1u);
-  // Of the 64 bits the first four are the prefix, the next six a unit and four its exponent, and so on.
+  // The first 4 of the 64 bits are the prefix. Each unit follows with 6 bits, and its exponent with 4 bits.
   constexpr std::uint64_t kNewtonToThe1 = std::uint64_t{0x0B} << 54U | std::uint64_t{1} << 50U;
   constexpr std::uint64_t kThenMetreToThe1 = std::uint64_t{0x01} << 44U | std::uint64_t{1} << 40U;
   constexpr std::uint64_t kMilliMetre =

@@ -1,5 +1,5 @@
 #pragma once
-// OpenIGTLink messages as a client of the same library reads them; every checksum is checked.
+// OpenIGTLink messages as a client of the same library reads them. Every checksum is checked.
 #include <array>
 #include <cstring>
 #include <optional>
@@ -19,7 +19,7 @@
 
 namespace palpate::net::test {
 
-/// One message: its header taken apart, its body not yet.
+/// One message with its header unpacked and its body still packed.
 struct Received {
   std::string type;
   std::string name;
@@ -27,7 +27,7 @@ struct Received {
   igtl::MessageHeader::Pointer header;
   std::vector<unsigned char> body;
 
-  /// The body taken apart. @throws std::runtime_error when it does not keep to its checksum or its type
+  /// Unpacks the body. @throws std::runtime_error when its checksum or its type is wrong
   template <typename Message>
   [[nodiscard]] typename Message::Pointer as() const {
     typename Message::Pointer message = Message::New();
@@ -52,7 +52,7 @@ struct Received {
   }
 };
 
-/// A header from its bytes, with the size of the body that follows.
+/// Unpacks a header, which states the size of the body that follows.
 inline Received header_from(const igtl::MessageHeader::Pointer& header) {
   if ((header->Unpack(0) & igtl::MessageHeader::UNPACK_HEADER) == 0) throw std::runtime_error("no header");
   igtl::TimeStamp::Pointer stamp = igtl::TimeStamp::New();
@@ -62,7 +62,7 @@ inline Received header_from(const igtl::MessageHeader::Pointer& header) {
   return received;
 }
 
-/// Messages one after the other.
+/// Reads messages that follow each other in `bytes`.
 inline std::vector<Received> read_all(std::span<const unsigned char> bytes) {
   std::vector<Received> all;
   while (!bytes.empty()) {
@@ -81,18 +81,18 @@ inline std::vector<Received> read_all(std::span<const unsigned char> bytes) {
   return all;
 }
 
-/// A client of the library's own.
+/// A client that uses the library's socket.
 class Client final {
  public:
   explicit Client(int port) {
     if (socket_->ConnectToServer("127.0.0.1", port) != 0) throw std::runtime_error("no connection");
-    socket_->SetReceiveTimeout(20'000);  // a test that waits so long has failed
+    socket_->SetReceiveTimeout(20'000);  // ms; a test that waits for 20 s has failed
   }
   ~Client() { socket_->CloseSocket(); }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  /// The next message; nothing at the end of the stream.
+  /// Next message. Empty at the end of the stream.
   [[nodiscard]] std::optional<Received> next() {
     igtl::MessageHeader::Pointer header = igtl::MessageHeader::New();
     header->InitPack();
@@ -101,7 +101,7 @@ class Client final {
     if (!take(received.body.data(), static_cast<int>(received.body.size()))) return std::nullopt;
     return received;
   }
-  /// The next message of that type and name. @throws std::runtime_error when the stream ends before
+  /// Next message of a type and a name. @throws std::runtime_error when the stream ends first
   [[nodiscard]] Received next(const std::string& type, const std::string& name) {
     while (std::optional<Received> received = next()) {
       if (received->type == type && received->name == name) return *std::move(received);
@@ -113,7 +113,8 @@ class Client final {
   }
 
  private:
-  /// With a timeout set, the library gives what it has got so far.
+  /// Receives `size` bytes. With a timeout set, a call of the library returns the bytes that have arrived so
+  /// far.
   bool take(void* to, int size) {
     for (int done = 0; done < size;) {
       const int got = socket_->Receive(static_cast<char*>(to) + done, size - done, 0);

@@ -1,5 +1,5 @@
 #pragma once
-// A server's surroundings: organs, loops that publish, clients.
+// Fixtures for tests of the server: organs, loops that publish, and clients.
 #include <atomic>
 #include <chrono>
 #include <future>
@@ -22,11 +22,11 @@ namespace palpate::net::test {
 
 inline const IgtlAddress kAnyFreePort{"127.0.0.1", 0};
 
-/// A connection by the system's own calls, for what the library's client would never do.
+/// A client with the system's own sockets, for behaviour that the library's client does not have.
 class BareClient final {
  public:
   explicit BareClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const int small = 4096;  // bytes: full soon
+    const int small = 4096;  // bytes: a buffer that is full soon
     (void)setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
     sockaddr_in where{};
     where.sin_family = AF_INET;
@@ -35,17 +35,17 @@ class BareClient final {
     connected_ = connect(socket_.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
   }
   [[nodiscard]] bool connected() const { return connected_; }
-  /// Bytes that came, at most so many; 0: the end.
+  /// Receives at most `most` bytes. @return their number; 0 at the end of the stream
   [[nodiscard]] ssize_t receive(std::size_t most) {
     Bytes bytes(most);
     return recv(socket_.number(), bytes.data(), bytes.size(), 0);
   }
-  /// Sends as much as goes without waiting. @return bytes
+  /// Sends the bytes that the system takes without a wait. @return their number
   std::size_t send_what_goes(const Bytes& bytes) {
     const ssize_t sent = send(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     return sent < 0 ? 0 : static_cast<std::size_t>(sent);
   }
-  /// Everything that is there already.
+  /// Receives all bytes that have arrived.
   void receive_what_is_there() {
     Bytes bytes(1 << 16);
     while (recv(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) continue;
@@ -64,14 +64,15 @@ inline scene::Scene block_setup() {
   return setup;
 }
 
-/// The same, so finely divided that its surface takes some MB: more than the system's buffers hold.
+/// The block with a mesh so fine that its surface message has several MB, more than the system's buffers
+/// take.
 inline scene::Scene large_setup() {
   scene::Scene setup = block_setup();
   setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.0005);
   return setup;
 }
 
-/// As the loop does: tick after tick, each with its number in its pose and force.
+/// Publishes a tick as the loop does. Its pose and force contain its number.
 inline void publish(IgtlServer& server, std::uint64_t tick) {
   haptics::Snapshot snapshot;
   snapshot.tick = tick;
@@ -82,7 +83,7 @@ inline void publish(IgtlServer& server, std::uint64_t tick) {
   server.publish(snapshot);
 }
 
-/// A loop that publishes every millisecond until it is gone.
+/// A loop that publishes every millisecond until it is destroyed.
 class Publisher final {
  public:
   explicit Publisher(IgtlServer& server)
@@ -107,7 +108,7 @@ class Publisher final {
   std::thread thread_;
 };
 
-/// The last message of each name until the stream ends, read meanwhile.
+/// Reads on another thread until the stream ends. The result is the last message of each name.
 using Newest = std::map<std::string, Received>;
 inline std::future<Newest> newest_of(Client& client) {
   return std::async(std::launch::async, [&client] {

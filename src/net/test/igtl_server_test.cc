@@ -1,4 +1,4 @@
-// A server with real clients of the library.
+// The server with clients of the OpenIGTLink library.
 #include "net/igtl_server.h"
 
 #include <algorithm>
@@ -75,7 +75,8 @@ TEST(IgtlServer, APortCanBeListenedAtAgainAtOnce) {
 
 TEST(IgtlServer, ListensAtLoopbackAloneUnlessToldOtherwise) {
   const IgtlServer server(kAnyFreePort);
-  // 127.0.0.2 is this machine too: a server at all addresses would take it, one at 127.0.0.1 leaves it free.
+  // 127.0.0.2 is an address of this machine too. A server at all addresses occupies its port, a server at
+  // 127.0.0.1 leaves it free.
   EXPECT_NO_THROW(IgtlServer({"127.0.0.2", server.port()}));
   const IgtlServer open({"0.0.0.0", 0});
   EXPECT_THROW(IgtlServer({"127.0.0.2", open.port()}), InputError);
@@ -98,7 +99,7 @@ TEST(IgtlServer, ARealLoopsLastTickReachesEveryClientAsItsRowsSay) {
   haptics::test::FakeDevice device([](std::uint64_t, double time) { return haptics::test::pressing(time); });
   haptics::Device* devices[] = {&device};
   haptics::test::RowKeeper rows(600);
-  // Until both are let in, the run's last state cannot be theirs.
+  // The server must have accepted both clients before they can receive the last state of the run.
   (void)first.next("STATUS", "PalpateStatus");
   (void)second.next("STATUS", "PalpateStatus");
   std::array<std::future<Newest>, 2> all = {newest_of(first), newest_of(second)};
@@ -170,7 +171,7 @@ TEST(IgtlServer, AClientThatComesLateGetsTheSurfaceAndTheStateToo) {
   server.begin(block_stream());
   Client early(server.port());
   const Publisher loop(server);
-  (void)early.next("POLYDATA", "PalpateOrgan");  // the organ lies still: it is sent once
+  (void)early.next("POLYDATA", "PalpateOrgan");  // an organ that does not move is sent once
   Client late(server.port());
   (void)late.next("POLYDATA", "PalpateOrgan");
   const Received force = late.next("SENSOR", "PalpateForce");
@@ -219,8 +220,8 @@ TEST(IgtlServer, ASecondRunIsShownToTheSameClientsWithoutAnythingOfTheFirst) {
   publish(server, 7);
   server.end();
   EXPECT_EQ(client.next("SENSOR", "PalpateForce").values()[2], 7.0);
-  (void)client.next("POLYDATA", "PalpateOrgan");  // all of the first run
-  publish(server, 9);                             // of no run
+  (void)client.next("POLYDATA", "PalpateOrgan");  // reads the messages of the first run
+  publish(server, 9);                             // a tick of no run
   server.begin(block_stream());
   std::this_thread::sleep_for(100ms);
   publish(server, 3);
@@ -234,7 +235,7 @@ TEST(IgtlServer, ItsEndIsSeenByItsClients) {
   Client client(server->port());
   (void)client.next("STATUS", "PalpateStatus");
   server.reset();
-  while (client.next()) continue;  // an end, not a wait
+  while (client.next()) continue;  // the stream must end
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ haptics::Snapshot two_hands() {
   return snapshot;
 }
 
-/// Two hands, the first of which presses the middle of the block's top.
+/// Two hands, the first of which presses the middle of the block's top by `depth` [m].
 haptics::Snapshot pressed(double depth) {
   haptics::Snapshot snapshot = two_hands();
   contact::ToolResult& result = snapshot.results[0];
@@ -115,7 +115,7 @@ TEST(IgtlStream, TheWordsSayWhatEachHandDoesAndWhichFaultItHas) {
                "the device gave no new sample for 5 ms; the force stays zero until it is reset");
 }
 
-/// z [mm] of the surface's highest vertex over the block's middle.
+/// z [mm] of the surface's highest vertex above the middle of the block.
 float height_in_the_middle(const Bytes& bytes) {
   const auto all = read_all(bytes);
   if (all.size() != 1) throw std::runtime_error("one POLYDATA is wanted");
@@ -134,7 +134,7 @@ TEST(IgtlStream, TheSurfaceIsTheDeformedOrganWhereItIsInTheWorld) {
   haptics::Snapshot snapshot = pressed(0.0035);
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 20.0 - 3.5, 1e-4)
       << "the vertex under the tool is pushed in by the depth";
-  snapshot.organ_W.position.z() = 0.1;  // it breathes
+  snapshot.organ_W.position.z() = 0.1;  // a displacement by breathing
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 120.0 - 3.5, 1e-4);
   snapshot.results[0].views[0].depth = 0.0;
   EXPECT_NEAR(height_in_the_middle(stream.surface(snapshot, kNow)), 120.0, 1e-4) << "let go";

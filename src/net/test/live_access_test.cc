@@ -83,7 +83,8 @@ TEST(LiveAccess, OnlyTheServersOwnPageAndThoseAllowedMayConnect) {
   EXPECT_TRUE(may("http://localhost:7370"));
   EXPECT_TRUE(may("http://lab.example:8000"));
   EXPECT_FALSE(may("http://localhost:7370", false)) << "that is another machine";
-  // A name that somebody lets point to this machine is still a stranger's; so are sandboxed pages and files.
+  // A foreign host name may resolve to this machine, and its pages must be refused. The server also refuses
+  // sandboxed pages and files, whose origin is "null".
   for (const char* foreign :
        {"http://evil.example:7370", "null", "", "http://127.0.0.1:7371", "https://127.0.0.1:7370",
         "http://127.0.0.1:73700", "http://127.0.0.1", "http://localhost:7370.evil.example"}) {

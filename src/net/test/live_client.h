@@ -1,11 +1,11 @@
 #pragma once
-// A client of the live interface for tests. Every wait has an end.
+// A client of the live interface for tests. Every wait has a time limit.
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>  // before Asio, whose 1.74 forgets it
+#include <utility>  // before Asio: Asio 1.74 does not include it
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -22,7 +22,7 @@ class LiveClient final {
   using Json = nlohmann::json;
 
   struct Knock {
-    std::string origin;        // empty: none is said
+    std::string origin;        // empty: the request states none
     std::string target = "/";  // of the request
     int receive_buffer = 0;    // bytes; 0: the system's choice
   };
@@ -51,9 +51,9 @@ class LiveClient final {
   }
 
   [[nodiscard]] bool open() const { return open_; }
-  /// What the server answered to the request: 101 when it let the client in.
+  /// HTTP status of the server's answer. It is 101 when the server accepted the client.
   [[nodiscard]] unsigned status() const { return status_; }
-  /// With which code the server has ended the connection.
+  /// Code with which the server closed the connection.
   [[nodiscard]] int close_code() const { return socket_.reason().code; }
 
   void say(const std::string& text, bool binary = false) {
@@ -66,8 +66,8 @@ class LiveClient final {
     wait_for([&] { return done; });
   }
 
-  /// Sends bytes past the WebSocket, such as frames that no library makes. @return whether the connection is
-  /// open
+  /// Sends raw bytes on the socket, such as frames that no WebSocket library makes. @return whether the
+  /// connection is open
   bool say_raw(const std::string& bytes) {
     bool done = false;
     boost::asio::async_write(boost::beast::get_lowest_layer(socket_).socket(), boost::asio::buffer(bytes),
@@ -79,7 +79,7 @@ class LiveClient final {
     return open_;
   }
 
-  /// The next message; nothing when the connection has ended instead.
+  /// Next message. Empty when the connection has ended instead.
   std::optional<Json> hear() {
     if (!open_) return std::nullopt;
     bool done = false;
@@ -93,7 +93,7 @@ class LiveClient final {
     return Json::parse(boost::beast::buffers_to_string(buffer.data()));
   }
 
-  /// The first message, of at most 100,000, that `wanted` takes; null when the connection ends before.
+  /// First message that `wanted` accepts, of at most 100,000. Null when the connection ends first.
   Json hear_until(const std::function<bool(const Json&)>& wanted) {
     for (int i = 0; i < 100'000; ++i) {
       const std::optional<Json> message = hear();
@@ -103,7 +103,7 @@ class LiveClient final {
     return nullptr;
   }
 
-  /// Says a message and hears on until it is answered.
+  /// Sends a message and reads until the answer to it.
   Json ask(const std::string& text) {
     say(text);
     return hear_until([](const Json& message) { return message.contains("answer"); });
@@ -111,7 +111,7 @@ class LiveClient final {
   Json greet(const std::string& token = "") {
     return ask(Json{{"palpate", "1"}, {"do", "hello"}, {"token", token.empty() ? "none" : token}}.dump());
   }
-  /// Ends the connection without a word.
+  /// Closes the socket without a WebSocket close.
   void vanish() { boost::beast::get_lowest_layer(socket_).socket().close(); }
 
  private:
@@ -122,7 +122,7 @@ class LiveClient final {
       context_.run_one_for(std::chrono::milliseconds(100));
       if (std::chrono::steady_clock::now() < until) continue;
       boost::beast::error_code ignored;
-      boost::beast::get_lowest_layer(socket_).socket().close(ignored);  // ends what is under way
+      boost::beast::get_lowest_layer(socket_).socket().close(ignored);  // ends the pending operations
     }
   }
 

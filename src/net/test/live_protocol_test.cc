@@ -214,7 +214,7 @@ TEST(LiveProtocol, ATissueThatIsWrittenIsReadAgainAsTheSame) {
     for (const model::TissueField& field : model::kTissueFields) {
       EXPECT_EQ(field.at.get(again).has_value(), field.at.get(tissue).has_value()) << field.key;
       const double value = field.in_force(tissue);
-      EXPECT_NEAR(field.in_force(again), value, 3e-16 * value) << field.key;  // a unit's rounding
+      EXPECT_NEAR(field.in_force(again), value, 3e-16 * value) << field.key;  // rounding of the unit
     }
     EXPECT_EQ(again.law, tissue.law);
     EXPECT_EQ(again.name, tissue.name);

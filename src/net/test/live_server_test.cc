@@ -19,7 +19,7 @@ using testing::ThrowsMessage;
 
 constexpr const char* kToken = "a token for this test";
 
-/// A host whose run has a new tick whenever it is looked at.
+/// A service whose run has a new tick whenever the server reads it.
 class Host final : public RunService {
  public:
   std::optional<nlohmann::ordered_json> answer(const LiveCommand& command, const ClientRef& client) override {
@@ -53,7 +53,7 @@ class Host final : public RunService {
   LiveTick tick_;
   std::optional<ClientRef> late_;
   std::atomic<std::size_t> clients_{0};
-  std::atomic<std::size_t> arrivals_{0};  // from nobody to somebody
+  std::atomic<std::size_t> arrivals_{0};  // changes from no client to some
   std::atomic<bool> alarm_{false};
 };
 
@@ -70,7 +70,7 @@ class Served : public testing::Test {
     return server_->statistics();
   }
   [[nodiscard]] std::uint16_t port() const { return server_->port(); }
-  /// Whether so many clients have said hello within a minute.
+  /// Waits up to a minute until `count` clients have sent "hello". @return whether they have
   [[nodiscard]] bool clients_become(std::size_t count) const {
     for (int i = 0; i < 6000 && host_.clients() != count; ++i) std::this_thread::sleep_for(10ms);
     return host_.clients() == count;
@@ -271,7 +271,7 @@ TEST_F(Served, AMessageInManyFragmentsIsTakenAlsoAfterManyPings) {
   serve();
   test::LiveClient client(port());
   client.greet();
-  const std::string none(4, '\0');  // a mask that changes nothing
+  const std::string none(4, '\0');  // a WebSocket mask of zeros, which changes nothing
   const std::string command = R"({"do": "version"})";
   for (int message = 0; message < 3; ++message) {
     std::string frames;
@@ -303,7 +303,7 @@ TEST_F(Served, AStreamComesAtTheChosenRateAndEndsWhenAsked) {
     left_out = frame["left_out"];
   }
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
-  // A busy machine may leave frames out and count them, but none comes before it is due.
+  // A busy machine may leave frames out, and counts them. No frame comes before it is due.
   EXPECT_GE(taken.count(), (kFrames - 2) / 50.0 * 0.95);
   EXPECT_LE(taken.count(), (kFrames + static_cast<double>(left_out)) / 50.0 + 10.0);
   EXPECT_EQ(client.ask(R"({"do": "stream", "rate_Hz": 0})")["rate_Hz"], 0);

@@ -23,7 +23,7 @@
 namespace palpate::devices {
 namespace {
 
-/// The path from a device's file, checked for the task.
+/// Reads the path file of a device and checks it for the task.
 scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
   scene::ToolPath path = scene::read_tool_path(device.path, device.interpolation);
   if (task == scene::Task::kPull && !path.has_gripper()) {
@@ -40,9 +40,10 @@ std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& setup, std::s
   return std::make_unique<ScriptedDevice>(path.faster(device.path_speed));
 }
 
-/// The default path begun a second later: a held device gets no force before it has been still for a while.
+/// The default path, delayed by kSettle. A held device gives no force until the hand has been still for a
+/// while.
 scene::ToolPath default_path_of_a_hand(const scene::Scene& setup, std::size_t hand) {
-  constexpr double kSettle = 1.0;  // s: 0.25 s still and 0.5 s of ramp, and some more
+  constexpr double kSettle = 1.0;  // s: 0.25 s still, 0.5 s of force ramp and 0.25 s of margin
   std::vector<scene::PathRow> rows =
       scene::default_path(setup, hand).faster(setup.devices[hand].path_speed).rows();
   for (scene::PathRow& row : rows) row.time += kSettle;
@@ -72,7 +73,7 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::siz
   return std::make_unique<ReplayDevice>(std::move(samples));
 }
 
-/// Hands that name the same service take its arms in order.
+/// Opens a Haply device. Hands with the same service address take the arms of that service in order.
 std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size_t hand) {
   const std::string& address = setup.devices[hand].path;
   std::size_t place = 0;
@@ -84,7 +85,7 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size
   return std::make_unique<HaplyDevice>(address, place);
 }
 
-/// One that the window of a run feeds.
+/// Opens a device whose input comes from the window of a run.
 template <typename WindowDevice>
 std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& setup, std::size_t hand) {
   return std::make_unique<WindowDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
@@ -111,7 +112,7 @@ Probe probe_emulated(const Machine& /*machine*/) {
           "a hand that the force moves, computed: it wants to follow a path as scripted does"};
 }
 
-/// The program around palpate, through the C interface, gives this device's samples itself.
+/// Refuses the device "host". Its samples come through the C interface from the program that embeds palpate.
 std::unique_ptr<haptics::Device> open_host(const scene::Scene& /*setup*/, std::size_t /*hand*/) {
   throw InputError(
       "device host: is the device of a program that embeds palpate (palpate.h); "
@@ -146,14 +147,15 @@ Probe probe_local_haply(const Machine& machine) {
   return probe;
 }
 
-/// What the arm needs is looked at even when the library is there: the library is not asked for arms.
+/// Lists the reasons even when the library is installed, because probe_touch() does not ask the library for
+/// arms.
 Probe probe_installed_touch(const Machine& machine) {
   Probe probe = probe_touch();
   probe.reasons = touch_reasons(machine, probe.library);
   return probe;
 }
 
-/// Opens a device outside a scene, made of `what`.
+/// Opens a device outside a scene. `what` are the arguments of the device's constructor.
 template <typename AnyDevice, typename... What>
 OpenedDevice connected(const What&... what) {
   auto device = std::make_unique<AnyDevice>(what...);
@@ -171,12 +173,12 @@ std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
 }
 
-/// What can be done with one kind of device.
+/// Functions for one kind of device.
 struct Kind {
   std::string_view name;
   std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand);
   Probe (*probe)(const Machine& machine);
-  OpenedDevice (*connect)(const std::string& path);  // null: nothing that could be connected to a computer
+  OpenedDevice (*connect)(const std::string& path);  // null: not hardware that a run can connect to
 };
 
 constexpr Kind kKinds[] = {
@@ -197,8 +199,8 @@ const Kind* find_kind(std::string_view name) noexcept {
   return found == std::end(kKinds) ? nullptr : found;
 }
 
-/// The kinds that a run can open, for people, "scripted, replay or haply"; @param connected only those that
-/// can be connected.
+/// Lists the kinds that a run can open, as in "scripted, replay or haply".
+/// @param connected lists only the kinds that have a `connect` function
 std::string names_of_kinds(bool connected) {
   std::vector<std::string> names;
   for (const Kind& kind : kKinds) {

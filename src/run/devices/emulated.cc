@@ -28,7 +28,7 @@ HandMassParameters mass_of(const scene::DeviceSetup& setup) {
 }
 
 double resolution_of(const scene::DeviceSetup& setup) {
-  constexpr double kPerMetre = 1e3;  // as in a scene: mm
+  constexpr double kPerMetre = 1e3;  // mm per m; scenes give mm
   const double resolution = setup.dynamics.resolution.value_or(scene::kEmulatedResolution);
   require_not_negative("resolution_mm", kPerMetre * resolution);
   return resolution;

@@ -14,8 +14,8 @@ using haptics::Fault;
 using scene::EmulatedFault;
 using scene::EmulatedFaultKind;
 
-constexpr double kLongestTime = 1e9;       // s: thirty years
-constexpr double kThousandTimes = 1000.0;  // mm where m are due
+constexpr double kLongestTime = 1e9;       // s, about thirty years
+constexpr double kThousandTimes = 1000.0;  // gives a position in mm where m are expected
 
 void check(const EmulatedFault& fault) {
   for (const auto& [field, value] :
@@ -28,7 +28,7 @@ void check(const EmulatedFault& fault) {
   }
 }
 
-/// The first tick at or after `time` [s]; a time that is a tick's but for rounding is that tick's.
+/// First tick at or after `time` [s]. A time within kRounding of a tick counts as that tick.
 std::uint64_t first_tick_from(double time, double rate_Hz) {
   constexpr double kRounding = 1e-6;  // ticks
   return static_cast<std::uint64_t>(std::ceil(std::max(0.0, time * rate_Hz - kRounding)));
@@ -50,7 +50,7 @@ FaultSchedule::FaultSchedule(const std::vector<EmulatedFault>& faults, double ra
 }
 
 DeviceState FaultSchedule::delayed(std::uint64_t delay) const noexcept {
-  const std::uint64_t back = std::min(delay, kept_ - 1);  // before the run's begin there is no older sample
+  const std::uint64_t back = std::min(delay, kept_ - 1);  // the first sample of the run is the oldest
   DeviceState sample = past_[(kept_ - 1 - back) % past_.size()];
   sample.age = static_cast<double>(delay) / rate_Hz_;
   return sample;
@@ -82,7 +82,7 @@ void FaultSchedule::apply(const Span& span, std::uint64_t tick, DeviceState& sam
       sample.fault = Fault::kForceOff;
       break;
     case EmulatedFaultKind::kRefuse:
-      break;  // only commands
+      break;  // this fault affects commands only
   }
 }
 

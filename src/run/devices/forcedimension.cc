@@ -13,16 +13,17 @@
 namespace palpate::devices {
 namespace {
 
-// What trouble_ says in its upper half; the lower one is the vendor's error number or force-off cause.
+// Values of the upper 16 bits of trouble_. The lower 16 bits contain the vendor's error number or force-off
+// cause.
 constexpr std::uint32_t kNotRead = 1;
 constexpr std::uint32_t kNoStatus = 2;
 constexpr std::uint32_t kRefused = 3;
 constexpr std::uint32_t kForceOff = 4;
-constexpr std::uint32_t kUncalibrated = 5;  // force off without a cause, and it waits to be calibrated
-constexpr std::uint32_t kNoPower = 6;       // force off without a cause, and without power
+constexpr std::uint32_t kUncalibrated = 5;  // force off without a cause; the device waits for calibration
+constexpr std::uint32_t kNoPower = 6;       // force off without a cause; the device has no power
 
 constexpr int kOn = 1;
-constexpr unsigned char kWatchdogSteps = 160;  // of 125 us: 20 ms, haptics::kStalledAfter
+constexpr unsigned char kWatchdogSteps = 160;  // steps of 125 us: 20 ms, as haptics::kStalledAfter
 constexpr std::chrono::milliseconds kOpeningStep{10};
 constexpr int kOpeningSteps = 20;
 
@@ -53,7 +54,7 @@ std::string force_off_text(int cause) {
 const char* const kCalibrateWords =
     "the device is not calibrated: put its end where the vendor's manual says until its light stops blinking";
 
-/// Whether a status has the force off, and if so why: what << 16 | code.
+/// Why a status reports the force as off: what << 16 | code. 0 when the force is on.
 std::uint32_t force_off_in(const int* status) noexcept {
   if (status[kDhdStatusForce] == kOn) return 0;
   const int cause = status[kDhdStatusForceOffCause];
@@ -87,7 +88,7 @@ void ForceDimensionDevice::open(std::size_t ordinal) {
         "{}{}, must be at least {}, switched on and open to this user (docs/devices.md)", message_prefix_,
         count == 0 ? "no device is connected" : std::to_string(count) + " connected", ordinal + 1));
   }
-  // Without dhdOpenID, dhdOpen takes the first that is not open yet, which is the next in order.
+  // Without dhdOpenID, dhdOpen opens the first device that is not open yet. That device is the next in order.
   const int id = call.OpenID != nullptr ? call.OpenID(static_cast<char>(ordinal)) : call.Open();
   if (id < 0) {
     throw InputError(
@@ -98,7 +99,8 @@ void ForceDimensionDevice::open(std::size_t ordinal) {
   id_ = static_cast<char>(id);
 }
 
-/// Everything between opening and the first tick: what the device has, calibrated, force on, readable.
+/// Prepares an opened device for the first tick. It reads the abilities, requires calibration, switches the
+/// force on and waits until the samples are readable.
 void ForceDimensionDevice::begin() {
   const DhdFunctions& call = library_.call();
   falcon_ = call.GetSystemType != nullptr && call.GetSystemType(id_) == kDhdFalcon;
@@ -111,7 +113,7 @@ void ForceDimensionDevice::begin() {
   if (call.EnableForce(kOn, id_) < 0) {
     throw InputError(message_prefix_ + "its force cannot be switched on: " + library_.last_error());
   }
-  // The velocity needs a few samples, and the force a moment.
+  // The velocity needs a few samples, and the force needs a moment to switch on.
   for (int step = 0;; ++step) {
     haptics::DeviceState first;
     if (set_force({}) && read_pose(first) >= 0 && ask_status() && !force_off_) break;
@@ -132,7 +134,7 @@ void ForceDimensionDevice::require_calibrated() const {
 
 void ForceDimensionDevice::close() noexcept {
   set_force({});
-  if (watchdog_armed_) arm_watchdog(0);  // else it would outlive this program in the firmware
+  if (watchdog_armed_) arm_watchdog(0);  // otherwise the firmware's watchdog stays armed after this program
   library_.call().SetBrakes(kOn, id_);
   library_.call().Stop(id_);
   library_.call().Close(id_);
@@ -160,7 +162,7 @@ haptics::DeviceState ForceDimensionDevice::read(std::uint64_t tick, double time)
   return state;
 }
 
-/// Position, orientation and velocity. @return what the position's call returned, or a negative number.
+/// Reads position, orientation and velocity. @return the result of the position's call, or a negative number
 int ForceDimensionDevice::read_pose(haptics::DeviceState& state) noexcept {
   const DhdFunctions& call = library_.call();
   Vec3& p = state.position_D;
@@ -200,7 +202,8 @@ std::uint32_t ForceDimensionDevice::read_buttons() const noexcept {
   return mask;
 }
 
-/// Whether the force is on. @return false when the device does not tell; the last answer then stays.
+/// Reads whether the force is on. @return false when the status cannot be read; force_off_ then does not
+/// change
 bool ForceDimensionDevice::ask_status() noexcept {
   int status[kDhdStatusSize] = {};
   if (library_.call().GetStatus(status, id_) < 0) {
@@ -222,15 +225,16 @@ bool ForceDimensionDevice::set_force(const haptics::ForceCommand& command_D) noe
   const Vec3& f = command_D.force;
   const Vec3 t = has_wrist_ ? command_D.torque : Vec3(Vec3::Zero());
   const double gripper = has_gripper_ ? command_D.gripper_force : 0.0;
-  // 0, or positive: time-guarded or a saturated motor, which the vendor counts as done.
+  // A result of 0 or more is a success. The vendor returns a positive one for a time-guarded call or a
+  // saturated motor.
   const int result = library_.call().SetForceAndTorqueAndGripperForce(f.x(), f.y(), f.z(), t.x(), t.y(),
                                                                       t.z(), gripper, id_);
   if (result < 0) note(kRefused, library_.call().ErrorGetLast());
   return result >= 0;
 }
 
-/// The firmware's watchdog, where library and device have one (else nothing happens). It belongs to the
-/// functions that the vendor gives only in expert mode, which is left at once again.
+/// Sets the firmware's watchdog, where library and device have one. The vendor offers this function only in
+/// expert mode, which is left again at once.
 void ForceDimensionDevice::arm_watchdog(unsigned char steps) noexcept {
   const DhdFunctions& call = library_.call();
   watchdog_armed_ = true;
@@ -243,8 +247,7 @@ void ForceDimensionDevice::arm_watchdog(unsigned char steps) noexcept {
 }
 
 void ForceDimensionDevice::stop() noexcept {
-  // The vendor's library is thread-safe by its documentation; nothing of this object is changed but an
-  // atomic.
+  // The vendor documents the library as thread-safe. set_force() changes only an atomic of this object.
   set_force({});
 }
 

@@ -15,7 +15,7 @@ namespace palpate::devices {
 namespace {
 
 constexpr int kMajor = 3;
-constexpr int kOldestMinor = 3;  // the first with dhdSetForceAndTorqueAndGripperForce
+constexpr int kOldestMinor = 3;  // first minor version with dhdSetForceAndTorqueAndGripperForce
 
 const char* const kAdvice = "(the vendor's SDK; give its path with --device forcedimension:/path/libdhd.so)";
 
@@ -38,7 +38,7 @@ DhdLibrary::~DhdLibrary() { dlclose(handle_); }
 
 void DhdLibrary::open_file(const std::filesystem::path& file) {
   name_ = file.string();
-  if (is_special_file(file)) {  // the loader would wait for a FIFO
+  if (is_special_file(file)) {  // the loader would block on a FIFO
     throw InputError(in_front(name_) +
                      "is no regular file, must be the vendor's libdhd.so for this computer");
   }
@@ -66,7 +66,8 @@ void DhdLibrary::open(const std::string& path) {
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle_ != nullptr) return;
     words = loader_text();
-    // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
+    // A library that exists but cannot be loaded gets the loader's message. A missing library gets a plainer
+    // message below.
     if (words.rfind(name_ + ": cannot open shared object file", 0) != 0) {
       throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), words, kAdvice));
     }

@@ -7,7 +7,7 @@ haptics::DeviceState GamepadDevice::read(std::uint64_t /*tick*/, double /*time*/
   if (input.connected && input.velocity_D.allFinite()) {
     led_to_ = hand_.within_reach(led_to_ + period_ * input.velocity_D);
   }
-  // When unplugged, the tool keeps its position: a lost trigger signal must not pull it out.
+  // A disconnected gamepad leaves the tool at its position. A lost trigger signal must not pull the tool out.
   hand_.advance(input.connected ? Vec3(led_to_ + input.advance_D) : hand_.position(), input.gripper);
   return sample(input.connected);
 }

@@ -6,7 +6,8 @@ namespace palpate::devices {
 
 void HandMass::advance(const Vec3& from, const Vec3& to, const Vec3& force, double period) noexcept {
   const HandMassParameters& p = parameters_;
-  const int steps = static_cast<int>(std::ceil(period / kLongestStep * (1.0 - 1e-12)));  // 1 ms: 20, not 21
+  // Without the factor, rounding may give 21 steps for a period of 1 ms instead of 20.
+  const int steps = static_cast<int>(std::ceil(period / kLongestStep * (1.0 - 1e-12)));
   const double h = period / steps;
   const double inertia = p.mass / h;
   const double resistance = inertia + p.damping + p.grip_damping + p.grip_stiffness * h;

@@ -13,14 +13,14 @@ namespace palpate::devices {
 namespace {
 
 constexpr std::int64_t kShutdownLimit =
-    200'000'000;                                 // ns, for the last zero force, and again for the farewell
-constexpr std::int64_t kPollPeriod = 5'000'000;  // ns, between two looks at whether to end, in a pause
+    200'000'000;                                 // ns for the last zero force, and again for closing the link
+constexpr std::int64_t kPollPeriod = 5'000'000;  // ns between two checks for the end, during a pause
 
 const char* const kKind = "haply";
 const char* const kHowToStart =
     " (start Haply's Inverse Service, or give its address with --device haply:ws://HOST:PORT)";
 
-/// The first message after the handshake. @throws HaplyLinkError when none comes in time.
+/// Waits for the first message after the handshake. @throws HaplyLinkError when none comes in time
 std::string first_message(HaplyLink& link, std::int64_t limit_ns, const std::atomic<bool>& give_up) {
   const std::int64_t deadline = monotonic_ns() + limit_ns;
   for (;;) {
@@ -62,7 +62,7 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   }
   const haptics::BlockedSignals signals;
   thread_ = std::thread([this] { run(); });
-} catch (const HaplyLinkError& error) {  // of the link's own making: its host's name
+} catch (const HaplyLinkError& error) {  // thrown by the link's constructor, as for an unknown host
   throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));
 }
 
@@ -94,7 +94,8 @@ std::string HaplyDevice::description() const {
   return "Inverse3 " + arm_ + (grip_.empty() ? "" : " with verse grip " + grip_) + " at " + address_.text();
 }
 
-/// Takes the first message: at the first connection it says which arm is whose, later the arm must be there.
+/// Takes the first message. At the first connection it assigns the arm. After a reconnection it must contain
+/// that arm.
 void HaplyDevice::greet(std::size_t place) {
   const std::string message = first_message(link_, times_.opening, closing_);
   const HaplyInventory inventory = read_haply_inventory(message);
@@ -127,13 +128,14 @@ void HaplyDevice::run() noexcept {
   let_go();
 }
 
-/// Commands and replies, until the device is closed. @throws HaplyLinkError when the connection ends.
+/// Exchanges commands and replies until the device is closed. @throws HaplyLinkError when the connection ends
 void HaplyDevice::exchange() {
   Exchange now;
   while (!closing_.load()) {
     take_replies(now);
     send_if_due(now);
-    // What comes or goes ends the wait; the rest is to notice a stop() and a dead loop.
+    // A received or sent message ends the wait. The time limit lets this thread notice stop() and a loop that
+    // no longer writes.
     const bool may_send = now.awaited == 0 && !link_.sending();
     link_.wait_until(may_send ? now.next_send_ns : monotonic_ns() + times_.period);
   }
@@ -180,7 +182,7 @@ void HaplyDevice::publish(const haptics::DeviceState& state, std::int64_t receiv
   samples_.publish();
 }
 
-/// The newest good sample goes on, marked as one that could not be read.
+/// Publishes the newest good sample again, marked as unreadable (Fault::kDevice).
 void HaplyDevice::fail(const std::string& why) {
   set_error(why);
   haptics::DeviceState state = newest_.state;
@@ -193,7 +195,7 @@ void HaplyDevice::set_error(const std::string& what) {
   trouble_ = address_.text() + ": " + what;
 }
 
-/// Until the next attempt to connect.
+/// Waits until the next attempt to connect.
 void HaplyDevice::pause() const noexcept {
   const std::int64_t end = monotonic_ns() + times_.retry;
   for (std::int64_t now = monotonic_ns(); now < end && !closing_.load(); now = monotonic_ns()) {
@@ -201,7 +203,7 @@ void HaplyDevice::pause() const noexcept {
   }
 }
 
-/// Zero force and a farewell, whatever became of the last command.
+/// Sends a zero force and closes the link, whatever became of the last command.
 void HaplyDevice::let_go() noexcept {
   if (!link_.is_open()) return;
   try {
@@ -209,7 +211,7 @@ void HaplyDevice::let_go() noexcept {
     while (link_.sending() && monotonic_ns() < deadline) link_.wait_until(deadline);
     if (!link_.sending()) link_.send(haply_force_command(arm_, Vec3::Zero(), force_field_));
   } catch (const std::exception&) {
-    return;  // the connection has ended; the service lets go of an arm that has no client
+    return;  // the connection has ended; the service releases an arm that has no client
   }
   link_.close(kShutdownLimit);
 }

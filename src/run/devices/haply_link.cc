@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <utility>  // before Asio, whose 1.74 forgets it
+#include <utility>  // before Asio: Asio 1.74 does not include it
 #include <vector>
 
 #include <boost/asio/connect.hpp>
@@ -26,7 +26,7 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::int64_t kLinkPollPeriod = 5'000'000;  // ns, between two looks at whether to give up
+constexpr std::int64_t kLinkPollPeriod = 5'000'000;  // ns between two checks whether to give up
 
 std::string describe(const error_code& error) {
   if (error == asio::error::connection_refused) return "connection refused";
@@ -38,7 +38,7 @@ std::string describe(const error_code& error) {
       error == asio::error::broken_pipe) {
     return "the connection broke off";
   }
-  std::string text = error.message();  // the system's or the library's own words
+  std::string text = error.message();  // the message of the system or of the library
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -85,7 +85,7 @@ HaplyAddress parse_haply_address(const std::string& text) {
   return address;
 }
 
-/// The library's part: one thread starts operations and runs what they call back.
+/// The connection through Boost.Beast. One thread starts the operations and runs their callbacks.
 class HaplyLink::Socket final {
  public:
   Socket(const HaplyAddress& address, const std::atomic<bool>& give_up)
@@ -110,7 +110,7 @@ class HaplyLink::Socket final {
                         [this](const error_code& error, const tcp::endpoint&) { connecting_.end(error); });
     finish(connecting_, deadline, "no connection within " + milliseconds(limit_ns));
     error_code ignored;
-    stream_->next_layer().set_option(tcp::no_delay(true), ignored);  // a command is small and must not wait
+    stream_->next_layer().set_option(tcp::no_delay(true), ignored);  // small commands are sent without delay
     stream_->read_message_max(kLargestMessage);
     websocket::response_type response;
     connecting_.running = true;
@@ -176,7 +176,7 @@ class HaplyLink::Socket final {
     if (!stream_) return;
     error_code ignored;
     stream_->next_layer().close(ignored);
-    // A closed socket ends what is under way; the buffers must outlive it.
+    // Closing the socket ends the pending operations. The buffers must outlive them.
     while (connecting_.running || reading_.running || writing_.running || closing_.running) run_one();
     stream_.reset();
     incoming_.clear();
@@ -209,11 +209,12 @@ class HaplyLink::Socket final {
   }
 
   void run_one() {
-    context_.restart();  // it stops by itself whenever it has nothing to do
+    context_.restart();  // io_context stops whenever it has no work
     context_.run_one();
   }
 
-  /// Waits for the end of an operation of open(); closes on an error, or when it takes too long.
+  /// Waits until an operation of open() ends. Closes the socket on an error or a timeout. @throws
+  /// HaplyLinkError
   void finish(Operation& operation, std::int64_t deadline, const std::string& too_long) {
     while (operation.running) {
       const std::int64_t now = monotonic_ns();
@@ -226,7 +227,7 @@ class HaplyLink::Socket final {
     if (!operation.error) return;
     const error_code error = operation.error;
     drop();
-    operation.error = error;  // for who wants to know more
+    operation.error = error;  // drop() cleared the error; open() may still read it
     throw HaplyLinkError(describe(error));
   }
 

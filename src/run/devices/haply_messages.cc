@@ -14,15 +14,16 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kQuaternionSlack = 0.05;    // as the tick allows
-constexpr std::size_t kLongestId = 64;       // characters; the service's own have four to five
+constexpr double kQuaternionSlack = 0.05;    // largest deviation of a quaternion's norm from 1, as in a tick
+constexpr std::size_t kLongestId = 64;       // characters; the ids of the service have four to five
 constexpr std::size_t kLongestExcerpt = 40;  // characters of a value in an error
-constexpr int kDeepest = 32;                 // levels of a message; the service's own have six
-constexpr std::size_t kMostDevices = 64;     // of one kind in a message
+constexpr int kDeepest = 32;              // nesting levels of a message; the messages of the service have six
+constexpr std::size_t kMostDevices = 64;  // devices of one kind in a message
 constexpr std::string_view kArms = "inverse3";
 constexpr std::string_view kGrips[] = {"wireless_verse_grip", "verse_grip"};
 
-/// Printable ASCII only, and not too long: what a stranger sent is about to be shown.
+/// Shortens a value from the service for an error message and replaces characters that are not printable
+/// ASCII.
 std::string excerpt(std::string text) {
   if (text.size() > kLongestExcerpt) text = text.substr(0, kLongestExcerpt) + "...";
   std::replace_if(
@@ -36,7 +37,7 @@ std::string excerpt(std::string text) {
                                excerpt(value->dump(-1, ' ', false, json::error_handler_t::replace)), want));
 }
 
-/// A value of a message together with where it stands, for errors.
+/// A value of a message and its name in the message, for errors.
 class Field final {
  public:
   Field(const json* value, std::string name) : value_(value), name_(std::move(name)) {}
@@ -45,7 +46,7 @@ class Field final {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[noreturn]] void fail(const std::string& want) const { refuse(name_, value_, want); }
 
-  /// The member of an object; one that is null counts as missing.
+  /// Member of an object. A null member counts as missing.
   [[nodiscard]] Field at(const std::string& key) const {
     if (there() && !value_->is_object()) fail("an object");
     const json* member = nullptr;
@@ -74,7 +75,7 @@ class Field final {
     if (!std::isfinite(read)) fail("a finite number");
     return read;
   }
-  /// False when it is not there.
+  /// Reads a boolean. @return `otherwise` when the value is missing
   [[nodiscard]] bool flag(bool otherwise) const {
     if (!there()) return otherwise;
     if (!value_->is_boolean()) fail("true or false");
@@ -101,7 +102,8 @@ class Field final {
   std::string name_;
 };
 
-/// The library writes values by recursion, so that one nested a million deep would end the program.
+/// Refuses a message with too many nesting levels. The JSON library is recursive, so a very deep message
+/// would overflow the stack.
 void check_depth(std::string_view text) {
   int depth = 0;
   bool quoted = false;
@@ -128,7 +130,7 @@ json parse(std::string_view text) {
     if (!message.is_object()) refuse("it", &message, "a JSON object");
     return message;
   } catch (const json::parse_error& error) {
-    // The byte is enough to find it; what the parser says would repeat the message's own bytes.
+    // The error gives the byte's position only. The parser's own text would repeat bytes of the message.
     const auto end = std::min<std::size_t>(error.byte, text.size());
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
     throw InputError(
@@ -145,14 +147,15 @@ Field find(const Field& devices, const std::string& id) {
   return {nullptr, fmt::format("{} \"{}\"", devices.name(), id)};
 }
 
-/// Why an arm gives no force, from its status; empty: it does.
+/// Why an arm gives no force, from its status. Empty when it gives force.
 std::string why_off(const Field& status) {
   if (!status.at("power_supply").flag(true)) return "it has no power supply";
   if (!status.at("ready").flag(true)) return "it is not ready";
   return {};
 }
 
-/// The wireless grip has buttons a, b and c, the wired one a single button: bits 0 to 2.
+/// Buttons as bits. The wireless grip has buttons a, b and c at bits 0 to 2. The wired grip has one button at
+/// bit 0.
 std::uint32_t pressed_buttons(const Field& state) {
   std::uint32_t bits = state.at("button").flag(false) ? 1U : 0U;
   const Field buttons = state.at("buttons");
@@ -181,7 +184,7 @@ HaplyInventory read_haply_inventory(std::string_view text) {
   const json message = parse(text);
   const Field root(&message, "");
   HaplyInventory inventory;
-  // Only 3.5 documents these two, and with them the force command's "vector".
+  // Only version 3.5 documents these two members. It also documents "vector" in the force command.
   bool vector = root.at("session_id").there();
   for (const Field& arm : root.at(std::string(kArms)).elements()) {
     inventory.arms.push_back(arm.at("device_id").id());

@@ -8,13 +8,13 @@ namespace palpate::devices {
 namespace {
 
 struct Model {
-  std::string_view part;  // of its name, in lower case
+  std::string_view part;  // part of the model's name, in lower case
   double max_force;       // N
-  double max_stiffness;   // N/m; 0: not known
+  double max_stiffness;   // N/m; 0: unknown
   bool torque;
 };
 
-// Forces and stiffness as CHAI3D 3.3's tables have them, the Inverse3's from its documentation;
+// Forces and stiffness are from CHAI3D 3.3's tables, those of the Inverse3 from its documentation.
 // docs/devices.md shows this table.
 constexpr Model kModels[] = {
     {"omega", 12.0, 5000.0, false},

@@ -14,19 +14,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A USB device as its maker numbers it; an empty product stands for all of the maker's.
+/// USB vendor and product numbers. An empty product matches every product of the vendor.
 struct UsbNumber {
   std::string_view vendor;
   std::string_view product;
 };
 
-// The numbers of packaging/60-palpate.rules (docs/devices.md).
+// Numbers in packaging/60-palpate.rules (docs/devices.md).
 constexpr UsbNumber kForceDimensionNumbers[] = {{"1451", ""}, {"0403", "cb48"}};
 constexpr UsbNumber kTouchNumbers[] = {{"2988", ""}, {"0301", "2988"}};
 constexpr const char* kRuleFolders[] = {"etc/udev/rules.d", "run/udev/rules.d", "usr/local/lib/udev/rules.d",
                                         "usr/lib/udev/rules.d", "lib/udev/rules.d"};
 constexpr unsigned kHaplyPort = 10001;
-constexpr unsigned kOldHaplyPort = 10000;  // of the protocol before 3.1
+constexpr unsigned kOldHaplyPort = 10000;  // port of protocols before 3.1
 
 std::string first_line_of(const fs::path& file) {
   std::ifstream in(file);
@@ -35,7 +35,7 @@ std::string first_line_of(const fs::path& file) {
   return line;
 }
 
-/// What a folder contains, in order of the names; nothing when it cannot be read.
+/// Entries of a folder, sorted by name. Empty when the folder cannot be read.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code error;
@@ -55,12 +55,13 @@ bool is_there(const fs::path& file) {
   return fs::exists(file, error);
 }
 
-/// A device node's name on the machine itself: /dev/ttyACM0.
+/// Name of a device node on the machine itself, such as /dev/ttyACM0.
 std::string name_of_node(const Machine& machine, const fs::path& node) {
   return "/" + node.lexically_relative(machine.root).string();
 }
 
-/// "Touch_Diagnostic (process 4242)" that has a node open, as far as this user may see it; empty: none.
+/// Process that has a node open, as in "Touch_Diagnostic (process 4242)". Empty when this user can see no
+/// such process.
 std::string holder_of(const Machine& machine, const std::string& node) {
   for (const fs::path& process : entries_of(machine.root / "proc")) {
     const std::string id = process.filename().string();
@@ -115,7 +116,7 @@ void add_reasons_of_node(const Machine& machine, const fs::path& node, const Usb
   reasons.push_back({fmt::format("{} is in use by {}: end that program", name, holder), "fuser -v " + name});
 }
 
-/// The serial ports and hidraw devices that the kernel made of a USB device.
+/// Serial ports and hidraw devices that the kernel made for a USB device.
 std::vector<fs::path> ports_of(const Machine& machine, const fs::path& device) {
   std::vector<fs::path> ports;
   std::error_code error;
@@ -132,7 +133,7 @@ fs::path usb_node(const Machine& machine, const fs::path& device) {
   return machine.root / fmt::format("dev/bus/usb/{:03}/{:03}", number("busnum"), number("devnum"));
 }
 
-/// Calls `look` with each USB device of these numbers. @return how many there are
+/// Calls `look` for each USB device with one of these numbers. @return the number of such devices
 template <std::size_t n, typename Look>
 int for_each_usb_device(const Machine& machine, const UsbNumber (&numbers)[n], const Look& look) {
   int found = 0;
@@ -153,7 +154,7 @@ std::vector<Reason> likeliest(std::vector<Reason> reasons) {
   return reasons;
 }
 
-/// Why the loader does not find a maker's library.
+/// Why the loader does not find a vendor's library, with the command that helps.
 Reason library_reason(const Machine& machine, const std::string& file, const std::string& product,
                       const std::string& command) {
   for (const char* folder : {"usr/local/lib", "usr/lib", "usr/lib/x86_64-linux-gnu"}) {
@@ -169,7 +170,7 @@ bool listens(const Machine& machine, unsigned port) {
   for (const char* table : {"proc/net/tcp", "proc/net/tcp6"}) {
     std::ifstream in(machine.root / table);
     for (std::string line; std::getline(in, line);) {
-      // sl: local address:port, remote address:port, state; 0A listens.
+      // The columns are sl, local address:port, remote address:port and state. State 0A is a listening port.
       const std::size_t local = line.find(wanted);
       const bool listening = line.find(":0000 0A ") != std::string::npos;
       if (listening && local != std::string::npos && local < line.find(":0000 0A ")) return true;
@@ -178,7 +179,8 @@ bool listens(const Machine& machine, unsigned port) {
   return false;
 }
 
-/// What Touch_Setup wrote and where the vendor's library looks for it.
+/// Adds the reasons that concern the files of Touch_Setup and the folder where the vendor's library reads
+/// them.
 void add_touch_setup_reasons(const Machine& machine, std::vector<Reason>& reasons) {
   const std::string home = machine.variable("GTDD_HOME");
   if (home.empty()) {
@@ -186,7 +188,7 @@ void add_touch_setup_reasons(const Machine& machine, std::vector<Reason>& reason
       reasons.push_back({"GTDD_HOME is not set under sudo", "sudo -E palpate devices --try touch"});
       return;
     }
-    const std::string user = machine.variable("HOME") + "/.3dsystems";  // of newer drivers
+    const std::string user = machine.variable("HOME") + "/.3dsystems";  // folder of newer drivers
     const bool users_own = is_there(machine.root / fs::path(user).relative_path());
     reasons.push_back({"GTDD_HOME is not set, must be the folder that Touch_Setup wrote to",
                        "export GTDD_HOME=" + (users_own ? user : "/usr/share/3DSystems")});

@@ -6,7 +6,7 @@
 namespace palpate::devices {
 namespace {
 
-constexpr double kLongestStep = 2e-3;  // s: kNaturalFrequency times it is small, which keeps the steps stable
+constexpr double kLongestStep = 2e-3;  // s; below 1/kNaturalFrequency, for stable steps
 
 }  // namespace
 

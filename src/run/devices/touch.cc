@@ -18,7 +18,8 @@ constexpr std::size_t kLongestArmName = 64;
 
 const char* const kTouchPrefix = "device touch: ";
 
-/// The vendor's library makes a file's name of it, so it must be none of another folder's.
+/// Refuses an arm name that is not a plain file name. The vendor's library makes a file name of it, which
+/// must not lead to another folder.
 const std::string& checked_arm_name(const std::string& name) {
   const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
     return static_cast<unsigned char>(c) >= 0x20 && c != 0x7F && c != '/' && c != '\\';
@@ -58,7 +59,7 @@ TouchDevice::TouchDevice(const std::string& name, const std::string& library) {
 
 TouchDevice::~TouchDevice() { scheduler_->remove(arm_); }
 
-/// Until a frame shows a calibrated arm without an error.
+/// Waits until a frame shows a calibrated arm without an error. @throws InputError with the reason
 void TouchDevice::wait_until_ready() {
   const std::int64_t begun = monotonic_ns();
   for (;; sleep_until_ns(monotonic_ns() + kReadyPollPeriod)) {

@@ -9,7 +9,7 @@
 namespace palpate::devices {
 namespace {
 
-constexpr int kMostHdErrors = 64;  // a library whose errors never end must not hold the caller
+constexpr int kMostHdErrors = 64;  // most errors read at once; a library may report errors without end
 
 void look_up(VendorFunctions& lookup, HdFunctions& f) {
   lookup.required(f.InitDevice, "hdInitDevice");
@@ -42,7 +42,8 @@ HdLibrary::HdLibrary(const std::string& file) {
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) {
     const std::string words = loader_text();
-    // A library that is there and cannot be loaded is told as such; one that is not there has a plainer word.
+    // A missing library gets a plain message. A library that exists but cannot be loaded gets the loader's
+    // message.
     if (words.rfind(file + ": cannot open shared object file", 0) == 0) {
       throw InputError(fmt::format(
           "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver, then "
@@ -56,7 +57,7 @@ HdLibrary::HdLibrary(const std::string& file) {
   }
   VendorFunctions lookup(handle);
   look_up(lookup, functions_);
-  dlclose(handle);  // the library stays
+  dlclose(handle);  // RTLD_NODELETE keeps the library loaded
   if (lookup.missing().empty()) return;
   throw InputError(fmt::format("device touch: {}: has no function {}, must be OpenHaptics 3.4 or later", file,
                                lookup.missing()));

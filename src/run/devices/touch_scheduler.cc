@@ -17,17 +17,18 @@ namespace palpate::devices {
 namespace {
 
 constexpr unsigned long kHdRate = 1000;  // Hz
-constexpr double kWeakestArm = 3.3;      // N, of an arm that does not tell: a Touch
+constexpr double kWeakestArm = 3.3;  // N, for an arm that does not report its largest force: that of a Touch
 constexpr int kMostErrorsAFrame = 16;
 constexpr std::size_t kMostMotors = 16;           // the vendor's largest arms have 6
-constexpr std::int64_t kLastFrames = 50'000'000;  // ns, for the frames that give zero force
+constexpr std::int64_t kLastFrames = 50'000'000;  // ns for the last frames, with zero force
 constexpr std::int64_t kLookAgain = 1'000'000;    // ns
 
-/// A vector of the vendor's frame in D.
+/// Converts a vector from the vendor's frame to D.
 Vec3 from_vendor(const double* v) { return {v[0], -v[2], v[1]}; }
 
-/// The stylus's rotation in D, of a matrix by columns. The vendor's z axis of the stylus goes from the tip to
-/// the handle, an instrument's from the handle to the tips: half a turn about x.
+/// Rotation of the stylus in D, from the vendor's matrix by columns. The vendor's z axis points from the tip
+/// to the handle. An instrument's z axis points from the handle to the tips. The two differ by half a turn
+/// about x.
 Quat rotation_from_vendor(const double* transform) {
   Mat3 m;
   m.col(0) = from_vendor(transform);
@@ -44,7 +45,7 @@ std::string quoted_name(const TouchArm& arm) {
 
 std::shared_ptr<TouchScheduler> TouchScheduler::of_process(const std::string& library) {
   static std::mutex mutex;
-  static std::weak_ptr<TouchScheduler> of_this_process;  // as the vendor's own is
+  static std::weak_ptr<TouchScheduler> of_this_process;  // one scheduler per process, as the vendor has
   const std::lock_guard<std::mutex> lock(mutex);
   std::shared_ptr<TouchScheduler> scheduler = of_this_process.lock();
   if (!scheduler) of_this_process = scheduler = std::make_shared<TouchScheduler>(library);
@@ -71,7 +72,7 @@ void TouchScheduler::add(TouchArm& arm) {
     close(arm);
     try {
       resume();
-    } catch (const InputError&) {  // the other arms' samples grow old, which their loop sees
+    } catch (const InputError&) {  // the other arms' samples become stale, and their loop latches that fault
     }
     throw;
   }
@@ -84,7 +85,7 @@ void TouchScheduler::remove(TouchArm& arm) noexcept {
   close(arm);
   try {
     resume();
-  } catch (const InputError&) {  // as above
+  } catch (const InputError&) {  // the other arms' samples become stale, and their loop latches that fault
   }
 }
 
@@ -121,7 +122,7 @@ void TouchScheduler::open(TouchArm& arm) {
   double continuous = 0.0;
   call.GetDoublev(kHdMaxContinuousForce, &continuous);
   if (std::isfinite(continuous) && continuous > 0.0) arm.abilities.continuous_force = continuous;
-  library_.take_error();  // what an old arm does not tell is no fault
+  library_.take_error();  // a value that an old arm does not report is no fault
   call.Enable(kHdForceOutput);
   require("cannot switch its force on");
 }
@@ -139,9 +140,9 @@ void TouchScheduler::resume() {
   if (arms_.empty()) return;
   const HdFunctions& call = library_.call();
   if (call.SetSchedulerRate != nullptr) call.SetSchedulerRate(kHdRate);
-  library_.take_error();  // a rate that the arm does not have leaves its own, and slow samples show
+  library_.take_error();  // an arm without this rate keeps its own; stale samples show a slow one
   runs_ = true;
-  const haptics::BlockedSignals signals;  // the program's signals are no business of the vendor's threads
+  const haptics::BlockedSignals signals;  // the vendor's threads must not receive the program's signals
   callback_ = call.ScheduleAsynchronous(&TouchScheduler::frame, this, kHdDefaultPriority);
   call.StartScheduler();
   const HdErrorInfo error = library_.take_error();
@@ -150,7 +151,8 @@ void TouchScheduler::resume() {
                    describe_hd_error(error.code));
 }
 
-/// Zero force to all arms, then the scheduler stands. One that calls back no more is stopped without it.
+/// Sends zero force to all arms, then stops the scheduler. A scheduler that no longer calls back is stopped
+/// without the zero force.
 void TouchScheduler::pause() noexcept {
   if (!runs_) return;
   quiet_frames_.store(0);
@@ -171,7 +173,7 @@ unsigned TouchScheduler::frame(void* scheduler) noexcept {
   return kHdCallbackContinue;
 }
 
-/// One frame of one arm: state out, force in.
+/// Runs one frame of one arm: reads the state and sets the force.
 void TouchScheduler::exchange(TouchArm& arm, bool quiet) noexcept {
   const HdFunctions& call = library_.call();
   TouchSample& sample = arm.samples.writable();
@@ -217,11 +219,11 @@ void TouchScheduler::read(TouchArm& arm, TouchSample& sample) noexcept {
   read_switches(arm, state);
 }
 
-/// The switches that take the force away. An arm without a safety switch reports an open one: it counts from
-/// when it was first closed.
+/// Reads the switches that switch the force off. An arm without a safety switch reports an open one, so the
+/// switch counts only after it was first closed.
 void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) noexcept {
   const HdFunctions& call = library_.call();
-  unsigned char in_hand[8] = {};  // the vendor's boolean is one byte, and some take it for four
+  unsigned char in_hand[8] = {};  // the vendor's boolean has one byte; the spare bytes allow for four
   unsigned char out_of_inkwell[8] = {};
   call.GetBooleanv(kHdSafetySwitch, in_hand);
   call.GetBooleanv(kHdInkwellSwitch, out_of_inkwell);
@@ -239,18 +241,18 @@ void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) n
   arm.note(trouble);
 }
 
-/// An arm that does not tell its motors' temperature answers with an error, which is no fault.
+/// Reads the motors' temperatures. An arm that does not report them answers with an error, which is no fault.
 void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept {
   if (now - arm.temperature_ns < kTemperaturePeriod) return;
   arm.temperature_ns = now;
-  take_errors(arm, now);  // those of before are not the temperature's
+  take_errors(arm, now);  // earlier errors do not belong to the temperature
   double motors[kMostMotors] = {};
   library_.call().GetDoublev(kHdMotorTemperature, motors);
   const bool given = library_.take_error().code == kHdSuccess;
   arm.warm = given && std::any_of(std::begin(motors), std::end(motors), [](double t) { return t >= kWarm; });
 }
 
-/// Gives each error to the arm that it names, else to the current one.
+/// Gives each error to the arm that it names, or to the current arm when it names no open arm.
 void TouchScheduler::take_errors(TouchArm& current, std::int64_t now) noexcept {
   for (int i = 0; i < kMostErrorsAFrame; ++i) {
     const HdErrorInfo error = library_.call().GetError();
@@ -273,7 +275,8 @@ void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std:
   arm.note(TouchError::kError, arm.error);
 }
 
-/// The loop's newest force, no more than the arm can give; zero when it was stopped or writes no more.
+/// The loop's newest force [N], limited to the largest force of the arm. Zero after stop() and when the loop
+/// no longer writes.
 Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
   const Vec3 force_D = arm.forces.wanted(now, kWriteTimeout);
   const double size = force_D.norm();

@@ -94,7 +94,7 @@ TEST(ReplayDevice, GivesTheSamplesOfItsHandAndHoldsTheLast) {
 
 TEST(ReplayDevice, RefusesARecordingWithoutTicks) { EXPECT_THROW(ReplayDevice({}), InputError); }
 
-/// A scene without meshes: enough for a device that follows a file.
+/// A scene without meshes, for a device that follows a file.
 scene::Scene bare_setup(const std::string& kind, const std::string& path) {
   scene::Scene setup;
   setup.devices.push_back({kind, path, 1.0, {}});
@@ -111,7 +111,7 @@ std::string error_of(const scene::Scene& setup, std::size_t hand) {
   return "";
 }
 
-/// A file in the temporary folder that goes away with the test.
+/// A file in the temporary folder that the test removes at its end.
 class TemporaryFile final {
  public:
   TemporaryFile(const std::string& ending, const std::string& content)

@@ -1,4 +1,4 @@
-// The emulated hand through the loop: what a run gives, again and by replay.
+// The emulated hand in the loop: its result, a repeated run and a replay.
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +26,7 @@ TEST(EmulatedRun, TheForceFeedsBackSoTheHandStopsAboveWhereItWantsToBe) {
     setup.devices[0].emulated.grip = grip;
     EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
     const TickRow last = test::run_through(setup, device).back();
-    // At rest the grip's pull, K (depth it wants - depth it has), is the tissue's force, but for friction.
+    // At rest the pull of the grip, K (wanted depth - depth), equals the tissue force except for friction.
     const double pull = grip.stiffness * (10e-3 - last.depth);
     EXPECT_GT(last.tissue_force, 0.05);
     EXPECT_NEAR(pull, force_of(last).norm(), scene::kEmulatedFriction + 0.5e-5 * grip.stiffness);
@@ -58,7 +58,7 @@ TEST(EmulatedRun, RealTimeAndOfflineGiveTheSameRows) {
   const std::vector<TickRow> live = rows_of(false);
   ASSERT_EQ(live.size(), offline.size());
   for (std::size_t i = 0; i < live.size(); ++i) {
-    // A machine that stands still for 20 ms makes a fault of its own, from which on the runs differ.
+    // A machine that halts for 20 ms latches a stall fault, and the runs differ from that tick on.
     if (live[i].fault == static_cast<std::uint32_t>(haptics::Fault::kStalled)) break;
     ASSERT_EQ(record::row_difference(offline[i], live[i]), "") << i;
   }

@@ -1,5 +1,5 @@
-// What a hand meets when its device fails, fault by fault: an emulated hand presses a block, the fault comes
-// while it presses with more than 0.2 N, and it presses again after a reset.
+// Each fault of an emulated device, and the force on the hand. The hand presses a block with more than 0.2 N
+// when the fault comes. It presses again after a reset.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,13 +19,13 @@ using scene::EmulatedFaultKind;
 
 constexpr double kFaultTime = 2.5;  // s
 constexpr std::uint64_t kFaultTick = 2500;
-constexpr std::uint64_t kReset = 5500;         // tick: outside again
+constexpr std::uint64_t kReset = 5500;         // tick; the tool is outside again
 constexpr std::uint64_t kPressedAgain = 8500;  // tick
 constexpr std::uint64_t kLastTick = 9500;
 constexpr std::uint64_t kNever = ~std::uint64_t{0};
 
-/// Still outside until 1 s, then 10 mm into the block and held from 2 s to 4 s, out of it at 5 s, still until
-/// 7 s, in again from 8 s on.
+/// Path: outside and still until 1 s, 10 mm in the block from 2 s to 4 s, outside at 5 s, still until 7 s, in
+/// the block again from 8 s.
 scene::ToolPath press_twice() {
   return test::heights({{0.0, 8e-3},
                         {1.0, 8e-3},
@@ -41,7 +41,7 @@ struct Outcome {
   std::vector<TickRow> rows;
   std::vector<Vec3> felt;
   std::uint64_t latched = kNever;  // first tick with a fault
-  std::uint64_t zero = kNever;     // first tick from there on with no force
+  std::uint64_t zero = kNever;     // first tick without force from the latched fault on
 };
 
 Outcome run_with(EmulatedFaultKind kind, double duration, std::vector<std::uint64_t> resets) {
@@ -63,7 +63,7 @@ struct Case {
   EmulatedFaultKind kind;
   double duration;              // s
   Fault cause;                  // kNone: no fault, the jump is limited
-  std::uint64_t latched_after;  // ticks from the first bad one
+  std::uint64_t latched_after;  // ticks from the first bad sample
   const char* injected;
 };
 
@@ -82,7 +82,7 @@ void expect_within_limits(const std::vector<TickRow>& rows) {
   }
 }
 
-/// The force falls to zero, stays there until the reset and comes back by the ramp only.
+/// Expects that the force falls to zero, stays zero until the reset and returns through the force ramp only.
 void expect_zero_and_recovery(const Case& bad, const Outcome& outcome) {
   ASSERT_EQ(outcome.latched, kFaultTick + bad.latched_after);
   ASSERT_LE(outcome.zero, outcome.latched + 10) << "10 ms at 1 kHz";
@@ -104,7 +104,8 @@ void expect_zero_and_recovery(const Case& bad, const Outcome& outcome) {
   EXPECT_GT(test::force_of(outcome.rows[kPressedAgain]).norm(), 0.15);
 }
 
-/// No fault: after a jump there is no tissue force until the tool has been outside, without one it goes on.
+/// Expects no fault. After a jump the tissue force is zero until the tool has been outside. Without a jump it
+/// continues.
 void expect_limited_and_unharmed(const Case& bad, const Outcome& outcome) {
   ASSERT_EQ(outcome.latched, kNever);
   for (std::uint64_t tick = kFaultTick; tick < kFaultTick + 1000; ++tick) {
@@ -186,7 +187,7 @@ TEST(EmulatedSafety, AResetWhileTheFaultIsStillThereLatchesItAgain) {
 
 TEST(EmulatedSafety, AResetInsideTheTissueGivesNoForceUntilTheHandWasStillOutside) {
   const Outcome outcome = run_with(EmulatedFaultKind::kDropOut, 0.0, {kFaultTick + 200});
-  for (std::uint64_t tick = kFaultTick + 200; tick < 5000; ++tick) {  // it leaves the tissue at about 4.6 s
+  for (std::uint64_t tick = kFaultTick + 200; tick < 5000; ++tick) {  // outside from about 4.6 s
     ASSERT_EQ(test::force_of(outcome.rows[tick]).norm(), 0.0) << tick;
   }
   EXPECT_GT(test::force_of(outcome.rows[kPressedAgain]).norm(), 0.15);

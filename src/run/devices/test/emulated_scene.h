@@ -8,13 +8,13 @@
 #include "run/devices/emulated.h"
 #include "run/realtime/loop.h"
 
-// An emulated hand that presses a block, through the loop.
+// A scene with an emulated hand that presses a block, for tests of the loop.
 namespace palpate::devices::test {
 
 inline constexpr double kBallRadius = 3e-3;  // m
 inline constexpr double kRate = 1000.0;      // Hz
 
-/// A 60 x 60 x 40 mm block whose top lies at z = 0, and a 3 mm ball in one emulated hand.
+/// A 60 x 60 x 40 mm block with its top at z = 0, and one emulated hand with a 3 mm ball.
 inline scene::Scene block_and_hand(std::vector<scene::EmulatedFault> faults = {}) {
   scene::Scene setup;
   setup.name = "block";
@@ -31,7 +31,7 @@ inline scene::Scene block_and_hand(std::vector<scene::EmulatedFault> faults = {}
   return setup;
 }
 
-/// The ball's height above the block's top over time [s, m], straight from row to row.
+/// Path of the ball from its height over the block's top [s, m], linear between the rows.
 inline scene::ToolPath heights(const std::vector<std::pair<double, double>>& times_and_heights) {
   std::vector<scene::PathRow> rows;
   for (const auto& [time, height] : times_and_heights) {
@@ -40,8 +40,7 @@ inline scene::ToolPath heights(const std::vector<std::pair<double, double>>& tim
   return scene::ToolPath(std::move(rows));
 }
 
-/// The emulated device with a user beside it, who resets a latched fault at some ticks, as the loop does for
-/// one.
+/// An emulated device whose user resets a latched fault at given ticks.
 class WithResets final : public haptics::Device {
  public:
   WithResets(EmulatedDevice& device, std::vector<std::uint64_t> reset_at)
@@ -66,14 +65,13 @@ class WithResets final : public haptics::Device {
     return device_.last_tick(rate_Hz);
   }
 
-  std::vector<Vec3> felt;  // the force on the hand after every tick
+  std::vector<Vec3> felt;  // N, force on the hand after every tick
 
  private:
   EmulatedDevice& device_;
   std::vector<std::uint64_t> reset_at_;
 };
 
-/// Keeps all rows.
 class Rows final : public haptics::TickObserver {
  public:
   explicit Rows(std::size_t expected) { rows.reserve(expected); }
@@ -83,7 +81,7 @@ class Rows final : public haptics::TickObserver {
   std::vector<haptics::TickRow> rows;
 };
 
-/// Runs a device to its last tick, offline or not. @return the rows
+/// Runs a device to its last tick, offline or in real time. @return the rows
 inline std::vector<haptics::TickRow> run_through(const scene::Scene& setup, haptics::Device& device,
                                                  bool offline = true) {
   const haptics::SimulationWorld world = scene::make_world(setup);

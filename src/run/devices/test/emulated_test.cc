@@ -38,7 +38,7 @@ scene::DeviceSetup with_fault(EmulatedFaultKind kind, double time, double durati
   return setup;
 }
 
-/// Runs ticks `from` .. `to` - 1 under one force. @return the last sample
+/// Runs ticks `from` to `to` - 1 under a constant force. @return the last sample
 DeviceState run(EmulatedDevice& device, std::uint64_t from, std::uint64_t to,
                 const Vec3& force = Vec3::Zero()) {
   DeviceState last;

@@ -16,7 +16,7 @@ using haptics::Fault;
 using scene::EmulatedFault;
 using scene::EmulatedFaultKind;
 
-/// A sample whose place says its tick.
+/// A sample whose position encodes its tick.
 DeviceState fresh(std::uint64_t tick) {
   DeviceState sample;
   sample.position_D = Vec3(1e-3 * static_cast<double>(tick), 0.02, 0.03);
@@ -24,7 +24,7 @@ DeviceState fresh(std::uint64_t tick) {
   return sample;
 }
 
-/// What the schedule makes of ticks 0 to 99 at 1 kHz, one fault of `kind` from 50 ms on for `duration`.
+/// Samples of ticks 0 to 99 at 1 kHz with one fault of `kind`, from 50 ms on for `duration` [s].
 std::vector<DeviceState> spoiled(EmulatedFaultKind kind, double duration, double age = 8e-3) {
   FaultSchedule schedule({{kind, 0.05, duration, age}}, 1000.0);
   std::vector<DeviceState> samples;

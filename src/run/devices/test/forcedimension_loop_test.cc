@@ -1,6 +1,6 @@
-// The Force Dimension device in the whole loop: each fault of the stand-in brings the force that is written
-// to it to zero within 10 ms of being seen, latched, with its cause; after a reset the force comes back
-// without a jump.
+// The Force Dimension device in the loop, with a stand-in for the vendor's library. Each fault is latched
+// with its cause, and the force written to the stand-in is zero within 10 ms of the fault's detection. After
+// a reset the force returns without a jump.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -23,8 +23,8 @@ using stand_in::Loaded;
 using testing::HasSubstr;
 
 constexpr double kDhdRate = 1000.0;            // Hz
-constexpr std::uint64_t kPressTick = 1000;     // engaged: 0.25 s still, 0.5 s of ramp
-constexpr std::uint64_t kDhdFaultTick = 3000;  // the hand has come to rest in the tissue
+constexpr std::uint64_t kPressTick = 1000;     // after the soft start: 0.25 s still, 0.5 s of force ramp
+constexpr std::uint64_t kDhdFaultTick = 3000;  // the hand is at rest in the tissue
 constexpr std::uint64_t kTicks = 3500;
 constexpr std::uint64_t kFallTicks = 10;  // 10 ms
 constexpr double kHandForce = 1.0;        // N, downwards
@@ -39,7 +39,7 @@ double largest_step_of(const std::vector<double>& forces) {
   return largest;
 }
 
-/// A mass of 0.25 kg in a hand, at rest 1 mm above the block of test_world.h.
+/// Puts a hand of 0.25 kg at rest 1 mm above the block of test_world.h.
 void rest(stand_in::Device& hardware) {
   hardware.mass = 0.25;
   hardware.damping = 5.0;
@@ -50,7 +50,7 @@ void rest(stand_in::Device& hardware) {
   std::fill_n(hardware.hand_force, 3, 0.0);
 }
 
-/// Everything in order again, the force switched on by its button.
+/// Ends every fault of the stand-in and switches the force on, as its button does.
 void heal(stand_in::Device& hardware) {
   hardware.pose_result = hardware.velocity_result = hardware.status_result = hardware.write_result = 0;
   hardware.force_off_cause = 0;
@@ -60,8 +60,8 @@ void heal(stand_in::Device& hardware) {
   hardware.force_on = true;
 }
 
-/// The rows of a run, and the force that the stand-in had after each tick; the hand presses from kPressTick
-/// on, with kHandForce.
+/// Keeps the rows of a run and the stand-in's force after each tick. The hand presses with kHandForce from
+/// kPressTick on.
 class Hand final : public haptics::TickObserver {
  public:
   using Act = std::function<void(stand_in::Device&)>;
@@ -79,7 +79,7 @@ class Hand final : public haptics::TickObserver {
   }
 
   std::vector<haptics::TickRow> rows;
-  std::vector<haptics::TickRow> others;  // of the other hands
+  std::vector<haptics::TickRow> others;  // rows of the other hands
   std::vector<double> forces;            // N
 
  private:
@@ -87,7 +87,7 @@ class Hand final : public haptics::TickObserver {
   Act at_fault_;
 };
 
-/// A device whose user asks for a reset of the fault at the first tick.
+/// A device whose user resets the fault at the first tick.
 class AskingForReset final : public haptics::Device {
  public:
   explicit AskingForReset(haptics::Device& device) : device_(device) {}
@@ -106,7 +106,7 @@ class AskingForReset final : public haptics::Device {
   haptics::Device& device_;
 };
 
-/// Held devices over the block.
+/// A world with held devices over the block.
 haptics::SimulationWorld held_world(std::size_t hands) {
   haptics::SimulationWorld world = haptics::test::block_and_balls(hands, kDhdRate, haptics::test::no_noise());
   for (haptics::WorkspaceMapping& mapping : world.mappings) mapping.held = true;
@@ -117,9 +117,9 @@ struct FaultCase {
   const char* name;
   const char* injected;
   void (*inject)(stand_in::Device&);
-  std::uint64_t seen_within;  // ticks: at once, the status every 2 ms, an old sample after 5 ms
+  std::uint64_t seen_within;  // ticks; the status is read every 2 ms, a sample is stale after 5 ms
   Fault recorded;
-  const char* words;  // part of last_error(); empty: the device itself knows of none
+  const char* words;  // part of last_error(); empty: the device reports no error itself
 };
 
 std::ostream& operator<<(std::ostream& out, const FaultCase& fault) { return out << fault.name; }
@@ -160,10 +160,11 @@ const FaultCase kFaults[] = {
 
 class ForceDimensionSafety : public testing::TestWithParam<FaultCase> {
  protected:
-  /// Every row from the latched one on, and the force at the stand-in. @return ticks from the first bad one
-  /// to the first without force
+  /// Checks all rows from the latched fault on, and the force at the stand-in. @return ticks from the first
+  /// bad sample to the first tick without force
   std::uint64_t check_fall(const Hand& hand) const;
-  /// Healed and reset, the hand outside and still: the force comes back as it came the first time.
+  /// Checks that the force returns after the fault has ended and was reset, with the hand outside and still.
+  /// The force must not rise in larger steps than at the first contact.
   void check_return(haptics::Device& device, double largest_step);
 
   Loaded dhd_{stand_in::file_of("dhd_stand_in")};
@@ -181,7 +182,7 @@ std::uint64_t ForceDimensionSafety::check_fall(const Hand& hand) const {
   }
   EXPECT_GT(latched->tick, kDhdFaultTick);
   EXPECT_LE(latched->tick, kDhdFaultTick + GetParam().seen_within);
-  // A device that refuses every force keeps its last one; what the gate gave it is in the rows.
+  // A device that refuses every force keeps its last one, so the rows show the command that the gate gave.
   const bool refuses = hardware_.write_result < 0;
   const auto force = [&](std::uint64_t tick) {
     return refuses ? size_of(hand.rows[tick].force.data()) : hand.forces[tick];

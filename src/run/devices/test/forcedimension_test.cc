@@ -1,4 +1,4 @@
-// The Force Dimension device against a stand-in for the vendor's library: opening, samples, every fault.
+// The Force Dimension device against a stand-in for the vendor's library: opening, samples and every fault.
 #include "run/devices/forcedimension.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ using testing::Not;
 
 const char* const kWhole = "dhd_stand_in";
 
-/// What opening says when it is refused; empty: it was not.
+/// The message of a refused opening. Empty when the device was opened.
 std::string refusal(const std::string& path, std::size_t ordinal = 0) {
   try {
     const ForceDimensionDevice device(path, ordinal);
@@ -47,7 +47,7 @@ class ForceDimension : public testing::Test {
 using ForceDimensionLibrary = ForceDimension;
 
 TEST_F(ForceDimensionLibrary, NotInstalledIsToldWithWhereToGetIt) {
-  // No path: the system's own, which the computers that run this test do not have.
+  // An empty path stands for the system's library, which the computers that run this test do not have.
   const Probe probe = probe_forcedimension("");
   if (probe.words.find("libdhd.so.3 is not installed") == std::string::npos) {
     EXPECT_THAT(probe.words, HasSubstr("libdhd")) << "a computer with the vendor's library";
@@ -174,7 +174,7 @@ TEST_F(ForceDimension, GivesOneSampleInItsOwnFrame) {
   EXPECT_EQ(state.position_D, Vec3(0.01, -0.02, 0.03));
   EXPECT_EQ(state.velocity_D, Vec3(0.0, 0.0, -0.5));
   EXPECT_NEAR((state.orientation_D * Vec3::UnitX() - Vec3::UnitY()).norm(), 0.0, 1e-15);
-  EXPECT_EQ(state.gripper, 0.25);  // of 0.5 rad
+  EXPECT_EQ(state.gripper, 0.25);  // fraction of 0.5 rad
   EXPECT_EQ(state.buttons, 5U);
   EXPECT_EQ(state.age, 0.0);
   EXPECT_EQ(state.fault, haptics::Fault::kNone);
@@ -206,7 +206,7 @@ TEST_F(ForceDimension, WithoutWristOrGripperItIsUprightAndClosed) {
   EXPECT_EQ(state.position_D, Vec3(0.0, 0.04, 0.0));
 }
 
-/// What a Falcon is to Force Dimension's library; what it says of wrist and gripper does not count.
+/// Makes the stand-in a Falcon. Its answers about a wrist and a gripper are ignored.
 void make_falcon(stand_in::Device& hardware) {
   hardware.type = 60;
   hardware.rotation[0][0] = std::numeric_limits<double>::quiet_NaN();
@@ -322,7 +322,7 @@ TEST_F(ForceDimension, AStatusThatSwitchedTheForceOffIsAFaultWithItsCause) {
   ForceDimensionDevice device(dhd_.path, 0);
   std::uint64_t tick = 0;
   const auto read = [&] {
-    tick += 4;  // beyond the status's own period
+    tick += 4;  // longer than the period of the status
     return device.read(tick, static_cast<double>(tick) * 1e-3).fault;
   };
   for (const auto& cause : causes) {
@@ -416,7 +416,7 @@ TEST_F(ForceDimension, AllDevicesShareOneLibraryThatTheLastCloses) {
   EXPECT_EQ(second->read(0, 0.0).position_D.z(), 0.05) << "its library is still there";
   second.reset();
 
-  const std::string path = stand_in::file_of("dhd_stand_in_bare");  // no test holds this one open here
+  const std::string path = stand_in::file_of("dhd_stand_in_bare");  // no other test has this library open
   EXPECT_EQ(refusal(path), "");
   EXPECT_EQ(dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD), nullptr) << "gone from memory";
 }

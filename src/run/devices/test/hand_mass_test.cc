@@ -10,7 +10,7 @@ namespace {
 constexpr double kPeriod = 1e-3;  // s
 const Vec3 kNowhere = Vec3::Zero();
 
-/// A mass that nothing holds and nothing brakes.
+/// A mass of 0.25 kg without any spring, damping or friction.
 HandMassParameters free_mass() { return {0.25, 0.0, 0.0, 0.0, 0.0}; }
 
 void push(HandMass& hand, const Vec3& force, double seconds) {
@@ -21,7 +21,7 @@ void push(HandMass& hand, const Vec3& force, double seconds) {
 TEST(HandMass, FallsFreelyUnderAConstantForce) {
   HandMass hand(free_mass(), kNowhere);
   push(hand, Vec3(0, 0, -1.0), 1.0);
-  // v = F t / m; the implicit step is ahead of F t^2 / 2m by half a step at the end's speed.
+  // v = F t / m. The implicit step is ahead of F t^2 / (2 m) by half a step at the final speed.
   EXPECT_NEAR(hand.velocity().z(), -4.0, 1e-9);
   EXPECT_NEAR(hand.position().z(), -(2.0 + 0.5 * HandMass::kLongestStep * 4.0), 1e-9);
 }
@@ -43,7 +43,7 @@ TEST(HandMass, SticksExactlyBelowItsFrictionAndSlidesAboveIt) {
   push(hand, Vec3(0.03, -0.03, 0.02), 1.0);  // norm 0.0469 N
   EXPECT_EQ(hand.position(), Vec3(1, 2, 3));
   EXPECT_EQ(hand.velocity(), kNowhere);
-  push(hand, Vec3(0.04, 0.0, 0.04), 1.0);  // each below, the norm 0.0566 N above
+  push(hand, Vec3(0.04, 0.0, 0.04), 1.0);  // each component is below the friction, the norm 0.0566 N above
   EXPECT_NEAR(hand.velocity().norm(), (std::sqrt(0.0032) - 0.05) / 0.25, 1e-9);
 }
 

@@ -14,7 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// The form of the service's documentation, 3.5, with two arms and both kinds of grip.
+/// A message in the form of the service's documentation, version 3.5, with two arms and both kinds of grip.
 json message() {
   return json::parse(R"({
     "session_id": 7,
@@ -134,7 +134,7 @@ TEST(HaplyMessages, DeepNestingIsRefusedSinceItWouldEndTheProgram) {
   EXPECT_EQ(refusal_of(json("{\"inverse3\": " + deep + "}")),
             "message: is nested deeper than 32 levels at byte 45");
   json brackets = message();
-  brackets["inverse3"][0]["config"]["name"] = "\\\"" + std::string(100, '[');  // in a text they nest nothing
+  brackets["inverse3"][0]["config"]["name"] = "\\\"" + std::string(100, '[');  // in a text they do not nest
   EXPECT_EQ(read_haply_state(brackets.dump(), "049D", "").state.position_D, Vec3(0.01, -0.12, 0.15));
 }
 

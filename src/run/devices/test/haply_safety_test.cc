@@ -1,5 +1,5 @@
-// What a hand meets when Haply's service fails: the device goes through the loop in step with a stand-in
-// service, the fault comes while the tool presses, and the hand presses again after a reset.
+// Faults of Haply's service, and the force on the hand. The device runs in the loop in step with a stand-in
+// service. The fault comes while the tool presses, and the hand presses again after a reset.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -22,12 +22,13 @@ using haptics::TickRow;
 using test::Answer;
 
 constexpr std::uint64_t kHaplyFaultTick = 1500;
-constexpr std::uint64_t kMendTick = 1600;   // the service is in order again
-constexpr std::uint64_t kResetTick = 2000;  // outside again
+constexpr std::uint64_t kMendTick = 1600;   // the service works again
+constexpr std::uint64_t kResetTick = 2000;  // the tool is outside again
 constexpr std::uint64_t kHaplyLastTick = 3600;
 constexpr std::uint64_t kHaplyNever = ~std::uint64_t{0};
 
-/// Still outside for a second, 6 mm into the block by 1.4 s, out by 2 s, still, and in again from 3 s on.
+/// Path: outside and still for 1 s, 6 mm in the block at 1.4 s, outside and still from 2 s, in the block
+/// again from 3 s.
 scene::ToolPath way() {
   return test::heights(
       {{0.0, 8e-3}, {1.0, 8e-3}, {1.4, -6e-3}, {1.7, -6e-3}, {1.95, 8e-3}, {3.0, 8e-3}, {3.4, -6e-3}});
@@ -76,7 +77,7 @@ const HaplyCase kHaplyCases[] = {
      [](const Vec3& position) { return Answer{arm_that_says(position, "ready", false)}; }},
 };
 
-/// Where the arm is and whether the service is in order; shared with the service's threads.
+/// Position of the arm and state of the service, shared with the service's threads.
 struct World {
   std::atomic<double> height{0.0};
   std::atomic<bool> broken{false};
@@ -84,8 +85,8 @@ struct World {
   [[nodiscard]] Vec3 position() const { return {0.001, 0.002, height.load()}; }
 };
 
-/// The device in step with the service: a tick waits until the sample is that of the arm's present place, or
-/// shows the fault that is due. So nothing depends on how fast the machine is.
+/// Runs the device in step with the service. A tick waits until the sample has the arm's present position, or
+/// shows the fault that is due. The result does not depend on the machine's speed.
 class InStep final : public haptics::Device {
  public:
   InStep(HaplyDevice& device, World& world) : device_(device), world_(world), path_(way()) {}
@@ -97,7 +98,7 @@ class InStep final : public haptics::Device {
       const bool shows = s.fault != Fault::kNone || s.age > haptics::kStaleAfter;
       return world_.broken ? shows : !shows && s.position_D == world_.position();
     });
-    sample.age = world_.broken ? sample.age : 0.0;  // what the machine's other work adds is not the test's
+    sample.age = world_.broken ? sample.age : 0.0;  // delays by the machine's other work do not count
     if (tick == kResetTick) sample.events = haptics::kResetFault;
     return sample;
   }
@@ -109,8 +110,8 @@ class InStep final : public haptics::Device {
   template <typename Wanted>
   haptics::DeviceState sample_when(const Wanted& wanted) noexcept {
     haptics::DeviceState sample = device_.read(0, 0.0);
-    for (int i = 0; i < 200'000 && !wanted(sample); ++i) {  // 10 s and more
-      (void)device_.write({});                              // the loop is not dead, it waits
+    for (int i = 0; i < 200'000 && !wanted(sample); ++i) {  // at least 10 s
+      (void)device_.write({});                              // shows that the loop still runs
       std::this_thread::sleep_for(std::chrono::microseconds(50));
       sample = device_.read(0, 0.0);
     }

@@ -1,5 +1,5 @@
 #pragma once
-// A stand-in for Haply's Inverse Service on 127.0.0.1, with every fault on a switch.
+// A stand-in for Haply's Inverse Service on 127.0.0.1. A test can switch each fault on.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 #include <thread>
-#include <utility>  // before Asio, whose 1.74 forgets it
+#include <utility>  // before Asio: Asio 1.74 does not include it
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -25,7 +25,7 @@
 
 namespace palpate::devices::test {
 
-/// One arm's and one grip's part of a message.
+/// JSON of a vector, of one arm and of one grip in a message.
 inline nlohmann::json vector_json(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
 inline nlohmann::json arm_json(const std::string& id, const Vec3& position,
                                const Vec3& velocity = Vec3::Zero()) {
@@ -44,15 +44,15 @@ inline std::string one_arm(const Vec3& position = Vec3(0.01, 0.02, 0.03)) {
   return nlohmann::json{{"inverse3", {arm_json("04BA", position)}}}.dump();
 }
 
-/// What the service does on a command.
+/// The service's answer to a command.
 struct Answer {
-  std::optional<std::string> text;  // empty: says nothing
+  std::optional<std::string> text;  // empty: no answer
   enum class Then { kGoOn, kClose, kBreakOff } then = Then::kGoOn;
 };
 
 class HaplyService final {
  public:
-  enum class Manner { kWebSocket, kDeclines, kMute };  // kMute: takes connections and never says anything
+  enum class Manner { kWebSocket, kDeclines, kMute };  // kMute: accepts connections and never sends anything
   using Script = std::function<Answer(std::size_t command)>;
 
   struct Received {
@@ -60,8 +60,8 @@ class HaplyService final {
     Vec3 force;
   };
 
-  /// @param greeting the first message; empty: none
-  /// @param script called on a thread of the connection with the number of its command, from 0
+  /// @param greeting first message; empty: the service sends none
+  /// @param script called on a thread of the connection with the number of the command, from 0
   explicit HaplyService(
       std::string greeting, Script script = [](std::size_t) { return Answer{one_arm()}; },
       Manner manner = Manner::kWebSocket)
@@ -88,14 +88,14 @@ class HaplyService final {
     const std::lock_guard<std::mutex> lock(mutex_);
     return received_;
   }
-  /// The newest force; not a number before the first.
+  /// Newest force [N]. NaN before the first command.
   [[nodiscard]] Vec3 force() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return received_.empty() ? Vec3::Constant(std::nan("")) : received_.back().force;
   }
   [[nodiscard]] std::size_t connections() const { return connections_; }
   [[nodiscard]] bool said_farewell() const { return farewell_; }
-  /// Whether connections must wait for their first message.
+  /// Holds the first message of new connections back while `holds` is true.
   void hold_back(bool holds) { holds_back_ = holds; }
   void greet_with(std::string greeting) {
     const std::lock_guard<std::mutex> lock(mutex_);

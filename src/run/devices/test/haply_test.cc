@@ -30,7 +30,7 @@ using testing::StartsWith;
 constexpr std::int64_t kMillisecond = 1'000'000;      // ns
 constexpr std::int64_t kForever = 3'600'000'000'000;  // ns
 
-/// Waits for what must come to be, far longer than it takes. @return whether it did.
+/// Waits up to 20 s for a condition, far longer than it needs. @return whether the condition became true
 bool eventually(const std::function<bool()>& holds) {
   const std::int64_t end = monotonic_ns() + 20'000 * kMillisecond;
   while (!holds()) {
@@ -40,7 +40,7 @@ bool eventually(const std::function<bool()>& holds) {
   return true;
 }
 
-/// Times under which nothing happens by itself, however slow the machine.
+/// Time limits so long that none expires in a test, however slow the machine is.
 HaplyTimes patient() {
   HaplyTimes times;
   times.opening = 20'000 * kMillisecond;
@@ -86,7 +86,7 @@ TEST(Haply, SendsZeroWhenTheLoopWritesNoMore) {
   HaplyTimes times = patient();
   times.write_timeout = 50 * kMillisecond;
   HaplyDevice device(service.address(), 0, times);
-  // Until one of them is felt: on a busy machine a write may be too old when it is found.
+  // Repeats until one force arrives. On a busy machine a force may be too old when the device reads it.
   EXPECT_TRUE(
       eventually([&] { return pushed_arm(device, Vec3(1.0, 0.0, 0.0)) && service.force().x() == 1.0; }));
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
@@ -116,7 +116,7 @@ TEST(Haply, ZeroForceDoesNotWaitForAReply) {
   EXPECT_TRUE(eventually([&] { return service.force().z() == 3.0; }));
   silent = true;
   std::size_t told = 0;
-  EXPECT_TRUE(eventually([&] {  // all that were under way have come
+  EXPECT_TRUE(eventually([&] {  // all commands under way have arrived
     const bool still = service.received().size() == told && read(device).age > 0.05;
     told = service.received().size();
     return still;
@@ -187,7 +187,7 @@ TEST(Haply, AMalformedReplyIsADeviceFaultInWordsUntilTheNextGoodOne) {
   EXPECT_EQ(service.connections(), 1U);
 }
 
-/// The service does `last` in mid-run; its second connection is a good one.
+/// The service gives the answer `last` in mid-run. Its second connection works.
 void expect_fault_and_recovery(const Answer& last, const std::string& words) {
   std::atomic<bool> now{false};
   HaplyService service(one_arm(),
@@ -355,7 +355,7 @@ TEST(Haply, TwoHandsTakeTheServicesArmsAndGripsInOrder) {
   EXPECT_EQ(first.gripper, 1.0);
   EXPECT_EQ(second.gripper, 0.0);
   EXPECT_EQ(second.buttons, 1U);
-  EXPECT_TRUE(eventually([&] {  // each commands its own arm
+  EXPECT_TRUE(eventually([&] {  // each device commands its own arm
     std::size_t lefts = 0;
     const auto received = service.received();
     for (const auto& command : received) lefts += command.arm == "L" ? 1 : 0;
@@ -404,7 +404,7 @@ class StartKeeper final : public haptics::TickObserver {
 };
 
 TEST(Haply, ALoopRunsWithItAndLeavesItWithoutForce) {
-  // From 2 mm above the block down to 2 mm of depth within 0.2 s of the start.
+  // The arm moves from 2 mm above the block down to 2 mm of depth within 0.2 s of the start.
   std::atomic<std::int64_t> start{kForever};
   const auto lowering = [&](std::size_t) {
     const double time = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, monotonic_ns() - start));
@@ -423,7 +423,7 @@ TEST(Haply, ALoopRunsWithItAndLeavesItWithoutForce) {
   const std::vector<haptics::TickRow>& rows = keeper.rows();
   ASSERT_EQ(rows.size(), 300U);
   EXPECT_TRUE(eventually([&] { return service.force() == Vec3::Zero(); }));
-  // A busy machine may make a sample late, and that is a fault; without one the force has arrived.
+  // A busy machine may make a sample late, which is a fault. Without a fault the force has arrived.
   double pushed = 0.0;
   for (const auto& command : service.received()) pushed = std::max(pushed, command.force.z());
   double written = 0.0;

@@ -1,4 +1,4 @@
-// Mouse and gamepad: what a window says becomes the way of a calm hand.
+// Mouse and gamepad: the input of a window becomes the smooth motion of a calm hand.
 #include <algorithm>
 #include <cmath>
 

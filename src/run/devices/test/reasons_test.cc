@@ -1,4 +1,5 @@
-// Each reason of `palpate devices`, on a folder that stands for /: it appears, and goes when it is mended.
+// Each reason of `palpate devices`, on a folder that replaces the root folder. The reason appears, and
+// disappears after the remedy.
 #include "run/devices/reasons.h"
 
 #include <fstream>
@@ -54,7 +55,7 @@ class Reasons : public testing::Test {
   }
   void release() { fs::remove(folder_ / "proc/4242/fd/5"); }
   void remove(const std::string& name) { fs::remove_all(folder_ / name); }
-  /// A Touch on USB with its port, set up by this user.
+  /// Connects a Touch by USB, with its port and the set-up of this user.
   void set_up_touch() {
     plug_in("2988", "0302");
     put("sys/bus/usb/devices/1-2/1-2:1.0/tty/ttyACM0/dev");
@@ -90,7 +91,7 @@ TEST_F(Reasons, TheLibraryIsNotInstalledOrNotKnownToTheLoader) {
 TEST_F(Reasons, NothingIsOnUsb) {
   plug_in("046d", "c077");
   EXPECT_THAT(forcedimension_reasons(machine_, true), ElementsAre(reason("is on USB", "lsusb -d 1451:")));
-  plug_in("0403", "6001");  // another device with FTDI's converter
+  plug_in("0403", "6001");  // another device with FTDI's USB converter
   EXPECT_THAT(forcedimension_reasons(machine_, true), ElementsAre(reason("is on USB", "lsusb -d 0403:cb48")));
 }
 
@@ -207,9 +208,9 @@ TEST_F(Reasons, HaplysServiceIsNotInstalledDoesNotRunOrIsTooOld) {
   EXPECT_THAT(haply_reasons(machine_), ElementsAre(reason("not installed", "apt install ./haply-inverse")));
   put("lib/systemd/system/haply-inverse-service.service");
   EXPECT_THAT(haply_reasons(machine_), ElementsAre(reason("does not run", "systemctl start haply")));
-  listen("2710");  // 10000
+  listen("2710");  // hexadecimal of port 10000
   EXPECT_THAT(haply_reasons(machine_), ElementsAre(reason("port 10000 alone", "apt install")));
-  listen("2711");  // 10001
+  listen("2711");  // hexadecimal of port 10001
   EXPECT_THAT(haply_reasons(machine_), IsEmpty());
 }
 

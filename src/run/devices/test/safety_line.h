@@ -5,17 +5,17 @@
 
 namespace palpate::test {
 
-/// One fault that a test injected and what became of it. tools/update_safety makes the table of
-/// docs/safety.md from these lines: it runs the test programs with --gtest_filter='*Safety*', so a test that
-/// tells one has "Safety" in its suite's or its own name. No text may contain '|' or a line break.
+/// One fault that a test injected, and its outcome. tools/update_safety makes the table of docs/safety.md
+/// from these lines. It runs the test programs with --gtest_filter='*Safety*', so a test that prints a line
+/// needs "Safety" in its suite's or its own name. No text may contain '|' or a line break.
 struct SafetyLine {
   std::string device;     // kind, as in a scene: "emulated"
   std::string fault;      // "freeze", "wrong units", ...
   std::string injected;   // what was done: "the same sample for 100 ms while pressing with 1.2 N"
-  double zero_within_ms;  // from the tick that latched the fault to zero force; NaN: no fault, none was due
+  double zero_within_ms;  // from the tick that latched the fault to zero force; NaN: no fault was due
   std::string cause;      // the fault that the rows keep (haptics::name_of)
-  std::string recovery;   // what happened after the fault went: "reset, then engaged again after 1.3 s"
-  bool survived;          // everything that the test expects of it held
+  std::string recovery;   // what followed the end of the fault: "reset, then engaged again after 1.3 s"
+  bool survived;          // whether all expectations of the test were met
 };
 
 /// Prints "SAFETY kind|fault|injected|zero within ms|recorded cause|recovery|survived", one line.

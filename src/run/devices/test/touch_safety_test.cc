@@ -1,6 +1,6 @@
-// What a hand meets when a Touch, OpenHaptics or its scheduler fails: the device goes through the loop in
-// step with the stand-in's scheduler, the fault comes while the tool presses, and the hand presses again
-// after a reset.
+// Faults of a Touch, of OpenHaptics and of its scheduler, and the force on the hand. The device runs in the
+// loop in step with the stand-in's scheduler. The fault comes while the tool presses, and the hand presses
+// again after a reset.
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -24,12 +24,13 @@ using stand_in::HdWorld;
 using stand_in::LoadedHd;
 
 constexpr std::uint64_t kTouchFaultTick = 1500;
-constexpr std::uint64_t kTouchMendTick = 1600;   // in order again
-constexpr std::uint64_t kTouchResetTick = 2000;  // outside again
+constexpr std::uint64_t kTouchMendTick = 1600;   // the arm works again
+constexpr std::uint64_t kTouchResetTick = 2000;  // the tool is outside again
 constexpr std::uint64_t kTouchLastTick = 3600;
 constexpr std::uint64_t kTouchNever = ~std::uint64_t{0};
 
-/// Still outside for a second, 6 mm into the block by 1.4 s, out by 2 s, still, and in again from 3 s on.
+/// Path: outside and still for 1 s, 6 mm in the block at 1.4 s, outside and still from 2 s, in the block
+/// again from 3 s.
 scene::ToolPath touch_path() {
   return test::heights(
       {{0.0, 8e-3}, {1.0, 8e-3}, {1.4, -6e-3}, {1.7, -6e-3}, {1.95, 8e-3}, {3.0, 8e-3}, {3.4, -6e-3}});
@@ -40,8 +41,8 @@ struct TouchCase {
   const char* fault;
   const char* injected;
   Fault cause;
-  void (*inject)(HdArm& arm);     // null: the scheduler is the one that fails
-  std::uint64_t frame_every = 1;  // ticks, while it fails; 0: never
+  void (*inject)(HdArm& arm);     // null: the scheduler fails instead
+  std::uint64_t frame_every = 1;  // ticks per frame of the failing scheduler; 0: no frames
 
   friend std::ostream& operator<<(std::ostream& out, const TouchCase& one) { return out << one.name; }
 };
@@ -81,7 +82,8 @@ const TouchCase kTouchCases[] = {
     {"Licence", "invalid licence (0x0600)", kAtTheFrame, Fault::kDevice, raise<0x0600>},
 };
 
-/// Where the path is, for the arm in order: mm in the vendor's frame, its force on.
+/// Puts a faultless arm at `p` [m, in D] and switches its force on. The arm's numbers are in mm in the
+/// vendor's frame.
 void put(HdArm& arm, const Vec3& p) {
   const double position[3] = {1e3 * p.x(), 1e3 * p.z(), -1e3 * p.y()};
   std::copy_n(position, 3, arm.position);
@@ -92,8 +94,9 @@ void put(HdArm& arm, const Vec3& p) {
   arm.frame_error = 0;
 }
 
-/// The device in step with the scheduler: each tick asks for one frame, and its sample is no older than that.
-/// So nothing depends on how fast the machine is, but for a scheduler that fails, whose age is the clock's.
+/// Runs the device in step with the scheduler. Each tick asks for one frame, and the age of its sample counts
+/// as zero. The result does not depend on the machine's speed. A failing scheduler is the exception: the
+/// clock gives its samples' age.
 class TouchInStep final : public haptics::Device {
  public:
   TouchInStep(TouchDevice& device, const LoadedHd& hd, const TouchCase& bad)
@@ -114,7 +117,7 @@ class TouchInStep final : public haptics::Device {
       return sample;
     }
     for (int i = 0; !broken && sample.fault != Fault::kNone && i < 10'000;
-         ++i) {  // what is still shown of it
+         ++i) {  // until the device no longer shows the fault
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       hd_.step();
       sample = device_.read(tick, time);
@@ -159,7 +162,7 @@ TEST_P(TouchSafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
     EXPECT_NE(trouble, "") << "told in words";
   }
   ASSERT_GT(test::force_of(rows[kTouchFaultTick - 1]).norm(), 0.1) << "pressing";
-  // The slow scheduler's frame of the first tick is in time; the next tick is late.
+  // The frame of the slow scheduler at the first tick is in time. The next tick has a late sample.
   const std::uint64_t latch = kTouchFaultTick + (bad.frame_every > 1 ? 1 : 0);
   std::uint64_t zero = kTouchNever;
   for (std::uint64_t tick = latch; tick < kTouchResetTick; ++tick) {

@@ -26,7 +26,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// What opening says when it is refused; empty: it was not.
+/// The message of a refused opening. Empty when the device was opened.
 std::string touch_refusal(const std::string& name = "", const std::string& library = HdLibrary::kName) {
   try {
     const TouchDevice device(name, library);
@@ -37,7 +37,7 @@ std::string touch_refusal(const std::string& name = "", const std::string& libra
   return {};
 }
 
-/// The stand-in, whose scheduler calls back at 1 kHz until a test steps it.
+/// The stand-in for OpenHaptics. Its scheduler calls back at 1 kHz until a test steps it.
 class Touch : public testing::Test {
  protected:
   ~Touch() override {
@@ -52,24 +52,23 @@ class Touch : public testing::Test {
   Touch(const Touch&) = delete;
   Touch& operator=(const Touch&) = delete;
 
-  /// From now on frames come only from step().
+  /// Stops the frames at 1 kHz. From now on frames come only from step().
   void hold() const {
     hd_.set([](HdWorld& world) {
       world.stepped = true;
       world.asked = world.done;
     });
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // a frame that had begun is over
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // a frame that had begun has ended
     hd_.set([](HdWorld& world) { world.asked = world.done; });
   }
-  /// Back to 1 kHz, so that closing finds its last frame.
+  /// Returns to 1 kHz, so that closing the device finds its last frame.
   void let_run() const {
     hd_.set([](HdWorld& world) { world.stepped = false; });
   }
   [[nodiscard]] std::vector<double> force_at_the_arm(int index = 0) const {
     return hd_.arm([](const HdArm& arm) { return std::vector<double>(arm.force, arm.force + 3); }, index);
   }
-  /// Writes a force until the scheduler has taken it: a computer may stand still for longer than a command
-  /// counts.
+  /// Writes a force until the scheduler has taken it. A computer may halt for longer than a command is valid.
   void give(TouchDevice& device, const Vec3& force_D, int index = 0) const {
     for (int i = 0; i < 1000; ++i) {
       EXPECT_TRUE(device.write({force_D, Vec3(0.1, 0.1, 0.1), 0.4}));
@@ -78,7 +77,7 @@ class Touch : public testing::Test {
     }
     ADD_FAILURE() << "the scheduler takes no force";
   }
-  /// The same for a force that must not arrive.
+  /// Writes a force that must not arrive.
   void give_in_vain(TouchDevice& device, const Vec3& force_D) const {
     EXPECT_TRUE(device.write({force_D, Vec3::Zero(), 0.0}));
     hd_.step();
@@ -129,7 +128,7 @@ TEST_F(Touch, GivesOneSampleInMetresWithZUp) {
 }
 
 TEST_F(Touch, AnInstrumentPointsWhereTheStylusPoints) {
-  // The vendor's identity: the tip points forward, away from the user; an instrument's tips are at +z.
+  // In the vendor's identity the tip points forward, away from the user. An instrument's tips are at +z.
   TouchDevice device("");
   const Mat3 forward = device.read(0, 0.0).orientation_D.toRotationMatrix();
   EXPECT_TRUE((forward * Vec3::UnitZ()).isApprox(Vec3::UnitY(), 1e-12));
@@ -139,7 +138,8 @@ TEST_F(Touch, AnInstrumentPointsWhereTheStylusPoints) {
 
 TEST_F(Touch, AStylusThatPointsDownTurnsTheInstrumentUpsideDown) {
   hd_.arm([](HdArm& arm) {
-    // By columns: the stylus's x stays, its y points away from the user, its z, towards the handle, up.
+    // The matrix is by columns. The stylus's x axis does not change. Its y axis points away from the user.
+    // Its z axis points to the handle, here upwards.
     const double upright[16] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
     std::copy_n(upright, 16, arm.transform);
   });

@@ -1,4 +1,4 @@
-// Random and adversarial device samples through tick and gate. PALPATE_SAMPLES sets how many (CI: 10^7).
+// Random and adversarial device samples through tick and gate. PALPATE_SAMPLES sets their number (CI: 10^7).
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -18,7 +18,7 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr long kSamplesByDefault = 50'000;  // a sanitizer makes each several times as slow
+constexpr long kSamplesByDefault = 50'000;  // a sanitizer makes each sample several times slower
 #else
 constexpr long kSamplesByDefault = 500'000;
 #endif
@@ -28,8 +28,8 @@ long samples_wanted() {
   return text != nullptr ? std::strtol(text, nullptr, 10) : kSamplesByDefault;
 }
 
-/// A sample that no hand gives: jumps in and out of the block, and often something that is no number, or one
-/// that no device means.
+/// A sample that no hand gives. It jumps in and out of the block, and often has a value that is not finite or
+/// that no device can mean.
 DeviceState adversarial(std::mt19937_64& random) {
   static constexpr double kOdd[] = {kNaN, kInf, -kInf, 1e308, -1e308, 1e30, 5e-324, 1e-310, 0.0, -0.0};
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -71,8 +71,7 @@ bool all_numbers_finite(const TickRow& row) {
          row.engagement <= 1.0;
 }
 
-/// Checks every tick against the gate's limits. A fault alone may bring the force down faster than the slew
-/// limit.
+/// Checks every tick against the gate's limits. Only a fault may reduce the force faster than the slew limit.
 class LimitsKept final {
  public:
   explicit LimitsKept(const GateLimits& limits) : limits_(limits) {}
@@ -99,7 +98,7 @@ class LimitsKept final {
   ForceCommand last_;
 };
 
-/// Another tissue in the hand: either law, up to three terms of relaxation.
+/// Changes the tissue during the run: either spring law, up to three Prony terms.
 void change_tissue(const SimulationWorld& world, SimulationState& state, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   static constexpr const char* kNames[] = {"gallbladder", "heart", "liver", "kidney"};
@@ -125,8 +124,8 @@ void run_samples(bool held, long count, std::uint64_t seed, bool changes = false
   TickRow row;
   std::uint64_t in_contact = 0;
   for (long i = 0; i < count; ++i) {
-    // A stretch of hand-like motion, so that hands engage and contacts form and last, then a burst of what no
-    // hand does.
+    // Hand-like motion ends the soft start and forms contacts that last. A burst of samples that no hand
+    // gives follows.
     DeviceState sample;
     const long phase = i % 2000;
     if (phase < 1900) {

@@ -1,4 +1,4 @@
-// What a hand that holds a device meets: engagement, faults, and coming back from them.
+// A held device: the soft start, faults and the return of the force after a fault.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -36,7 +36,7 @@ struct HeldBench {
     for (int i = 0; i < ticks; ++i) step();
   }
 
-  /// Straight to a height at 20 mm/s.
+  /// Moves the ball straight to the height z [m] at 20 mm/s.
   void go_to(double z) {
     const double from = sample.position_D.z() - test::kBallRadius;
     const auto ticks = static_cast<int>(std::ceil(std::abs(z - from) / 0.020 * rate_Hz));
@@ -46,7 +46,7 @@ struct HeldBench {
     }
   }
 
-  /// Engaged and pressing 5 mm deep.
+  /// Completes the soft start and presses 5 mm deep.
   void press() {
     wait(1.0);
     go_to(-0.005);
@@ -184,7 +184,7 @@ TEST(HeldDevice, AFiniteJumpInPositionIsLimitedAndNoFault) {
 TEST(HeldDevice, PositionsInTheWrongUnitAreADeviceFaultWhenNoHandReachesThatFar) {
   HeldBench bench;
   bench.press();
-  bench.sample.position_D = Vec3(120.0, -85.0, 110.0);  // millimetres
+  bench.sample.position_D = Vec3(120.0, -85.0, 110.0);  // mm where m are expected
   bench.step();
   EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(Fault::kDevice));
 }
@@ -249,7 +249,7 @@ TEST(HeldDevice, TheRowSaysWhatTheHandHasPutIn) {
   HeldBench bench;
   bench.world.mappings[0].base.rotation = rotation_from_degrees(Vec3(0, 0, 90));
   bench.press();
-  // Slowly down to 5 mm: the work is about the integral of the force over the depth.
+  // A slow motion down to 5 mm: the work is about the integral of the force over the depth.
   const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
   double work = 0.0;
   constexpr int kSteps = 1000;

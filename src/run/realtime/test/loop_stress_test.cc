@@ -1,5 +1,6 @@
-// Everything that shares memory with the loop at once: the picture's cell, news of faults, resets, progress,
-// and a watchdog that fires again and again. For the thread sanitizer; .ci/run gives it a minute.
+// Everything that shares memory with the loop at the same time: the renderer's snapshots, fault reports,
+// resets, progress, and a watchdog that fires repeatedly. The test is for the thread sanitizer; .ci/run gives
+// it a minute.
 #include <atomic>
 #include <cstdlib>
 #include <iostream>
@@ -21,7 +22,7 @@ double stress_seconds() {
   return text == nullptr ? 2.0 : std::stod(text);
 }
 
-/// Presses, and stands still now and then for longer than the watchdog waits.
+/// Presses, and sometimes halts for longer than the watchdog waits.
 class HangingDevice final : public Device {
  public:
   explicit HangingDevice(std::int64_t hang_ns) : hang_ns_(hang_ns) {}
@@ -60,9 +61,9 @@ struct Observers final : TickObserver {
   SpscQueue<FaultSeen> news{64};
   std::atomic<std::uint64_t> progress{0};
   RunControl control;
-  std::uint64_t snapshots = 0;  // of the drawing thread
+  std::uint64_t snapshots = 0;  // received by the drawing thread
   std::uint64_t torn = 0;
-  std::uint64_t heard = 0;  // of the talking thread
+  std::uint64_t heard = 0;  // faults received by the talking thread
 
   void draw(const std::atomic<bool>& over) {
     std::uint64_t last = 0;

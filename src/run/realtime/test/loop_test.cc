@@ -39,9 +39,10 @@ Outcome run_with(FakeDevice& device, const LoopOptions& options, double rate_Hz 
   return outcome;
 }
 
-constexpr std::int64_t kStallAfter = 300'000'000;  // ns: such gaps a busy machine hardly makes by itself
+constexpr std::int64_t kStallAfter = 300'000'000;  // ns; a busy machine hardly makes such gaps by itself
 
-/// On a busy machine a tick may begin seconds late; what is no test of stalls has none.
+/// Disables the stall limit, because a tick may begin seconds late on a busy machine. Only tests of stalls
+/// use the limit.
 LoopOptions calm(LoopOptions options) {
   options.stalled_after_ns = 0;
   return options;
@@ -140,8 +141,8 @@ TEST(Loop, AfterASlowTickTheScheduleShiftsWithoutABurstOrASkippedNumber) {
   EXPECT_GE(outcome.report.missed_deadlines, 1u);
   EXPECT_GE(outcome.report.longest_gap_ns, 10 * kPeriod);
   EXPECT_GE(outcome.rows[11].late_ns, 8 * kPeriod);
-  // Only what is less than a period late is made up for: n ticks never take less than n - 1 periods (the
-  // last 0.1 ms is what lies between the loop's clock and this test's).
+  // The loop catches up on less than one period, so n ticks never take less than n - 1 periods. The 0.1 ms
+  // allow for the time between the loop's clock and this test's clock.
   for (std::size_t i = 11; i < 60; ++i) {
     for (std::size_t j = i + 1; j < 60; ++j) {
       EXPECT_GE(begins[j] - begins[i], static_cast<std::int64_t>(j - i - 1) * kPeriod - 100'000)
@@ -150,8 +151,8 @@ TEST(Loop, AfterASlowTickTheScheduleShiftsWithoutABurstOrASkippedNumber) {
   }
 }
 
-// From outside: were the missed time made up for, the run would be shorter than this. A busy machine only
-// makes it longer.
+// Measured from outside: a loop that caught up on all missed time would give a shorter run. A busy machine
+// only makes the run longer.
 TEST(Loop, ASlowDeviceMakesTheRunLongerByItsDelayAtAnyRate) {
   for (const double rate : {1000.0, 2000.0, 4000.0, 10000.0}) {
     constexpr std::int64_t kDelay = 12'000'000;  // ns
@@ -357,7 +358,7 @@ TEST(Loop, AFaultThatWasResetSaysWhenAndOneThatIsLatchedAnewIsAnotherOne) {
   FakeDevice device([&](std::uint64_t tick, double time) {
     DeviceState sample = pressing(time);
     if (tick >= 20 && tick < 30) sample.fault = Fault::kForceOff;
-    if (tick == 24 || tick == 34) control.reset_faults(1);  // for the tick after
+    if (tick == 24 || tick == 34) control.reset_faults(1);  // takes effect at the next tick
     return sample;
   });
   const LoopReport report = run_with(device, {.ticks = 50, .offline = true, .control = &control}).report;
@@ -370,7 +371,8 @@ TEST(Loop, AFaultThatWasResetSaysWhenAndOneThatIsLatchedAnewIsAnotherOne) {
 }
 
 TEST(Loop, ADeviceHearsItsCommandInItsOwnFrame) {
-  // Turned a quarter about x: the device's z is the world's -y, so a push up in the world is along its y.
+  // The device's frame is turned a quarter about x. Its z axis is the world's -y axis, so an upward push in
+  // the world is along the device's y axis.
   SimulationWorld world = block_and_balls(1, 1000.0);
   const Quat quarter(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
   world.mappings[0].base.rotation = quarter;

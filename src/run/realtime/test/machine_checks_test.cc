@@ -10,7 +10,7 @@
 namespace palpate::haptics {
 namespace {
 
-/// A folder that stands for / and a machine on which everything is as it should be.
+/// A folder that replaces the root folder of a machine that passes all checks.
 class FakeRoot final {
  public:
   FakeRoot() {
@@ -77,7 +77,7 @@ TEST(MachineChecks, APriorityLimitBelowTheWatchdogsIsBadUnlessTheCapabilityIsThe
   root.limits("84", "unlimited");
   EXPECT_EQ(root.check("real-time priority").verdict, Verdict::kBad);
   EXPECT_NE(root.check("real-time priority").advice.find("@realtime - rtprio 95"), std::string::npos);
-  root.put("proc/self/status", "CapEff:\t0000000000800000\n");  // bit 23
+  root.put("proc/self/status", "CapEff:\t0000000000800000\n");  // bit 23: CAP_SYS_NICE
   EXPECT_EQ(root.check("real-time priority").verdict, Verdict::kGood);
 }
 
@@ -86,7 +86,7 @@ TEST(MachineChecks, AMemoryLimitOfEightMegabytesIsBadUnlessTheCapabilityIsThere)
   root.limits("95", "8388608");
   EXPECT_EQ(root.check("locked memory").verdict, Verdict::kBad);
   EXPECT_NE(root.check("locked memory").advice.find("memlock unlimited"), std::string::npos);
-  root.put("proc/self/status", "CapEff:\t0000000000004000\n");  // bit 14
+  root.put("proc/self/status", "CapEff:\t0000000000004000\n");  // bit 14: CAP_IPC_LOCK
   EXPECT_EQ(root.check("locked memory").verdict, Verdict::kGood);
 }
 

@@ -1,4 +1,4 @@
-// Claims about an organ that breathes or beats: what the hand feels is the motion between the two.
+// An organ that breathes or beats: the force depends on the relative motion of tool and organ.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -33,7 +33,7 @@ OrganMotionParameters twisting(double angle, double period) {
   return motion;
 }
 
-/// The block of test_world.h and one ball, the block moving.
+/// The moving block of test_world.h and one ball.
 struct MovingBench {
   explicit MovingBench(std::vector<OrganMotionParameters> motions,
                        const noise::NoiseSettings& noise = test::no_noise())
@@ -59,8 +59,8 @@ struct MovingBench {
 
 Vec3 vector(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// A ball that comes down on the block to 3 mm, slides 4 mm at up to 15 mm/s and holds, in the organ's frame,
-/// whose top is at z = 20 mm.
+/// Position of a ball in the organ's frame, whose top is at z = 20 mm. The ball presses 3 mm deep, slides 4
+/// mm at up to 15 mm/s and stops.
 Vec3 pressing_and_sliding(double time) {
   const double down = std::min(time, 0.3) / 0.3;
   const double aside = std::clamp((time - 0.4) / 0.4, 0.0, 1.0);
@@ -71,14 +71,15 @@ Vec3 pressing_and_sliding(double time) {
 TEST(MovingOrgan, AToolHeldStillFeelsTheForceFollowTheBreath) {
   MovingBench bench({breathing(0.006)});
   const Vec3 held(0.001, 0.002,
-                  kBallRadius + 0.002);  // 2 mm clear; the breath lifts the top to 4 mm of depth
+                  kBallRadius + 0.002);  // 2 mm above the top; breathing lifts the top to a depth of 4 mm
   const auto [most, least] = std::pair(0.004, -0.002);
   double deepest = 0.0;
   for (int i = 0; i < 8000; ++i) {
     const TickRow& row = bench.step(held);
     const double lifted = 0.006 * std::pow(std::sin(kPi * i / 4000.0), 6);
     ASSERT_NEAR(-row.distance, lifted + least, 1e-6) << i;
-    // A ball of 80 vertices stands off its sphere by less than 0.1 mm; damping acts while the depth changes.
+    // The surface of a ball of 80 vertices is less than 0.1 mm from its sphere. Damping acts while the depth
+    // changes.
     ASSERT_NEAR(row.depth, std::max(0.0, lifted + least), 0.1e-3) << i;
     ASSERT_EQ(row.phase != 0, row.depth > 0.0);
     const double law = bench.world.contact.press_law().force_at(row.depth).force;
@@ -109,7 +110,7 @@ TEST(MovingOrgan, AToolCarriedAlongFeelsTheSameAsOnAStillOrgan) {
 }
 
 TEST(MovingOrgan, OnlyTheMotionBetweenToolAndOrganCountsForForceDampingAndFriction) {
-  // The organ breathes under a held tool, or the tool does the same way the other way round.
+  // Either the organ breathes under a held tool, or the tool makes the opposite motion at a still organ.
   MovingBench organ_moves({breathing(0.006, Vec3(0.6, 0, 0.8))});
   MovingBench tool_moves({});
   const Vec3 held(0.001, 0.002, kBallRadius + 0.001);
@@ -128,7 +129,7 @@ TEST(MovingOrgan, OnlyTheMotionBetweenToolAndOrganCountsForForceDampingAndFricti
 
 TEST(MovingOrgan, AFastBeatNeitherPassesThroughAHeldToolNorHoldsItAfterwards) {
   OrganMotionParameters beat = twisting(0.0, 0.25);
-  beat.amplitude = 0.030;  // 0.675 m/s
+  beat.amplitude = 0.030;  // m; the largest speed is 0.675 m/s
   MovingBench bench({beat});
   const Vec3 held(0.001, 0.002, kBallRadius + 0.025);
   int entries = 0;
@@ -172,7 +173,7 @@ TEST(MovingOrgan, AGripCarriedAlongKeepsItsStretchAndAHeldOneIsPulledByTheBreath
     ASSERT_EQ(a.phase, 2u) << i;
     ASSERT_EQ(b.phase, 2u) << i;
     ASSERT_NEAR(a.depth, 0.0, 1e-12) << i;
-    // What was moved before the jaws closed, at about 170 ms, is below 1 um.
+    // The motion before the jaws closed, at about 170 ms, is below 1 um.
     ASSERT_NEAR(b.depth, 0.008 * std::pow(std::sin(kPi * i / 4000.0), 6), 1e-6) << i;
   }
   EXPECT_NEAR(held.rows[0].depth, 0.008, 1e-5);

@@ -31,13 +31,13 @@ model::TissueParameters twice_as_stiff() {
   return tissue;
 }
 
-/// Runs `ticks` offline presses, offering what `offer` says before the samples of a tick are taken.
+/// Runs `ticks` offline presses. It calls `offer` before the device is read at each tick.
 template <typename Offer>
 std::vector<TickRow> run(const SimulationWorld& world, std::uint64_t ticks, ParameterUpdates& changes,
                          const Offer& offer) {
   SimulationState state(world);
-  // The device is read after the loop has looked for changes, so what is offered at a tick counts at the
-  // next.
+  // The loop checks for updates before it reads the device. An update offered at a tick takes effect at the
+  // next tick.
   test::FakeDevice device([&](std::uint64_t tick, double time) {
     offer(tick);
     return pressing(time);
@@ -224,7 +224,7 @@ TEST(ParameterUpdates, OffersOfSeveralThreadsAllArriveOnce) {
         (void)changes.offer(twice_as_stiff());
         ++done;
       } catch (const InputError&) {
-        std::this_thread::yield();  // eight wait already
+        std::this_thread::yield();  // eight updates wait already
       }
     }
   };

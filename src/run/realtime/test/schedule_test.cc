@@ -41,8 +41,8 @@ TEST(Schedule, AnEarlyBeginIsNotNegativelyLate) {
   EXPECT_EQ(schedule.begin(5).late_ns, 0);
 }
 
-// A tick that takes 7.3 periods, then ticks that take no time: each begins when it is due or, where it is
-// overdue, at once. Whatever is made up for, it is less than one period in all.
+// One tick takes 7.3 periods, and the next ticks take no time. Each tick begins when it is due, or at once
+// when it is overdue. The schedule catches up on less than one period in all.
 TEST(Schedule, ASlowTickIsNeverMadeUpForAtAnyRate) {
   for (const double rate : {1000.0, 2000.0, 4000.0, 10000.0}) {
     const double period = 1e9 / rate;

@@ -22,7 +22,7 @@ namespace palpate::haptics {
 namespace {
 
 TEST(PollingRestShare, IsMoreThanTheKernelAsksOfRealTimeThreads) {
-  EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{950'000, 1'000'000}), 0.08, 1e-12);  // Linux's own
+  EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{950'000, 1'000'000}), 0.08, 1e-12);  // Linux's default
   EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{500'000, 1'000'000}), 0.53, 1e-12);
   EXPECT_NEAR(polling_sleep_fraction(RealtimeBudget{99'000, 100'000}), 0.05, 1e-12);
   EXPECT_EQ(polling_sleep_fraction(RealtimeBudget{0, 1'000'000}), 1.0);
@@ -37,7 +37,7 @@ TEST(PollingRestShare, IsTheUsualWhereTheKernelSaysNothing) {
   EXPECT_NEAR(polling_sleep_fraction(std::nullopt), 0.08, 1e-12);
 }
 
-/// What is read where the kernel's files say so; empty: there is no such file.
+/// Budget that is read from kernel files with these texts. An empty text means that the file does not exist.
 std::optional<RealtimeBudget> budget_where(const std::string& runtime, const std::string& period) {
   const palpate::test::TemporaryFolder folder;
   const std::filesystem::path kernel = folder.path() / "proc/sys/kernel";
@@ -61,10 +61,11 @@ TEST(RealtimeBudget, IsNoneWhereTheKernelSaysNothingOrNonsense) {
   EXPECT_FALSE(budget_where("950000", "0"));
 }
 
-/// Ticks that take `work(random)` of their period each, on a clock of their own; sleeps last as asked.
+/// Result of ticks on a simulated clock. Each tick works for the fraction `work(tick)` of its period, and
+/// sleeps last exactly as requested.
 struct Simulated {
-  double slept = 0.0;           // share of the time
-  double least_margin = 1e300;  // ns between a rest's end and the next tick
+  double slept = 0.0;           // fraction of the time
+  double least_margin = 1e300;  // ns from the end of a sleep to the next tick
 };
 
 template <typename Work>
@@ -102,7 +103,7 @@ TEST(PollingSleep, AtEveryRateTheShareIsSleptAndEndsWellBeforeTheNextTick) {
 }
 
 TEST(PollingSleep, WhatBusyTicksLeaveNoRoomForIsMadeUpForLater) {
-  // A tenth of a second with no room at all, then room enough.
+  // The first 0.1 s leave no time to sleep, the rest of the period leaves enough.
   const auto work = [](std::uint64_t tick) { return tick % 1000 < 100 ? 0.95 : 0.1; };
   EXPECT_NEAR(simulate(1000.0, 0.08, 2000, work).slept, 0.08, 1e-3);
 }

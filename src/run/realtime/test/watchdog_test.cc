@@ -20,7 +20,7 @@ FakeDevice still() {
   return FakeDevice([](std::uint64_t, double) { return DeviceState{}; });
 }
 
-/// Waits until a device was stopped; at most a minute.
+/// Waits until the device was stopped `times` times, for at most a minute. @return whether it was
 bool stopped(const FakeDevice& device, int times) {
   for (int i = 0; i < 60'000; ++i) {
     if (device.stops >= times) return true;

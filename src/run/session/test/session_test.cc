@@ -25,14 +25,14 @@ namespace {
 
 using haptics::DeviceState;
 
-/// A ball over a block, in a scripted hand.
+/// A ball over a block, moved by a scripted device.
 scene::Scene block() {
   scene::Scene setup = devices::test::block_and_hand();
   setup.devices[0].kind = "scripted";
   return setup;
 }
 
-/// Presses down from 5 mm above the block, without end; at one tick it may be unreadable.
+/// Presses down from 5 mm above the block, without end. The sample of tick `fault_at` is unreadable.
 class Presser final : public haptics::Device {
  public:
   explicit Presser(std::uint64_t fault_at = std::numeric_limits<std::uint64_t>::max())
@@ -53,7 +53,7 @@ class Presser final : public haptics::Device {
   std::uint64_t fault_at_;
 };
 
-/// A Presser that says what it bears.
+/// A Presser with given abilities, which keeps the largest commanded force.
 class WeakArm final : public haptics::Device {
  public:
   explicit WeakArm(const haptics::DeviceAbilities& abilities) : abilities_(abilities) {}
@@ -82,7 +82,6 @@ SessionOptions with(std::unique_ptr<haptics::Device> device, std::optional<doubl
   return options;
 }
 
-/// Counts its calls.
 class Counter final : public haptics::TickObserver {
  public:
   void on_start(std::int64_t /*started_unix_ns*/) noexcept override { ++starts; }
@@ -200,7 +199,7 @@ TEST(Session, StatisticsArePeaksAndPhasesOfTheRows) {
   EXPECT_NEAR(seen.phases[1].to, 0.3, 1e-12);
 }
 
-/// A spring of 100 N/m that is pressed 10 mm in 10 ticks and let go in 10 with half of its force.
+/// A spring of 100 N/m is pressed 10 mm in 10 ticks, and released in 10 ticks with half of its force.
 TEST(StatisticsObserver, LoadingWorkIsWhatWasPutInAndDissipatedWhatDidNotComeBack) {
   StatisticsObserver observer(block());
   haptics::TickRow row;
@@ -215,8 +214,8 @@ TEST(StatisticsObserver, LoadingWorkIsWhatWasPutInAndDissipatedWhatDidNotComeBac
   }
   const RunStatistics& seen = observer.statistics();
   EXPECT_NEAR(seen.loading_work, 0.5 * 100.0 * 0.01 * 0.01, 1e-12);
-  // Back: half of it, but that the force falls in the first tick: half of what is between the two lines
-  // there.
+  // The release returns half of the work, and 0.5 * 0.5 N * 1 mm more. The force falls to its half only
+  // within the first tick of the release, and this is the area between the two lines.
   EXPECT_NEAR(seen.dissipated, 0.25 * 100.0 * 0.01 * 0.01 - 0.5 * 0.5 * 1e-3, 1e-12);
   EXPECT_NEAR(seen.fastest_rise, 100.0, 1e-9);  // 0.1 N in 1 ms
   EXPECT_EQ(seen.depth_at_peak, 0.01);

@@ -1,6 +1,6 @@
-// A stand-in for Force Dimension's library with the same C interface, for tests without hardware: each
-// function does what the vendor documents of it, on simulated devices that a test commands (dhd_stand_in.h).
-// It is built whole, and in variants that lack something (STAND_IN_...).
+// A stand-in for Force Dimension's library with the same C interface, for tests without hardware. Each
+// function behaves as the vendor documents it, on simulated devices that a test controls (`dhd_stand_in.h`).
+// It is also built in variants that lack something (`STAND_IN_...`).
 #include "run/devices/test/stand_in/dhd_stand_in.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using palpate::devices::stand_in::Device;
 using palpate::devices::stand_in::kDevices;
 using palpate::devices::stand_in::Library;
 
-constexpr double kStep = 1e-3;  // s, from a command to the next
+constexpr double kStep = 1e-3;  // s from one command to the next
 constexpr int kInvalidDevice = 5;
 
 Library library;
@@ -42,7 +42,7 @@ Device* find(char id) {
   }
 }
 
-/// Calls `use(device)` with the open device `id`. @return what it returns, or -1
+/// Calls `use(device)` with the open device `id`. @return its result, or -1 when no such device is open
 template <typename Use>
 int with(char id, Use use) {
   const std::lock_guard lock(mutex);
@@ -59,7 +59,7 @@ int open_number(int index) {
   return index;
 }
 
-/// Where a pose call reads from: time-guarded, the sample before.
+/// Position that a pose call reads. A time-guarded call reads the previous sample.
 const double* sample(Device& device) {
   if (device.pose_result != 1) std::copy_n(device.position, 3, device.guarded_position);
   return device.guarded_position;

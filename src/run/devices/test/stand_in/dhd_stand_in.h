@@ -1,12 +1,12 @@
 #pragma once
-// What a test sees of the stand-in for Force Dimension's library: devices that do as told, and what was
-// written to them. Plain data behind one exported function, so that the library can be opened and closed.
+// The stand-in for Force Dimension's library as a test sees it: simulated devices and the commands that they
+// received. It is plain data behind one exported function, so that the library can be opened and closed.
 
 namespace palpate::devices::stand_in {
 
 inline constexpr int kDevices = 4;
 
-/// One simulated device: its pose is what a test sets, or that of a mass moved by a hand and the force.
+/// One simulated device. A test sets its pose, or a hand and the force move its mass.
 struct Device {
   double position[3] = {0.0, 0.0, 0.0};  // m
   double rotation[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
@@ -17,11 +17,11 @@ struct Device {
   bool has_wrist = true;
   bool has_gripper = true;
 
-  double mass = 0.0;                       // kg, moved 1 ms at each command; 0: the pose is the test's
+  double mass = 0.0;                       // kg, moved 1 ms per command; 0: the test sets the pose
   double damping = 0.0;                    // N s/m
   double hand_force[3] = {0.0, 0.0, 0.0};  // N
 
-  // Faults: what the calls return, and the status that the device tells.
+  // Faults: the results of the calls and the status that the device reports.
   int pose_result = 0;  // 1: time-guarded, the last sample again
   int velocity_result = 0;
   int status_result = 0;
@@ -33,7 +33,7 @@ struct Device {
   bool uncalibrated = false;
   int force_off_cause = 0;  // not 0: the force goes off, and stays off until the cause is 0 again
 
-  // What was done to it.
+  // Effects of the calls.
   bool open = false;
   bool force_on = false;
   bool brakes = false;
@@ -41,10 +41,10 @@ struct Device {
   int opens = 0;
   int closes = 0;
   unsigned long writes = 0;
-  double force[3] = {0.0, 0.0, 0.0};  // last written
+  double force[3] = {0.0, 0.0, 0.0};  // N, last written
   double torque[3] = {0.0, 0.0, 0.0};
   double gripper_force = 0.0;
-  double guarded_position[3] = {0.0, 0.0, 0.0};  // what a time-guarded call gives
+  double guarded_position[3] = {0.0, 0.0, 0.0};  // m, result of a time-guarded call
 };
 
 struct Library {

@@ -8,8 +8,8 @@
 
 namespace palpate::devices::stand_in {
 
-/// A stand-in library held open by a test, as it is after loading: the code under test opens the same one in
-/// memory, and meets what the test sets here.
+/// Keeps a stand-in library open for a test. The code under test opens the same library in memory, and finds
+/// the values that the test sets here.
 class Loaded final {
  public:
   explicit Loaded(std::string file) : path(std::move(file)), handle_(dlopen(path.c_str(), RTLD_NOW)) {
@@ -30,7 +30,7 @@ class Loaded final {
   void* handle_;
 };
 
-/// The variants; the names are those of palpate/devices/CMakeLists.txt.
+/// File of a variant of the library. src/run/devices/CMakeLists.txt gives the names.
 inline std::string file_of(const std::string& variant) {
   return std::string(PALPATE_STAND_IN_FOLDER) + "/lib" + variant + ".so";
 }

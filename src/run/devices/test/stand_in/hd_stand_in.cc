@@ -1,6 +1,6 @@
-// A stand-in for OpenHaptics' HD library with the same C interface, for tests without hardware: each function
-// does what the vendor documents of it, on simulated arms that a test commands (hd_stand_in.h). The scheduler
-// is a thread of its own that calls back at 1 kHz, or once for each step that the test asks for.
+// A stand-in for OpenHaptics' HD library with the same C interface, for tests without hardware. Each function
+// behaves as the vendor documents it, on simulated arms that a test controls (`hd_stand_in.h`). The scheduler
+// has its own thread, which calls back at 1 kHz or once per step that the test asks for.
 #include "run/devices/test/stand_in/hd_stand_in.h"
 
 #include <algorithm>
@@ -52,7 +52,8 @@ void fail(unsigned code, unsigned device) {
   if (code != 0) errors.push_back({code, -1, device});
 }
 
-/// The current arm, when the caller may ask for its state: on the scheduler's thread, within its frame.
+/// The current arm. Its state may be read only on the scheduler's thread, within a frame of this arm; other
+/// calls are counted as illegal.
 HdArm* framed_arm() {
   const bool legal = std::this_thread::get_id() == scheduler.get_id() && framed == current;
   HdArm* arm = find(current);
@@ -75,7 +76,7 @@ bool next_frame_is_due() {
 }
 
 void serve() {
-  { const std::lock_guard lock(world.mutex); }  // until the starter has the thread's number
+  { const std::lock_guard lock(world.mutex); }  // waits until the starter has stored the thread
   while (running.load()) {
     if (!next_frame_is_due()) continue;
     std::vector<Scheduled> now;

@@ -10,8 +10,9 @@
 
 namespace palpate::devices::stand_in {
 
-/// The stand-in for libHD.so, held open by a test, as it is after loading: the code under test finds the same
-/// one in memory by its name, and meets what the test sets here. No arm may be open when one is made or goes.
+/// Keeps the stand-in for libHD.so open for a test. The code under test finds the same library in memory by
+/// its name, and finds the values that the test sets here. No arm may be open when an object of this class
+/// begins or ends.
 class LoadedHd final {
  public:
   LoadedHd() : handle_(dlopen(PALPATE_HD_STAND_IN, RTLD_NOW)) {
@@ -30,13 +31,13 @@ class LoadedHd final {
   LoadedHd(const LoadedHd&) = delete;
   LoadedHd& operator=(const LoadedHd&) = delete;
 
-  /// Changes or looks at the world between two of the library's calls. @return what `use(world)` returns
+  /// Changes or reads the world between two calls of the library. @return the result of `use(world)`
   template <typename Use>
   auto set(Use use) const {
     const std::lock_guard lock(world_->mutex);
     return use(*world_);
   }
-  /// The same with one arm.
+  /// Changes or reads one arm between two calls of the library. @return the result of `use(arm)`
   template <typename Use>
   auto arm(Use use, int index = 0) const {
     return set([&](HdWorld& world) { return use(world.arms[index]); });
