@@ -44,7 +44,7 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
     return first + ": no such command" +
            (near.empty() ? "; there are " + names : ", did you mean " + near + "?") + help;
   }
-  // CLI11: "Could not convert: --seed = abc".
+  // CLI11 reports a word that is not a number as "Could not convert: --seed = abc".
   std::string words = error.what();
   const std::string convert = "Could not convert: ";
   if (words.rfind(convert, 0) != 0) return words + help;

@@ -1,4 +1,5 @@
-// `palpate demo`: the paper's two experiments one after the other, in real time, and the report.
+// `palpate demo`: runs the paper's two experiments [Zhang 2011] one after the other in real time, then writes
+// the report.
 #include <algorithm>
 #include <array>
 #include <filesystem>

@@ -1,4 +1,5 @@
-// `palpate devices`: which devices are there, why others are not, and one of them looked at.
+// `palpate devices`: lists the available devices and the reasons why others are unavailable; --try reads one
+// device.
 #include "run/devices/devices.h"
 
 #include <algorithm>
@@ -56,16 +57,16 @@ int list_devices(bool as_json) {
   return kDone;
 }
 
-/// What a device said while it was looked at.
+/// Result of reading a device for a short time at zero force.
 struct Look {
   std::string name;
   haptics::DeviceState last;
   std::uint64_t reads = 0;
-  std::uint64_t fresh = 0;  // reads with a sample that was new
+  std::uint64_t fresh = 0;  // reads that returned a new sample
   std::string trouble;
 };
 
-/// Reads for 0.2 s at 1 kHz and writes nothing: the device stays at zero force.
+/// Opens the device and reads it for 0.2 s at 1 kHz. Commands no force, so the device stays at zero force.
 Look look_at(const std::string& what) {
   constexpr std::uint64_t kReads = 200;
   constexpr std::int64_t kPeriod_ns = 1'000'000;
@@ -73,11 +74,11 @@ Look look_at(const std::string& what) {
   Look look;
   look.name = opened.name;
   const std::int64_t begin = monotonic_ns();
-  double age = 0.0;  // s, of the sample before
+  double age = 0.0;  // s, age of the previous sample
   for (; look.reads < kReads; ++look.reads) {
     sleep_until_ns(begin + static_cast<std::int64_t>(look.reads) * kPeriod_ns);
     look.last = opened.device->read(look.reads, static_cast<double>(look.reads) * 1e-3);
-    // A sample that is not new is a millisecond older than at the last read.
+    // When the device has no new sample, the age grows by 1 ms from one read to the next.
     const bool fresh = look.last.age < age + 0.5e-3 && look.last.age < haptics::kStaleAfter;
     if (fresh && look.last.fault == haptics::Fault::kNone) ++look.fresh;
     age = look.last.age;

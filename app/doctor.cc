@@ -1,4 +1,5 @@
-// `palpate doctor`: what this machine lacks for real time, and how to grant it.
+// `palpate doctor`: checks whether this machine can run the haptic loop in real time, and advises how to
+// change what it lacks.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -19,11 +20,11 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kRate = 1000.0;         // Hz, of the measurement
+constexpr double kRate = 1000.0;         // Hz, loop rate of the measurement
 constexpr std::uint64_t kTicks = 1000;   // 1 s
-constexpr double kGoodLateness = 100e3;  // ns, p99.9: a tenth of a period at 1 kHz
+constexpr double kGoodLateness = 100e3;  // ns, goal for p99.9: a tenth of a period at 1 kHz
 
-/// How late ticks begin here, asleep and polling.
+/// Measured lateness of a tick's start, for a thread that sleeps between ticks and for one that polls.
 struct Lateness {
   haptics::WakeUpLatency slept;
   haptics::WakeUpLatency polled;
@@ -59,7 +60,8 @@ const char* word(haptics::Verdict verdict) {
   return "unknown";
 }
 
-/// Wake-ups by how late they were, a line for each doubling.
+/// Prints the histogram of the lateness with one line per octave: each bin is twice as wide as the previous
+/// one.
 void print_histogram(std::ostream& out, const haptics::Histogram& late) {
   std::vector<std::uint64_t> octaves;
   for (const haptics::Histogram::Bucket& bucket : late.buckets()) {
@@ -68,7 +70,7 @@ void print_histogram(std::ostream& out, const haptics::Histogram& late) {
     if (octaves.size() <= octave) octaves.resize(octave + 1, 0);
     octaves[octave] += bucket.count;
   }
-  constexpr double kWidest = 50.0;  // letters
+  constexpr double kWidest = 50.0;  // characters
   std::uint64_t most = 1;
   for (const std::uint64_t count : octaves) most = std::max(most, count);
   for (std::size_t i = 0; i < octaves.size(); ++i) {

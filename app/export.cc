@@ -1,4 +1,4 @@
-// `palpate export`: a recording's ticks as CSV.
+// `palpate export`: writes a recording's ticks to a CSV file.
 #include <filesystem>
 #include <memory>
 #include <string>

@@ -25,7 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Starts ffmpeg, which reads raw pictures from the other end of the pipe that is returned.
+// Starts ffmpeg, which reads raw RGB pictures from a pipe. Returns ffmpeg's process id and the end of the
+// pipe that the pictures are written to.
 std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, double frames_a_second) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
@@ -65,7 +66,7 @@ bool ffmpeg_installed() {
 
 Film::Film(fs::path file, int width, int height, double frames_a_second) : file_(std::move(file)) {
   if (ffmpeg_installed()) {
-    std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that dies is told by write(), in words
+    std::signal(SIGPIPE, SIG_IGN);  // write() reports an ffmpeg that died, so the message can explain it
     const auto [child, pipe] = start_ffmpeg(file_, width, height, frames_a_second);
     child_ = child;
     pipe_ = pipe;

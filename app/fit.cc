@@ -1,4 +1,4 @@
-// `palpate fit`: tissue parameters from measurements.
+// `palpate fit`: identifies tissue parameters from measured force-displacement curves.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -70,7 +70,8 @@ identify::Settings settings_of(const FitFlags& flags) {
   return settings;
 }
 
-/// All specimens of all files, each with a name of its own.
+/// Reads all specimens of all files. A repeated name gets a number, so that every name is unique.
+/// @param timed the fit needs the column time_s @throws InputError
 std::vector<identify::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
   std::vector<identify::Specimen> all;
   for (const std::string& file : files) {
@@ -96,11 +97,12 @@ void require_writable(const FitFlags& flags) {
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
 
-/// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
+/// Reads all specimens on rank 0; the other ranks get an empty list. When rank 0 fails, every rank throws the
+/// error of rank 0.
 std::vector<identify::Specimen> read_for(tasks::Communicator& ranks, const FitFlags& flags) {
   std::vector<identify::Specimen> specimens;
   tasks::on_rank_zero(ranks, [&] {
-    require_writable(flags);  // here: processors elsewhere need not have these folders
+    require_writable(flags);  // on rank 0 only: other machines need not have these folders
     specimens = read_all(flags.files, flags.relaxation);
   });
   return specimens;
@@ -171,7 +173,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
                               : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));
   std::error_code ignored;
-  if (!results.empty()) std::filesystem::remove(results, ignored);  // all of it stands in what was written
+  if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 using identify::Estimate;
 using identify::Interval;
 
-/// What of an estimate is shown, times 1/unit: a number, two, or null.
+/// Returns one part of an estimate as JSON, divided by `unit`: the value (a number), an interval (two
+/// numbers) or null where the estimate lacks it.
 using Part = std::function<Json(const Estimate&, double unit)>;
 
 Json pair_json(const Interval& interval, double unit) {
@@ -34,7 +35,8 @@ Json bootstrap_part(const Estimate& estimate, double unit) {
   return estimate.bootstrap ? pair_json(*estimate.bootstrap, unit) : Json(nullptr);
 }
 
-/// The shared parameters by their names, relaxation terms as a list.
+/// The parameters of the law by name, and the relaxation terms as a list. These parameters are shared by all
+/// specimens in a pooled fit.
 Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json json;
@@ -49,7 +51,7 @@ Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, cons
   return json;
 }
 
-/// All of a specimen's parameters by their names.
+/// All parameters of one specimen by name: the shared ones and the specimen's own offsets.
 Json all_json(const identify::SpecimenFit& fit, const Part& part) {
   Json json = shared_json(fit.estimates, fit.terms, part);
   const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
@@ -59,7 +61,7 @@ Json all_json(const identify::SpecimenFit& fit, const Part& part) {
   return json;
 }
 
-/// Names of the parameters that the data leave open.
+/// Names of the parameters that the data do not determine.
 Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json names = Json::array();

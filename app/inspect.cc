@@ -1,4 +1,4 @@
-// palpate inspect: what a mesh is, what was repaired on reading it and what could not be.
+// `palpate inspect`: describes a mesh and lists its repairs and the defects that cannot be repaired.
 #include <algorithm>
 #include <cstdint>
 #include <iostream>
@@ -32,14 +32,14 @@ struct InspectOptions {
 
 constexpr double kCubicMillimetresPerCubicMetre = 1e9;
 
-/// A path has a '/' or an ending; otherwise it is a built-in name.
+/// A path contains a '/' or a '.'; anything else is the name of a built-in organ.
 bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::string::npos; }
 
-/// The mesh as an organ would have it, or, where it cannot be one, as an instrument would.
+/// The mesh after the repairs of an organ. A mesh that cannot be an organ is shown as a tool would use it.
 struct Inspected {
   geometry::LoadedMesh loaded;
-  std::string refusal;        // as an organ; empty: it can be one
-  bool all_crossings = true;  // were looked at
+  std::string refusal;        // why the mesh cannot be an organ; empty: it can
+  bool all_crossings = true;  // false: too many candidate pairs to test all
 };
 
 geometry::LoadedMesh load(const InspectOptions& options) {
@@ -76,7 +76,7 @@ Inspected inspect(const InspectOptions& options) {
 }
 
 std::optional<double> volume_mm3(const geometry::MeshFindings& findings) {
-  if (!findings.closed) return std::nullopt;  // an open surface encloses nothing
+  if (!findings.closed) return std::nullopt;  // an open surface encloses no volume
   return findings.volume * kCubicMillimetresPerCubicMetre;
 }
 

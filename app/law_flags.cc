@@ -31,7 +31,7 @@ void add_law_flags(CLI::App& command, LawFlags& flags) {
   command.add_option_function<std::string>(
       "--rate-Hz",
       [&flags](const std::string& text) {
-        constexpr double kLeast = 1e-300;  // whose period is finite
+        constexpr double kLeast = 1e-300;  // Hz; the period of a lower rate is not finite
         flags.rate_Hz = parse_positive("--rate-Hz", text);
         if (flags.rate_Hz < kLeast) throw InputError("--rate-Hz " + text + ": must be > 1e-300");
       },

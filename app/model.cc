@@ -1,4 +1,4 @@
-// `palpate model`: the force law alone, either way.
+// `palpate model`: evaluates the force law alone, from force to depth or from depth to force.
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -28,7 +28,7 @@ struct ModelFlags {
   bool as_json = false;
 };
 
-/// What was asked for and what the law answers.
+/// One requested force or depth, and the state of the layers that the law computes for it.
 struct Answer {
   double requested = 0.0;  // N or mm
   LayeredSpringLaw::LayerState state;
@@ -36,14 +36,14 @@ struct Answer {
 
 struct Account {
   model::TissueParameters tissue;
-  std::string direction;  // as the flag says
+  std::string direction;  // press or pull
   double rate_Hz = 0.0;
   bool by_force = false;
   int layers_allowed = 0;
   std::vector<Answer> answers;
 };
 
-/// What `law` answers to all that was asked for.
+/// Evaluates `law` at all requested forces [N] or depths [mm] and adds the states to `account`.
 template <typename Law>
 void answer(const Law& law, const std::vector<double>& requested, Account& account) {
   account.layers_allowed = law.layers_allowed();

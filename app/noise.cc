@@ -1,4 +1,4 @@
-// `palpate noise`: the steady touch noise alone, one value a line.
+// `palpate noise`: prints samples of the steady touch noise [N], one per line.
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -23,13 +23,13 @@ namespace {
 
 struct NoiseFlags {
   noise::NoiseSettings settings;
-  double distance = 0.0;  // m, 0 in contact
+  double distance = 0.0;  // m; 0 in contact
   bool contact = false;
   std::uint64_t samples = 0;
   bool as_json = false;
 };
 
-/// Calls `take(force)` for each sample of hand 0; the noise has been on for long, so there is no fade.
+/// Calls `take(force)` with each sample [N] of hand 0. The noise is steady: it does not fade in.
 template <typename Take>
 void for_each_force(const NoiseFlags& flags, Take take) {
   const noise::TouchNoise noise(flags.settings, flags.settings.rate_Hz);
@@ -41,7 +41,7 @@ void for_each_force(const NoiseFlags& flags, Take take) {
 
 void print_lines(const NoiseFlags& flags) {
   constexpr std::uint64_t kLinesAtOnce = 4096;
-  const bool piped = isatty(STDOUT_FILENO) != 1;  // lines and a bar on one terminal would mix
+  const bool piped = isatty(STDOUT_FILENO) != 1;  // a progress bar would mix with the lines on a terminal
   Progress bar("noise");
   std::string lines;
   std::uint64_t done = 0;

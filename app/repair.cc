@@ -1,4 +1,4 @@
-// `palpate repair`: a recording that was cut off, made readable for every HDF5 tool.
+// `palpate repair`: makes an incomplete recording readable for every HDF5 tool.
 #include <iostream>
 #include <memory>
 #include <string>

@@ -1,4 +1,4 @@
-// `palpate replay`: a recording's device samples through the tick again.
+// `palpate replay`: computes the ticks of a recording again from its device samples and compares the rows.
 #include <array>
 #include <cstdio>
 #include <iostream>

@@ -1,4 +1,4 @@
-// `palpate run`: one interaction, in real time or offline.
+// `palpate run`: runs one interaction, in real time or offline.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -60,7 +60,7 @@ void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
   require_no_overwrite(outputs, sources_of(setup));
 }
 
-/// Whether this run has a window. Without a display a run in real time says that it has none.
+/// Whether this run has a window. Reports a missing display for a run in real time without --headless.
 bool wants_window(const RunFlags& flags) {
   if (flags.headless || flags.offline) return false;
   if (display_there()) return true;
@@ -68,7 +68,7 @@ bool wants_window(const RunFlags& flags) {
   return false;
 }
 
-/// A mouse or a gamepad needs the window that feeds it.
+/// Rejects a mouse or a gamepad without a window, because the window supplies their input. @throws InputError
 void require_window(const Session& session, const RunFlags& flags, bool window) {
   if (window) return;
   for (const scene::DeviceSetup& device : session.setup().devices) {
@@ -81,17 +81,18 @@ void require_window(const Session& session, const RunFlags& flags, bool window) 
   }
 }
 
-/// Whether something was asked for that a window kept open would keep waiting.
+/// Whether the flags ask for an output. The window then closes at the end of the run, because outputs are
+/// written after it has closed.
 bool wants_outputs(const RunFlags& flags) {
   return flags.json || flags.duration_s || flags.max_missed || !flags.files.recording.empty() ||
          !flags.files.report.empty() || !flags.files.screenshot.empty();
 }
 
-/// How a run went, with what was begun in its window after it.
+/// Result of the first run, and the events of later runs in its window.
 struct Played {
   RunResult result;
-  bool later_fault = false;
-  bool display_lost = false;
+  bool later_fault = false;   // a later run in the window latched a fault
+  bool display_lost = false;  // the display closed during a run
 };
 
 Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& flags,
@@ -117,7 +118,7 @@ Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& f
   return {std::move(outcome.result), outcome.later_fault, outcome.display_lost};
 }
 
-/// In a window where there can be one.
+/// Plays the session in a window, or without one when none can be opened.
 Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& flags,
                      const fs::path& recording, bool window, net::IgtlServer* igtl) {
   const StopOnSignal signals;
@@ -139,7 +140,7 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
-  (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
+  (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
   scene::Scene setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
   const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
@@ -147,7 +148,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
 
-  std::optional<ScratchFolder> temporary;  // of a recording that is only needed to draw a picture from
+  // Holds a recording that is needed only to draw the screenshot.
+  std::optional<ScratchFolder> temporary;
   if (!files.report.empty()) {
     report::make_report_folder(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
@@ -166,7 +168,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const std::optional<net::IgtlStatistics> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
-  // SDL holds on to a display that is gone, and cannot have another.
+  // SDL keeps its connection to a lost display and cannot open another, so no picture can be drawn.
   if (draw && (played.display_lost || !result.recording_failure.empty())) {
     report_message((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
                    std::string(": no report and no screenshot were made") +

@@ -1,4 +1,5 @@
-// `palpate serve`: the live interface (docs/live-interface.md).
+// `palpate serve`: serves the live interface, by which other programs watch and control runs
+// (docs/live-interface.md).
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -45,7 +46,7 @@ std::string read_page(const fs::path& file) try {
   throw InputError(std::string("--page ") + error.what());
 }
 
-/// What the flags say of who may connect. @throws InputError.
+/// Server options of the flags: address, port, page, and the token that clients need. @throws InputError
 net::LiveOptions server_options(const ServeFlags& flags) {
   net::LiveOptions options = flags.server;
   options.log = [](const std::string& line) { report_message(line); };
@@ -71,7 +72,8 @@ void check_runs(const ServedOptions& options) {
   }
 }
 
-/// Where clients find the server; for scripts the one line of JSON that comes first.
+/// Reports the server's address on standard error. With --json it also prints the first JSON line on standard
+/// output.
 void report_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
   const std::string place = fmt::format("{}:{}", server.host(), server.port());
   report_message("serves ws://" + place + "/; Ctrl-C ends");

@@ -22,21 +22,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a signal handler may set. The one mutable global: a handler has no other way to say anything.
+/// Set by the handler of SIGINT and SIGTERM. It is a mutable global because a signal handler has no arguments
+/// that could carry it.
 std::atomic<bool> stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
 
-/// The same for the reset of all hands' faults.
+/// Set by the handler of SIGUSR1: reset the faults of all hands.
 std::atomic<bool> reset_asked{false};
 
 extern "C" void ask_for_reset(int) { reset_asked.store(true, std::memory_order_relaxed); }
 
-/// Passes on to a run what signals ask of the program. An observer, so that the run always outlives the call.
+/// Passes a stop or a fault reset that a signal requested on to a run. It is an observer, so the run exists
+/// whenever it is called.
 class SignalRelay final : public haptics::TickObserver {
  public:
-  /// [setup] @param stop null: Ctrl-C does not end the run by itself
+  /// [setup] @param stop flag that ends the run; null: Ctrl-C does not end the run here
   SignalRelay(haptics::RunControl& control, const std::atomic<bool>* stop) : control_(control), stop_(stop) {}
   void on_tick(const haptics::TickState& /*now*/) noexcept override {
     if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) control_.stop();
@@ -49,8 +51,8 @@ class SignalRelay final : public haptics::TickObserver {
   const std::atomic<bool>* stop_;
 };
 
-/// SIGUSR1 resets the faults of all hands while this lives, and does nothing afterwards: a reset that comes
-/// too late must not end the program before its report is written.
+/// SIGUSR1 resets the faults of all hands during the lifetime of this object, and is ignored afterwards. A
+/// late reset must not end the program before its report is written.
 class ResetOnSignal final {
  public:
   ResetOnSignal() {

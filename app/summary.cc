@@ -80,8 +80,8 @@ std::string moment(std::uint64_t tick, double rate_Hz) {
   return fmt::format("tick {} ({} s)", tick, shortest(static_cast<double>(tick) / rate_Hz));
 }
 
-/// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
-/// force from there on".
+/// For example "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20
+/// ms; zero force from there on".
 std::string fault_text(const RunResult& run, const haptics::FaultSeen& seen) {
   const double rate = run.rate_Hz;
   const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;

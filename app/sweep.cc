@@ -1,4 +1,4 @@
-// `palpate sweep`: a scene with one value after another.
+// `palpate sweep`: runs a scene over a grid of parameter values.
 #include "science/study/sweep.h"
 
 #include <algorithm>
@@ -42,10 +42,10 @@ struct SweepFlags {
   bool as_json = false;
 };
 
-/// The files of a sweep, in its folder.
+/// File names of a sweep's outputs, in the folder of --out.
 constexpr std::array kFiles = {"results.csv", "results.h5", "results.svg", "results.jsonl"};
 
-/// Flags and what the keys that they override begin with.
+/// Flags, and the prefix of the scene keys that each flag overrides.
 constexpr std::pair<const char*, const char*> kOverrides[] = {{"--task", "scene.task"},
                                                               {"--organ", "organ.mesh"},
                                                               {"--organ", "organ.unit"},
@@ -61,7 +61,7 @@ constexpr std::pair<const char*, const char*> kOverrides[] = {{"--task", "scene.
                                                               {"--no-noise", "noise."},
                                                               {"--fit-device", "device.fit"}};
 
-/// @throws InputError for an axis whose values a flag would replace
+/// @throws InputError for a swept key that a flag would override in every run
 void refuse_overridden(const std::vector<study::Axis>& axes, const CLI::App& command) {
   for (const study::Axis& axis : axes) {
     for (const auto& [flag, key] : kOverrides) {
@@ -89,7 +89,7 @@ void check_files_and_duration(const SweepFlags& flags) {
   require_no_overwrite(outputs, inputs);
 }
 
-/// Least and largest value of a quantity over the runs that did not fail.
+/// Minimum and maximum of a quantity over the runs that did not fail.
 std::pair<double, double> span_of(const study::SweepResult& sweep, std::size_t quantity) {
   std::vector<double> values;
   for (const study::SweepRow& row : sweep.rows) {
@@ -142,7 +142,7 @@ nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::st
           {"results", rows}};
 }
 
-/// What the user should know of the runs.
+/// Reports resumed runs, failed runs, faults and runs without contact on standard error.
 void report_findings(const study::SweepResult& sweep, const std::string& record) {
   if (sweep.resumed > 0) {
     report_message(fmt::format("{} of {} runs were finished before: taken from {}", sweep.resumed,

@@ -33,7 +33,7 @@ Json point_json(const identify::SweepPoint& point, double unit) {
           {"parameters", std::move(parameters)}};
 }
 
-/// A name as one field of CSV.
+/// Quotes a name for a CSV field where CSV requires quotes.
 std::string quoted(const std::string& name) {
   if (name.find_first_of(",\"\n") == std::string::npos) return name;
   std::string field = "\"";

@@ -1,4 +1,4 @@
-// `palpate validate`: the model against measurements.
+// `palpate validate`: compares the model with measurements.
 #include "palpate/validate.h"
 
 #include <iostream>
@@ -31,12 +31,12 @@ namespace palpate::app {
 namespace {
 
 struct ValidateFlags {
-  std::vector<std::string> files;     // force over displacement
-  std::vector<std::string> profiles;  // u over r
+  std::vector<std::string> files;     // force-displacement curves
+  std::vector<std::string> profiles;  // surface displacement u(r)
   LawFlags law;
   bool zeros_fitted = false;
-  std::optional<double> first_contact;  // m
-  std::optional<double> offset;         // N
+  std::optional<double> first_contact;  // displacement at first contact [m]
+  std::optional<double> offset;         // force reading without load [N]
   std::string depth;
   std::string force;
   std::optional<double> tip_radius;  // m
@@ -52,7 +52,7 @@ struct ValidateFlags {
   bool as_json = false;
 };
 
-/// The depth [m] that flags give each profile; 0 where the file's own counts.
+/// Depth [m] of each profile from --depth-mm or --force-N; 0: use the depth in the file. @throws InputError
 std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
   if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
   const bool by_force = !flags.force.empty();
@@ -87,21 +87,23 @@ std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   return all;
 }
 
-/// The tool's radius [m]: given, or the one that the tissue was fitted with.
+/// Radius of the tool's tip [m]: from --tip-radius-mm, or the radius of the indenter in the tissue file.
+/// @throws InputError without both
 double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
   if (flags.tip_radius) return *flags.tip_radius;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
 }
 
-/// Says in `missed` where an error of `name` is above the goal of `flag`, when there is one.
+/// Adds a line to `missed` when the error of the data set `name` exceeds the goal of `flag`.
 void hold(const std::string& flag, std::optional<double> goal, double error, const std::string& name,
           std::vector<std::string>& missed) {
   if (!goal || error <= *goal) return;
   missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, shortest(*goal)));
 }
 
-/// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
+/// Compares the profiles with the tissue's displacement profile u(r). With --fit-reach the falloff ratios of
+/// u(r) are fitted to the profiles first.
 void compare_profiles(const ValidateFlags& flags, const std::vector<validate::Deformation>& profiles,
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
@@ -122,7 +124,7 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
-/// Refuses flags that would do nothing, where no other flag is missing by name.
+/// Rejects flags that would have no effect with the given data. @throws InputError
 void check_use(const ValidateFlags& flags) {
   const bool no_image = flags.image.files.empty();
   if (flags.files.empty() && flags.profiles.empty() && no_image) {
@@ -147,7 +149,7 @@ void check_use(const ValidateFlags& flags) {
   }
 }
 
-/// The deformation in two photographs, as one more profile.
+/// Adds the deformation measured in two photographs as one more profile.
 void add_image(const ValidateFlags& flags, report::Validation& validation) {
   const double depth = depths_of(flags, validation.law, 1).front();
   const double radius = tip_radius_of(flags, validation.law);
@@ -188,7 +190,7 @@ void check_validate_outputs(const ValidateFlags& flags) {
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
 
-/// The tissue with the reach that was fitted.
+/// Writes the tissue file of --out with the fitted falloff ratios.
 void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
   write_output(file, scene::to_toml(tissue), "--out");
 }

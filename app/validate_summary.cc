@@ -22,7 +22,7 @@ Json errors_json(const std::string& name, const char* kind, const validate::Erro
           {"nrmse", errors.nrmse}};
 }
 
-/// Adds what the comparison with others found, when there was one.
+/// Adds the results of the baseline models of --against, if any.
 void add_baselines(Json& json, double cost_ns, const std::vector<report::BaselineResult>& baselines,
                    double unit) {
   if (baselines.empty()) return;
@@ -75,7 +75,7 @@ Json profile_json(const report::ProfileSet& set) {
   return json;
 }
 
-/// Calls `take(key, value)` for each number of a reach.
+/// Calls `take(key, value)` for each falloff ratio, with its key in the tissue file.
 template <typename Take>
 void for_each_number(const model::FalloffRatios& reach, Take take) {
   model::TissueNumbers numbers;
@@ -126,7 +126,7 @@ std::string force_text(const report::ForceSet& set) {
   return text + baselines_text(set.cost_ns, set.baselines, 1.0, "N");
 }
 
-// Which surface under the ball was compared, where it is not the model's own.
+// Describes the compared surface under the ball, for --as-drawn; otherwise empty.
 std::string surface_text(const validate::SurfaceRule& rule) {
   if (!rule.as_drawn) return "";
   if (!(rule.rest_radius > 0.0)) return ", as drawn on a flat surface";

@@ -1,4 +1,4 @@
-// `palpate view`: pictures and films of a recording.
+// `palpate view`: shows a recording in a window, or draws pictures and films of it.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -34,11 +34,11 @@ struct ViewFlags {
   std::string file;
   std::string screenshot;
   std::string video;
-  std::optional<double> at, from, to;  // s
+  std::optional<double> at, from, to;  // s, times in the recording
   double fps = 30.0;
   double slow = 1.0;
-  Display::Size size;      // width 0: the usual one
-  double map_range = 0.0;  // m; 0: no map
+  Display::Size size;      // width 0: the default size
+  double map_range = 0.0;  // largest displacement of the colour map [m]; 0: no map
   std::optional<render::Quality> quality;
   std::string ui_scale;
   bool close_up = false;
@@ -61,14 +61,15 @@ Display::Size parse_size(const std::string& text) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-/// The flags with what is usual in place of what was not said; all that needs no recording is checked.
+/// Returns the flags with defaults for those not given. Checks everything that can be checked without the
+/// recording. @throws InputError
 ViewFlags checked(ViewFlags flags) {
   if (flags.window() && !display_there())
     throw InputError(
         "view " + flags.file +
         ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
         "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
-  (void)UiScale::asked(flags.ui_scale);  // refused before anything is read
+  (void)UiScale::asked(flags.ui_scale);  // checks the value before the recording is read
   if (flags.size.width == 0)
     flags.size = flags.window() ? Display::Size{1440, 900} : Display::Size{1280, 720};
   if (!flags.quality)
@@ -83,7 +84,7 @@ ViewFlags checked(ViewFlags flags) {
   return flags;
 }
 
-// One recording, drawn for files.
+// Draws pictures of one recording for files.
 class FilePictures final {
  public:
   FilePictures(RecordedView& seen, const ViewFlags& flags)
@@ -102,7 +103,7 @@ class FilePictures final {
 
  private:
   RecordedView& seen_;
-  double map_range_;  // m; 0: no map
+  double map_range_;  // largest displacement of the colour map [m]; 0: no map
   render::Camera camera_;
   render::OffscreenRenderer renderer_;
 };
