@@ -29,7 +29,7 @@ void execute(std::string program, char** arguments) {
 
 void add_bench(CLI::App& program) {
   program.add_subcommand(
-      "bench", "How fast a tick, its parts, many hands and preparation are here, beside other libraries");
+      "bench", "Measure the time of a tick, many hands and preparation, and compare with other libraries");
 }
 
 int execute_bench(char** arguments) {

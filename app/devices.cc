@@ -48,7 +48,7 @@ int list_devices(bool as_json) {
   for (const devices::Probe& probe : probes) {
     std::string kind = probe.kind;
     kind.resize(std::max(kKindWidth, kind.size() + 1), ' ');
-    std::cout << kind << (probe.available ? "there:      " : "not there:  ") << probe.words << '\n';
+    std::cout << kind << (probe.available ? "available:    " : "unavailable:  ") << probe.words << '\n';
     for (const devices::Reason& reason : probe.reasons) {
       std::cout << std::string(kKindWidth, ' ') << "- " << reason.what << '\n'
                 << std::string(kKindWidth, ' ') << "  $ " << reason.command << '\n';
@@ -123,16 +123,16 @@ void print_lines(const Look& look) {
   const Quat& q = look.last.orientation_D;
   const std::vector<int> pressed = pressed_buttons(look.last.buttons);
   std::cout << look.name << '\n'
-            << "  new samples  " << look.fresh << " in " << look.reads << " reads, one a millisecond\n"
+            << "  new samples  " << look.fresh << " in " << look.reads << " reads, one per millisecond\n"
             << "  position     " << list(scaled(look.last.position_D, kMillimetre)) << " mm\n"
             << "  orientation  " << list(std::vector<double>{q.w(), q.x(), q.y(), q.z()}) << " (w x y z)\n"
             << "  velocity     " << list(scaled(look.last.velocity_D, 1.0)) << " m/s\n"
             << "  gripper      " << shortest(look.last.gripper) << " (0 closed, 1 open)\n"
             << "  buttons      " << (pressed.empty() ? "none pressed" : list(pressed) + " pressed") << '\n'
             << "  state        "
-            << (look.last.fault == haptics::Fault::kNone ? "in order" : haptics::describe(look.last.fault))
+            << (look.last.fault == haptics::Fault::kNone ? "no fault" : haptics::describe(look.last.fault))
             << '\n';
-  if (!look.trouble.empty()) std::cout << "  trouble      " << look.trouble << '\n';
+  if (!look.trouble.empty()) std::cout << "  error        " << look.trouble << '\n';
 }
 
 int try_device(const DevicesFlags& flags) {
@@ -149,10 +149,11 @@ int try_device(const DevicesFlags& flags) {
 
 void add_devices(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<DevicesFlags>();
-  CLI::App* command = program.add_subcommand("devices", "Which devices are there, and why others are not");
+  CLI::App* command =
+      program.add_subcommand("devices", "List the available devices, and why others are unavailable");
   command->add_option("--try", flags->try_one,
                       "KIND[:PATH], e.g. forcedimension:/path/libdhd.so: open that device at zero force and "
-                      "print its name, version, pose and buttons; exit code 3 when it is in a fault");
+                      "print its name, version, pose and buttons; exit code 3 when it reports a fault");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer("Examples:\n  palpate devices\n  palpate devices --try forcedimension --json");
   command->callback([flags, &exit_code] {

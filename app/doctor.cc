@@ -35,7 +35,8 @@ haptics::MachineCheck judged(const Lateness& lateness) {
   haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
   const std::int64_t late = wake_ups.late.percentile(0.999);
   check.found = fmt::format(
-      "999 of 1000 at most {} us late, {} a full period or more ({} real-time priority, {} locked memory)",
+      "999 of 1000 at most {} us late, {} late by a full period or more ({} real-time priority, {} locked "
+      "memory)",
       late / 1000, wake_ups.missed, wake_ups.realtime_priority ? "with" : "without",
       wake_ups.memory_locked ? "with" : "without");
   if (static_cast<double>(late) <= kGoodLateness) return check;
@@ -93,9 +94,9 @@ void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness
               << std::right;
     if (!check.advice.empty()) std::cout << std::string(8, ' ') << "-> " << check.advice << '\n';
   }
-  std::cout << "\nHow late a tick begins that polls the clock (palpate run --poll) [us]:";
+  std::cout << "\nLateness of a tick when the loop polls the clock (palpate run --poll) [us]:";
   print_percentiles(lateness.polled.late);
-  std::cout << "How late a thread wakes that sleeps (palpate run) [us]:";
+  std::cout << "Lateness of a tick when the loop sleeps between ticks (palpate run) [us]:";
   print_percentiles(lateness.slept.late);
   print_histogram(std::cout, lateness.slept.late);
 }
@@ -143,10 +144,10 @@ void doctor(bool json) {
 
 void add_doctor(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand(
-      "doctor", "What this machine lacks for real time, and how to grant it (takes a second)");
+      "doctor", "Check what this machine lacks for real time, and how to change it (takes a few seconds)");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print one JSON document");
-  command->footer("Example: palpate doctor\nExit: 0 whatever it finds");
+  command->footer("Example: palpate doctor\nExit: always 0");
   command->callback([json, &exit_code] {
     doctor(*json);
     exit_code = kDone;

@@ -148,7 +148,7 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
   std::string text;
   for (const identify::SpecimenFit& fit : fits) {
     text += fmt::format(
-        "{}: {} law, {} points, error {} of the force range ({} N), on points left out {}, {} of {} layers "
+        "{}: {} law, {} points, error {} of the force range ({} N), {} on left-out points, {} of {} layers "
         "reached; parameter, best, 95 % interval:\n"
         "{}{}",
         fit.name, model::to_string(fit.law), fit.points, percent(fit.nrmse), brief(fit.rms),
@@ -156,8 +156,8 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
         estimate_lines(fit.estimates, fit.terms), warning_lines(fit.warnings));
   }
   if (fits.size() > 1) {
-    text += fmt::format("All {} together: {} law, error {} of the force range:\n{}{}", pooled.specimens,
-                        model::to_string(settings.law), percent(pooled.nrmse),
+    text += fmt::format("Pooled fit of {} specimens: {} law, error {} of the force range:\n{}{}",
+                        pooled.specimens, model::to_string(settings.law), percent(pooled.nrmse),
                         estimate_lines(pooled.estimates, pooled.terms), warning_lines(pooled.warnings));
   }
   return text;

@@ -9,8 +9,8 @@ namespace palpate::app {
 
 /// Help text of --igtl.
 inline constexpr const char* kIgtlHelp =
-    "[ADDRESS:]PORT: show the run to 3D Slicer and other OpenIGTLink clients, of this machine alone "
-    "unless ADDRESS is 0.0.0.0 or another of its own";
+    "[ADDRESS:]PORT: show the run to 3D Slicer and other OpenIGTLink clients, on this machine only unless "
+    "ADDRESS is 0.0.0.0 or an address of this machine in a network";
 
 /// The server that --igtl asks for. It sends the state of each run to OpenIGTLink clients such as 3D Slicer.
 /// Without --igtl there is no server. All members: [setup].

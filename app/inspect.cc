@@ -48,7 +48,7 @@ geometry::LoadedMesh load(const InspectOptions& options) {
     return geometry::read_mesh(options.mesh, unit);
   }
   if (!options.unit.empty()) {
-    throw InputError("--unit: " + options.mesh + " is a built-in mesh and has its unit; leave the flag out");
+    throw InputError("--unit: " + options.mesh + " is a built-in mesh, whose unit is fixed; omit the flag");
   }
   geometry::LoadedMesh loaded{geometry::make_organ(options.mesh), {}};
   loaded.findings = geometry::findings_of(loaded.mesh);
@@ -146,7 +146,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   print_list("repaired", findings.repairs);
   std::vector<std::string> left = findings.defects;
   left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());
-  print_list("left as it is", left);
+  print_list("not repaired", left);
   row("as an organ", inspected.refusal.empty() ? "yes" : "no: " + inspected.refusal);
   row("as a tool", "yes");
 }
@@ -155,7 +155,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
 
 void add_inspect(CLI::App& program, int& exit_code) {
   CLI::App* command =
-      program.add_subcommand("inspect", "What a mesh is, what was repaired and what could not be");
+      program.add_subcommand("inspect", "Describe a mesh, its repairs and the defects that remain");
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
@@ -163,8 +163,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
                        ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
                        "ball, box)")
       ->required();
-  command->add_option("--unit", options->unit,
-                      "unit of the file's numbers: mm, cm, m or in; without it mm is taken");
+  command->add_option("--unit", options->unit, "unit of the file: mm, cm, m or in (default mm)");
   command->add_flag("--json", options->as_json, "one JSON document");
   command->footer(
       "Examples: palpate inspect liver.stl --unit mm --json\n"
@@ -172,7 +171,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   command->callback([options, &exit_code] {
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
-      report_message(options->mesh + ": no --unit given: its numbers are taken as mm");
+      report_message(options->mesh + ": no --unit given: mm is assumed");
     }
     if (options->as_json) {
       print_json(inspected);

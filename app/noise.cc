@@ -48,7 +48,7 @@ void print_lines(const NoiseFlags& flags) {
   const auto write = [&lines] {
     std::cout << lines << std::flush;
     lines.clear();
-    if (!std::cout) throw std::runtime_error("standard output: cannot write to it any more");
+    if (!std::cout) throw std::runtime_error("standard output: cannot be written any more");
   };
   for_each_force(flags, [&](double force) {
     lines += shortest(force);
@@ -79,18 +79,18 @@ void print_json(const NoiseFlags& flags) {
 void add_noise(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<NoiseFlags>();
   CLI::App* command =
-      program.add_subcommand("noise", "The steady touch noise alone, one value a line, newtons");
+      program.add_subcommand("noise", "Print samples of the steady touch noise, one per line, newtons");
   add_number(*command, "--gain-N-m", flags->settings.gain, Numbers::kNotNegative,
-             "K; sigma is K/(distance + threshold) (default 5e-5)");
-  add_number(*command, "--threshold-mm", flags->settings.threshold, Numbers::kPositive, "d0 > 0 (default 5)",
-             kMillimetre);
+             "gain K; sigma is K/(distance + threshold) (default 5e-5)");
+  add_number(*command, "--threshold-mm", flags->settings.threshold, Numbers::kPositive,
+             "distance threshold d0 > 0 (default 5)", kMillimetre);
   CLI::Option_group* where = command->add_option_group("where", "exactly one of these");
   add_number(*where, "--distance-mm", flags->distance, Numbers::kNotNegative,
              "distance of the tool from the tissue", kMillimetre);
   where->add_flag("--contact", flags->contact, "in contact: sigma is K/threshold");
   where->require_option(1);
-  add_whole(*command, "--samples", flags->samples, "how many")->required();
-  add_whole(*command, "--seed", flags->settings.seed, "a whole number (default 1)");
+  add_whole(*command, "--samples", flags->samples, "number of samples")->required();
+  add_whole(*command, "--seed", flags->settings.seed, "seed of the random numbers (default 1)");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Example:\n  palpate noise --gain-N-m 5e-5 --threshold-mm 5 --distance-mm 3 --samples 1000 --seed 1");

@@ -27,6 +27,6 @@ class OrganPreparation final {
 
 /// Help text of --no-cache.
 inline constexpr const char* kNoCacheHelp =
-    "prepare the organ anew, and do not keep it (PALPATE_CACHE=off does the same)";
+    "prepare the organ again and do not cache it (PALPATE_CACHE=off does the same)";
 
 }  // namespace palpate::app

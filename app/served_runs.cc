@@ -30,8 +30,8 @@ void require_made_up(const std::string& device) {
   if (device == "scripted" || device == "emulated") return;
   throw LiveError("refused",
                   "device = \"" + device +
-                      "\": must be \"scripted\" or \"emulated\"; others are chosen where "
-                      "the server is started, or in a scene file",
+                      "\": must be \"scripted\" or \"emulated\"; other devices are chosen "
+                      "where the server is started, or in a scene file",
                   "device");
 }
 
@@ -41,7 +41,7 @@ void require_windowless(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
-    throw InputError("device " + device.kind + ": the window of `palpate run` feeds it, and serve has none");
+    throw InputError("device " + device.kind + ": needs the window of `palpate run`; serve has no window");
   }
 }
 
@@ -124,7 +124,7 @@ ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net
     run_->session().control().reset_faults();
     return Json::object();
   }
-  throw LiveError("command", "do: is no command for a scene", "do");
+  throw LiveError("command", "do: is not a command for a scene", "do");
 }
 
 Json ServedRuns::about_run() {
@@ -190,7 +190,7 @@ bool ServedRuns::is_loading() const noexcept {
 
 void ServedRuns::require_no_loading() const {
   if (load_next_ || next_ != nullptr)
-    throw LiveError("state", "a scene is being loaded already; wait for its run event");
+    throw LiveError("state", "a scene is already being loaded; wait for its run event");
 }
 
 /// Cancels the load of a scene. The client that asked for it gets an error. Does not wait for the loading
@@ -207,8 +207,8 @@ std::string ServedRuns::file_below(const std::string& key, const std::string& na
   if (options_.scenes.empty()) {
     throw LiveError("refused",
                     key + " = \"" + name +
-                        "\": this server was started without --scenes, so that no files "
-                        "can be named",
+                        "\": this server was started without --scenes, so clients "
+                        "cannot name files",
                     key);
   }
   std::error_code error;
@@ -244,7 +244,7 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRef& client) {
   scene::Overrides request = request_of(wanted);
-  break_off_loading("the load was broken off by the next load");
+  break_off_loading("the load was cancelled by the next load");
   load_next_ = std::move(request);
   next_client_ = client;
   poll_next();
@@ -253,7 +253,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
 
 ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
-  if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
+  if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
   if (first_ != nullptr && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
@@ -268,7 +268,7 @@ ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
 ServedRuns::Answer ServedRuns::stop(const net::ClientRef& client) {
   const bool loading = is_loading();
   if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
-  break_off_loading("the load was broken off by stop");
+  break_off_loading("the load was cancelled by stop");
   if (!running()) return Json{{"run", about_run()}};
   run_->session().control().stop();
   stop_clients_.push_back(client);
@@ -305,7 +305,7 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
 
 std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
   if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
-    report_message("the last client has gone: the run ends (--stop-when-alone)");
+    report_message("the last client has disconnected: the run ends (--stop-when-alone)");
     run_->session().control().stop();
   }
   had_clients_ = clients > 0;
@@ -397,7 +397,8 @@ void ServedRuns::poll_next() {
 std::string ServedRuns::next_failure() const {
   if (next_is_clients_) return next_->failure();
   report_error(next_->failure());
-  return "the scene that the server was started with cannot be played; the server's own messages say why";
+  return "the scene that the server was started with cannot be run; the server's own messages give the "
+         "reason";
 }
 
 void ServedRuns::finish() {

@@ -132,19 +132,19 @@ void check_use(const ValidateFlags& flags) {
         "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
   }
   if (flags.zeros_fitted && flags.files.empty())
-    throw InputError("--zeros fitted: is of force curves, needs DATA");
+    throw InputError("--zeros fitted: applies to force curves, needs DATA");
   if (flags.zeros_fitted && (flags.first_contact || flags.offset)) {
     throw InputError(
-        "--zeros fitted: finds the zeros, --first-contact-mm and --offset-N give them: one of the two");
+        "--zeros fitted: fits the zeros that --first-contact-mm and --offset-N give; use one or the other");
   }
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
   if (flags.rule.as_drawn && flags.law.direction == model::Direction::kPull) {
-    throw InputError("--as-drawn: is of a ball pressed in, needs --direction press");
+    throw InputError("--as-drawn: applies to a ball that is pressed in, needs --direction press");
   }
   if (flags.profiles.empty() && no_image &&
       !(flags.depth.empty() && flags.force.empty() && !flags.tip_radius)) {
     throw InputError(
-        "--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE or --image BEFORE "
+        "--depth-mm, --force-N and --tip-radius-mm: apply to profiles, need --profile FILE or --image BEFORE "
         "AFTER");
   }
 }
@@ -197,7 +197,7 @@ void write_compared_tissue(const std::string& file, const model::TissueParameter
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
   add_number(command, "--max-nrmse", flags.max_nrmse, Numbers::kNotNegative,
-             "goal: RMS error over the force range or the depth, as a share (0.05 is 5 %)");
+             "goal: RMS error divided by the force range or the depth (0.05 is 5 %)");
   add_number(command, "--max-error-N", flags.max_error_N, Numbers::kNotNegative,
              "goal: largest error of a force, newtons");
   add_number(command, "--max-error-mm", flags.max_error_mm, Numbers::kNotNegative,
@@ -207,43 +207,45 @@ void add_goals(CLI::App& command, ValidateFlags& flags) {
 void add_zeros(CLI::App& command, ValidateFlags& flags, CLI::Option* data) {
   using Zeros = std::vector<std::pair<std::string, bool>>;
   add_choice(command, "--zeros", flags.zeros_fitted, Zeros{{"given", false}, {"fitted", true}},
-             "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
-             "finds them. Both errors are reported; this selects which one is judged and drawn");
+             "given: use the stated first contact and zero of the sensor (default); fitted: fit both. "
+             "Both errors are reported; this selects which one is judged and drawn");
   add_number(command, "--first-contact-mm", flags.first_contact, Numbers::kAny,
              "displacement at which the tool touched (default 0)", kMillimetre)
       ->needs(data);
   add_number(command, "--offset-N", flags.offset, Numbers::kAny,
-             "what the sensor shows without load (default 0)")
+             "reading of the sensor without load (default 0)")
       ->needs(data);
 }
 
 void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
   CLI::Option* profile = command.add_option(
       "--profile", flags.profiles,
-      "CSV files with columns r_mm,u_mm and, when there is, depth_mm: how far the surface moved "
-      "at a distance from the contact");
+      "CSV files with the columns r_mm and u_mm, and optionally depth_mm: displacement u of the surface "
+      "at a distance r from the contact");
   CLI::Option* depth = command.add_option(
-      "--depth-mm", flags.depth, "depth of the tool in the profiles: one, or one each between commas");
-  command.add_option("--force-N", flags.force, "instead: the load, from which the law gives the depth")
+      "--depth-mm", flags.depth,
+      "depth of the tool in the profiles: one value, or one per profile, separated by commas");
+  command
+      .add_option("--force-N", flags.force,
+                  "instead of --depth-mm: the load, from which the law gives the depth")
       ->excludes(depth);
   add_number(command, "--tip-radius-mm", flags.tip_radius, Numbers::kPositive,
-             "radius of the tool's tip in the profiles (default: the tissue's source)", kMillimetre);
+             "radius of the tool's tip in the profiles (default: from [tissue.source])", kMillimetre);
   command
       .add_flag("--fit-reach", flags.fit_reach,
-                "fit how far the tissue is drawn along (reach) to all profiles together first")
+                "first fit the tissue's displacement profile ([tissue.reach]) to all profiles together")
       ->needs(profile);
-  CLI::Option* drawn =
-      command
-          .add_flag(
-              "--as-drawn", flags.rule.as_drawn,
-              "compare (and fit) the surface as the picture shows it, nowhere above the ball, instead of "
-              "u(r) alone")
-          ->needs(profile);
+  CLI::Option* drawn = command
+                           .add_flag("--as-drawn", flags.rule.as_drawn,
+                                     "compare (and fit) the surface as it is drawn, which is never above the "
+                                     "ball's surface, instead of u(r) alone")
+                           ->needs(profile);
   add_number(command, "--surface-radius-mm", flags.rule.rest_radius, Numbers::kPositive,
              "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)",
              kMillimetre)
       ->needs(drawn);
-  command.add_option("--out", flags.out, "with --fit-reach: tissue file to write, with the reach found");
+  command.add_option("--out", flags.out,
+                     "with --fit-reach: tissue file to write, with the fitted displacement profile");
 }
 
 }  // namespace
@@ -251,18 +253,18 @@ void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code) {
   auto flags = std::make_shared<ValidateFlags>();
   CLI::App* command = program.add_subcommand(
-      "validate", "How true a tissue is: its forces and its deformation against measurements");
+      "validate", "Compare the forces and the deformation of a tissue with measurements");
   CLI::Option* data = command->add_option(
       "DATA", flags->files,
-      "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen");
+      "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
   add_law_flags(*command, flags->law);
   add_zeros(*command, *flags, data);
   add_profile_flags(*command, *flags);
   add_image_flags(*command, flags->image);
   add_goals(*command, *flags);
   command->add_option("--against", flags->against,
-                      "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
-  command->add_option("--report", flags->report, "folder for a page with a picture a data set");
+                      "baseline models, fitted to the same data: hertz,linear,exponential,mass-spring");
+  command->add_option("--report", flags->report, "folder for a report with one figure per data set");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Exit code 4 when a goal is missed. Examples:\n"
@@ -274,7 +276,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "    --out liver-reach.toml --report liver-reach\n"
       "  palpate validate --image before.png after.png --scale-mm-per-px 0.08 --tissue liver.toml \\\n"
       "    --tip-radius-mm 3 --report side\n"
-      "docs/validation.md says what is compared and what the figures mean.");
+      "docs/validation.md explains the comparison and its figures.");
   command->callback([flags, command_line, &exit_code] {
     check_validate_outputs(*flags);
     const report::Validation validation = validation_of(*flags);

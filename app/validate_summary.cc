@@ -96,7 +96,8 @@ Json reach_json(const validate::FalloffFit& fit) {
 std::string baselines_text(double cost_ns, const std::vector<report::BaselineResult>& baselines, double unit,
                            const char* unit_name) {
   if (baselines.empty()) return "";
-  std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
+  std::string text =
+      "  one evaluation " + brief(cost_ns) + " ns; baseline models, each fitted to these data:\n";
   for (const report::BaselineResult& baseline : baselines) {
     const validate::Errors& errors = baseline.fit.errors;
     text += fmt::format("    {}: RMS {} {}, largest {} {}; RMS {}; one evaluation {} ns ({})\n",
@@ -110,17 +111,17 @@ std::string baselines_text(double cost_ns, const std::vector<report::BaselineRes
 std::string force_text(const report::ForceSet& set) {
   const validate::ForceComparison& force = set.ours;
   std::string text = fmt::format(
-      "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within the "
-      "{} % of their force that a hand notices\n",
+      "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within "
+      "{} % of their force (just noticeable difference)\n",
       force.measured.name, force.measured.size(), brief(force.errors.rms), brief(force.errors.max),
       percent(force.errors.nrmse), percent(force.within_jnd), brief(100.0 * validate::kForceJnd));
   text += report::zeros_text(set);
   if (force.rows > force.measured.size()) {
-    text += fmt::format("  of {} rows: means of neighbours\n", force.rows);
+    text += fmt::format("  averaged over neighbours from {} rows\n", force.rows);
   }
   if (force.beyond > 0) {
     text += fmt::format(
-        "  ! {} points are deeper than the tissue's layers go: the law holds its largest force there\n",
+        "  ! {} points are deeper than the tissue's layers allow: the law stays at its largest force there\n",
         force.beyond);
   }
   return text + baselines_text(set.cost_ns, set.baselines, 1.0, "N");
@@ -145,7 +146,7 @@ std::string profile_text(const report::ProfileSet& set) {
 }
 
 std::string reach_text(const validate::FalloffFit& fit) {
-  std::string text = "reach fitted to all profiles together:\n";
+  std::string text = "displacement profile ([tissue.reach]) fitted to all profiles together:\n";
   std::size_t i = 0;
   for_each_number(fit.reach, [&](const char* key, double value) {
     text += fmt::format(
@@ -153,7 +154,7 @@ std::string reach_text(const validate::FalloffFit& fit) {
         fit.at_limit[i++] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
   });
   if (fit.exponent_kept) {
-    text.insert(text.size() - 1, ", as the tissue has it: it takes depths that differ more to determine it");
+    text.insert(text.size() - 1, ", from the tissue: to determine it, measure at depths that differ more");
   }
   return text;
 }
