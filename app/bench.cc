@@ -1,4 +1,4 @@
-// `palpate bench` is a program of its own, palpate-bench (bench/main.cc): this one executes it.
+// `palpate bench`: replaces this process by the separate program palpate-bench (bench/main.cc).
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kBenchProgram = "palpate-bench";
 
-/// Returns only when `program` cannot be executed.
+/// Replaces this process by `program`. Returns only when `program` cannot be executed.
 void execute(std::string program, char** arguments) {
   std::vector<char*> words = {program.data()};
   while (*arguments != nullptr) words.push_back(*arguments++);
@@ -29,13 +29,13 @@ void execute(std::string program, char** arguments) {
 
 void add_bench(CLI::App& program) {
   program.add_subcommand(
-      "bench", "How fast a tick, its parts, many hands and preparation are here, beside other libraries");
+      "bench", "Measure the time of a tick, many hands and preparation, and compare with other libraries");
 }
 
 int execute_bench(char** arguments) {
   std::error_code error;
   const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (folder.is_absolute()) {  // empty where there is no /proc
+  if (folder.is_absolute()) {  // empty on a system without /proc
     execute(folder / kBenchProgram, arguments);
     execute(folder.parent_path() / "bench" / kBenchProgram, arguments);
   }

@@ -30,7 +30,7 @@ std::string quoted_command_line(std::string program, int argc, char** argv) {
 }
 
 std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
-  const std::string help = " (--help shows what there is)";
+  const std::string help = " (see --help)";
   const std::string first = argc > 1 ? argv[1] : "";
   std::vector<std::string> known;
   std::string names;
@@ -42,9 +42,9 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
   if (is_word && !known.empty() && std::find(known.begin(), known.end(), first) == known.end()) {
     const std::string near = nearest_word(first, known);
     return first + ": no such command" +
-           (near.empty() ? "; there are " + names : ", did you mean " + near + "?") + help;
+           (near.empty() ? "; the commands are " + names : ", did you mean " + near + "?") + help;
   }
-  // CLI11: "Could not convert: --seed = abc".
+  // CLI11 reports a word that is not a number as "Could not convert: --seed = abc".
   std::string words = error.what();
   const std::string convert = "Could not convert: ";
   if (words.rfind(convert, 0) != 0) return words + help;

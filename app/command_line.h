@@ -8,10 +8,12 @@ class ParseError;
 
 namespace palpate::app {
 
-/// [setup] `program` and its arguments as a shell takes them: an argument is quoted where it needs quotes.
+/// [setup] The command line as text that a shell accepts: `program`, then its arguments, quoted where a shell
+/// needs quotes.
 [[nodiscard]] std::string quoted_command_line(std::string program, int argc, char** argv);
 
-/// [setup] One line that says what is wrong with a command line: the nearest command for an unknown one.
+/// [setup] One line that describes the error in a command line. For an unknown command it suggests the known
+/// command with the most similar name.
 [[nodiscard]] std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc,
                                    char** argv);
 

@@ -11,8 +11,8 @@ inline constexpr int kBadInput = 2;
 inline constexpr int kFault = 3;
 inline constexpr int kGoalMissed = 4;
 
-// Each adds one subcommand whose callback sets `exit_code`; one file each. `command_line`, as the user typed
-// it, is what a report says about how it was made.
+// Each function adds one subcommand and is in its own source file. The subcommand's callback sets
+// `exit_code`. `command_line` is the command as the user typed it; reports show it.
 void add_model(CLI::App& program, int& exit_code);
 void add_noise(CLI::App& program, int& exit_code);
 void add_inspect(CLI::App& program, int& exit_code);
@@ -29,12 +29,12 @@ void add_sweep(CLI::App& program, int& exit_code);
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_doctor(CLI::App& program, int& exit_code);
 
-/// [setup] Lists `bench` among the commands. execute_bench() runs it, and knows its flags.
+/// [setup] Lists `bench` among the commands, without its flags. execute_bench() runs it.
 void add_bench(CLI::App& program);
 
-/// [setup] Replaces this process by the program palpate-bench: the one in the folder of the running program,
-/// or in bench/ of its build tree. @param arguments null at the end. Returns kBadInput, after an error
-/// message, when there is none.
+/// [setup] Replaces this process by the program palpate-bench. It looks in the folder of the running program,
+/// then in bench/ of the build tree. @param arguments ends with a null pointer
+/// @return kBadInput, after an error message, when palpate-bench cannot be executed
 int execute_bench(char** arguments);
 
 }  // namespace palpate::app

@@ -1,4 +1,5 @@
-// `palpate demo`: the paper's two experiments one after the other, in real time, and the report.
+// `palpate demo`: runs the paper's two experiments [Zhang 2011] one after the other in real time, then writes
+// the report.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -85,7 +86,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   if (stopped) {
     if (flags.json)
       std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", nullptr}}.dump(2) << '\n';
-    report_message("the demo is not whole; no report was written");
+    report_message("the demo did not finish; no report was written");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);
@@ -101,10 +102,10 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
 }  // namespace
 
 void add_demo(CLI::App& program, const std::string& command_line, int& exit_code) {
-  CLI::App* command =
-      program.add_subcommand("demo", "The paper's two experiments with the built-in organs, and the report");
+  CLI::App* command = program.add_subcommand(
+      "demo", "Run the paper's two experiments with the built-in organs and write the report");
   auto flags = std::make_shared<DemoFlags>();
-  command->add_option("--report", flags->folder, "folder of the report and the recordings")
+  command->add_option("--report", flags->folder, "folder for the report and the recordings")
       ->capture_default_str();
   add_thread_flags(*command, flags->thread);
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);

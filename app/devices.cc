@@ -1,4 +1,5 @@
-// `palpate devices`: which devices are there, why others are not, and one of them looked at.
+// `palpate devices`: lists the available devices and the reasons why others are unavailable; --try reads one
+// device.
 #include "run/devices/devices.h"
 
 #include <algorithm>
@@ -47,7 +48,7 @@ int list_devices(bool as_json) {
   for (const devices::Probe& probe : probes) {
     std::string kind = probe.kind;
     kind.resize(std::max(kKindWidth, kind.size() + 1), ' ');
-    std::cout << kind << (probe.available ? "there:      " : "not there:  ") << probe.words << '\n';
+    std::cout << kind << (probe.available ? "available:    " : "unavailable:  ") << probe.words << '\n';
     for (const devices::Reason& reason : probe.reasons) {
       std::cout << std::string(kKindWidth, ' ') << "- " << reason.what << '\n'
                 << std::string(kKindWidth, ' ') << "  $ " << reason.command << '\n';
@@ -56,16 +57,16 @@ int list_devices(bool as_json) {
   return kDone;
 }
 
-/// What a device said while it was looked at.
+/// Result of reading a device for a short time at zero force.
 struct Look {
   std::string name;
   haptics::DeviceState last;
   std::uint64_t reads = 0;
-  std::uint64_t fresh = 0;  // reads with a sample that was new
+  std::uint64_t fresh = 0;  // reads that returned a new sample
   std::string trouble;
 };
 
-/// Reads for 0.2 s at 1 kHz and writes nothing: the device stays at zero force.
+/// Opens the device and reads it for 0.2 s at 1 kHz. Commands no force, so the device stays at zero force.
 Look look_at(const std::string& what) {
   constexpr std::uint64_t kReads = 200;
   constexpr std::int64_t kPeriod_ns = 1'000'000;
@@ -73,11 +74,11 @@ Look look_at(const std::string& what) {
   Look look;
   look.name = opened.name;
   const std::int64_t begin = monotonic_ns();
-  double age = 0.0;  // s, of the sample before
+  double age = 0.0;  // s, age of the previous sample
   for (; look.reads < kReads; ++look.reads) {
     sleep_until_ns(begin + static_cast<std::int64_t>(look.reads) * kPeriod_ns);
     look.last = opened.device->read(look.reads, static_cast<double>(look.reads) * 1e-3);
-    // A sample that is not new is a millisecond older than at the last read.
+    // When the device has no new sample, the age grows by 1 ms from one read to the next.
     const bool fresh = look.last.age < age + 0.5e-3 && look.last.age < haptics::kStaleAfter;
     if (fresh && look.last.fault == haptics::Fault::kNone) ++look.fresh;
     age = look.last.age;
@@ -122,16 +123,16 @@ void print_lines(const Look& look) {
   const Quat& q = look.last.orientation_D;
   const std::vector<int> pressed = pressed_buttons(look.last.buttons);
   std::cout << look.name << '\n'
-            << "  new samples  " << look.fresh << " in " << look.reads << " reads, one a millisecond\n"
+            << "  new samples  " << look.fresh << " in " << look.reads << " reads, one per millisecond\n"
             << "  position     " << list(scaled(look.last.position_D, kMillimetre)) << " mm\n"
             << "  orientation  " << list(std::vector<double>{q.w(), q.x(), q.y(), q.z()}) << " (w x y z)\n"
             << "  velocity     " << list(scaled(look.last.velocity_D, 1.0)) << " m/s\n"
             << "  gripper      " << shortest(look.last.gripper) << " (0 closed, 1 open)\n"
             << "  buttons      " << (pressed.empty() ? "none pressed" : list(pressed) + " pressed") << '\n'
             << "  state        "
-            << (look.last.fault == haptics::Fault::kNone ? "in order" : haptics::describe(look.last.fault))
+            << (look.last.fault == haptics::Fault::kNone ? "no fault" : haptics::describe(look.last.fault))
             << '\n';
-  if (!look.trouble.empty()) std::cout << "  trouble      " << look.trouble << '\n';
+  if (!look.trouble.empty()) std::cout << "  error        " << look.trouble << '\n';
 }
 
 int try_device(const DevicesFlags& flags) {
@@ -148,10 +149,11 @@ int try_device(const DevicesFlags& flags) {
 
 void add_devices(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<DevicesFlags>();
-  CLI::App* command = program.add_subcommand("devices", "Which devices are there, and why others are not");
+  CLI::App* command =
+      program.add_subcommand("devices", "List the available devices, and why others are unavailable");
   command->add_option("--try", flags->try_one,
                       "KIND[:PATH], e.g. forcedimension:/path/libdhd.so: open that device at zero force and "
-                      "print its name, version, pose and buttons; exit code 3 when it is in a fault");
+                      "print its name, version, pose and buttons; exit code 3 when it reports a fault");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer("Examples:\n  palpate devices\n  palpate devices --try forcedimension --json");
   command->callback([flags, &exit_code] {

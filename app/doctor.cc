@@ -1,4 +1,5 @@
-// `palpate doctor`: what this machine lacks for real time, and how to grant it.
+// `palpate doctor`: checks whether this machine can run the haptic loop in real time, and advises how to
+// change what it lacks.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -19,11 +20,11 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kRate = 1000.0;         // Hz, of the measurement
+constexpr double kRate = 1000.0;         // Hz, loop rate of the measurement
 constexpr std::uint64_t kTicks = 1000;   // 1 s
-constexpr double kGoodLateness = 100e3;  // ns, p99.9: a tenth of a period at 1 kHz
+constexpr double kGoodLateness = 100e3;  // ns, goal for p99.9: a tenth of a period at 1 kHz
 
-/// How late ticks begin here, asleep and polling.
+/// Measured lateness of a tick's start, for a thread that sleeps between ticks and for one that polls.
 struct Lateness {
   haptics::WakeUpLatency slept;
   haptics::WakeUpLatency polled;
@@ -34,7 +35,8 @@ haptics::MachineCheck judged(const Lateness& lateness) {
   haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
   const std::int64_t late = wake_ups.late.percentile(0.999);
   check.found = fmt::format(
-      "999 of 1000 at most {} us late, {} a full period or more ({} real-time priority, {} locked memory)",
+      "999 of 1000 at most {} us late, {} late by a full period or more ({} real-time priority, {} locked "
+      "memory)",
       late / 1000, wake_ups.missed, wake_ups.realtime_priority ? "with" : "without",
       wake_ups.memory_locked ? "with" : "without");
   if (static_cast<double>(late) <= kGoodLateness) return check;
@@ -59,7 +61,8 @@ const char* word(haptics::Verdict verdict) {
   return "unknown";
 }
 
-/// Wake-ups by how late they were, a line for each doubling.
+/// Prints the histogram of the lateness with one line per octave: each bin is twice as wide as the previous
+/// one.
 void print_histogram(std::ostream& out, const haptics::Histogram& late) {
   std::vector<std::uint64_t> octaves;
   for (const haptics::Histogram::Bucket& bucket : late.buckets()) {
@@ -68,7 +71,7 @@ void print_histogram(std::ostream& out, const haptics::Histogram& late) {
     if (octaves.size() <= octave) octaves.resize(octave + 1, 0);
     octaves[octave] += bucket.count;
   }
-  constexpr double kWidest = 50.0;  // letters
+  constexpr double kWidest = 50.0;  // characters
   std::uint64_t most = 1;
   for (const std::uint64_t count : octaves) most = std::max(most, count);
   for (std::size_t i = 0; i < octaves.size(); ++i) {
@@ -91,9 +94,9 @@ void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness
               << std::right;
     if (!check.advice.empty()) std::cout << std::string(8, ' ') << "-> " << check.advice << '\n';
   }
-  std::cout << "\nHow late a tick begins that polls the clock (palpate run --poll) [us]:";
+  std::cout << "\nLateness of a tick when the loop polls the clock (palpate run --poll) [us]:";
   print_percentiles(lateness.polled.late);
-  std::cout << "How late a thread wakes that sleeps (palpate run) [us]:";
+  std::cout << "Lateness of a tick when the loop sleeps between ticks (palpate run) [us]:";
   print_percentiles(lateness.slept.late);
   print_histogram(std::cout, lateness.slept.late);
 }
@@ -141,10 +144,10 @@ void doctor(bool json) {
 
 void add_doctor(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand(
-      "doctor", "What this machine lacks for real time, and how to grant it (takes a second)");
+      "doctor", "Check what this machine lacks for real time, and how to change it (takes a few seconds)");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "print one JSON document");
-  command->footer("Example: palpate doctor\nExit: 0 whatever it finds");
+  command->footer("Example: palpate doctor\nExit: always 0");
   command->callback([json, &exit_code] {
     doctor(*json);
     exit_code = kDone;

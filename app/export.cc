@@ -1,4 +1,4 @@
-// `palpate export`: a recording's ticks as CSV.
+// `palpate export`: writes a recording's ticks to a CSV file.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -37,14 +37,14 @@ int export_file(const ExportFlags& flags) {
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
   if (!recording.changes.empty() && has_place_beside) record::export_changes_csv(recording, changes);
-  report_message(
-      fmt::format("{}: {} rows{}", flags.csv, recording.rows.size(),
-                  recording.facts.complete ? "" : "; the recording was cut off after the last of them"));
+  report_message(fmt::format(
+      "{}: {} rows{}", flags.csv, recording.rows.size(),
+      recording.facts.complete ? "" : "; the recording is incomplete: it was cut off after the last row"));
   if (!recording.changes.empty()) {
-    report_message(
-        fmt::format("{}: {} changes of tissue or noise while it ran",
-                    has_place_beside ? changes.string() : "left out, for want of a file beside --csv",
-                    recording.changes.size()));
+    report_message(fmt::format(
+        "{}: {} changes of tissue or noise during the run",
+        has_place_beside ? changes.string() : "not written, because no file can be made beside --csv",
+        recording.changes.size()));
   }
   return kDone;
 }
@@ -54,7 +54,7 @@ int export_file(const ExportFlags& flags) {
 void add_export(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ExportFlags>();
   CLI::App* command =
-      program.add_subcommand("export", "Write a recording's ticks as CSV, one row a tick and hand");
+      program.add_subcommand("export", "Write a recording's ticks as CSV, one row per tick and hand");
   command->add_option("recording", flags->file, "The recording (.h5)")->required();
   command->add_option("--csv", flags->csv, "The CSV file to write")->required();
   command->footer("Example:\n  palpate export run.h5 --csv run.csv");

@@ -25,11 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Starts ffmpeg, which reads raw pictures from the other end of the pipe that is returned.
+// Starts ffmpeg, which reads raw RGB pictures from a pipe. Returns ffmpeg's process id and the end of the
+// pipe that the pictures are written to.
 std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, double frames_a_second) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw InputError(file.string() + ": no pipe to ffmpeg: " + std::strerror(errno));
+    throw InputError(file.string() + ": cannot make a pipe to ffmpeg: " + std::strerror(errno));
   std::istringstream flags(fmt::format(
       "ffmpeg -nostdin -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i pipe:0 -an "
       "-c:v libx264 -crf 18 -pix_fmt yuv420p -movflags +faststart",
@@ -48,7 +49,7 @@ std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, do
   close(ends[0]);
   if (failed != 0) {
     close(ends[1]);
-    throw InputError(file.string() + ": ffmpeg does not start: " + std::strerror(failed));
+    throw InputError(file.string() + ": cannot start ffmpeg: " + std::strerror(failed));
   }
   return {child, ends[1]};
 }
@@ -65,7 +66,7 @@ bool ffmpeg_installed() {
 
 Film::Film(fs::path file, int width, int height, double frames_a_second) : file_(std::move(file)) {
   if (ffmpeg_installed()) {
-    std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that dies is told by write(), in words
+    std::signal(SIGPIPE, SIG_IGN);  // write() reports an ffmpeg that died, so the message can explain it
     const auto [child, pipe] = start_ffmpeg(file_, width, height, frames_a_second);
     child_ = child;
     pipe_ = pipe;
@@ -97,7 +98,8 @@ void Film::add(const render::Image& picture) {
     const ssize_t written = write(pipe_, picture.rgb.data() + done, picture.rgb.size() - done);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
-      throw InputError(file_.string() + ": ffmpeg stopped before the film's end; what it said stands above");
+      throw InputError(file_.string() +
+                       ": ffmpeg stopped before the end of the film; its messages are above");
     done += static_cast<std::size_t>(written);
   }
 }
@@ -106,14 +108,14 @@ std::string Film::finish() {
   const std::string count = std::to_string(frames_) + " pictures";
   if (!folder_.empty())
     return fmt::format(
-        "{} as PNG files in {}: ffmpeg, which would make the film, is not installed (Debian package ffmpeg)",
-        count, folder_.string());
+        "{} as PNG files in {}: a film needs ffmpeg, which is not installed (Debian package ffmpeg)", count,
+        folder_.string());
   close(pipe_);
   pipe_ = -1;
   int status = 0;
   const int child = std::exchange(child_, -1);
   if (waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw InputError(file_.string() + ": ffmpeg could not make the film; what it said stands above");
+    throw InputError(file_.string() + ": ffmpeg could not make the film; its messages are above");
   return count + " in " + file_.string();
 }
 

@@ -1,4 +1,4 @@
-// `palpate fit`: tissue parameters from measurements.
+// `palpate fit`: identifies tissue parameters from measured force-displacement curves.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -70,7 +70,8 @@ identify::Settings settings_of(const FitFlags& flags) {
   return settings;
 }
 
-/// All specimens of all files, each with a name of its own.
+/// Reads all specimens of all files. A repeated name gets a number, so that every name is unique.
+/// @param timed the fit needs the column time_s @throws InputError
 std::vector<identify::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
   std::vector<identify::Specimen> all;
   for (const std::string& file : files) {
@@ -96,11 +97,12 @@ void require_writable(const FitFlags& flags) {
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
 
-/// On rank 0 all specimens; elsewhere none, and the same error where rank 0 could not read them.
+/// Reads all specimens on rank 0; the other ranks get an empty list. When rank 0 fails, every rank throws the
+/// error of rank 0.
 std::vector<identify::Specimen> read_for(tasks::Communicator& ranks, const FitFlags& flags) {
   std::vector<identify::Specimen> specimens;
   tasks::on_rank_zero(ranks, [&] {
-    require_writable(flags);  // here: processors elsewhere need not have these folders
+    require_writable(flags);  // on rank 0 only: other machines need not have these folders
     specimens = read_all(flags.files, flags.relaxation);
   });
   return specimens;
@@ -113,7 +115,7 @@ std::vector<identify::SweepRequest> requests_of(const FitFlags& flags) {
       requests.push_back(request);
   }
   if (requests.empty() && !flags.sweep_csv.empty()) {
-    throw InputError("--sweep-csv " + flags.sweep_csv + ": needs --sweep, which says what to sweep");
+    throw InputError("--sweep-csv " + flags.sweep_csv + ": needs --sweep, which selects the parameters");
   }
   return requests;
 }
@@ -154,12 +156,12 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   }
   if (ranks->rank() != 0) return;
   if (many.resumed > 0) {
-    report_message(fmt::format("{} of {} specimens were finished before: taken from {}", many.resumed,
+    report_message(fmt::format("{} of {} specimens were fitted in an earlier run: read from {}", many.resumed,
                                many.specimens.size(), results));
   }
   if (sweeps.resumed > 0) {
-    report_message(
-        fmt::format("{} pieces of sweeps were finished before: taken from {}", sweeps.resumed, results));
+    report_message(fmt::format("{} parts of sweeps were finished in an earlier run: read from {}",
+                               sweeps.resumed, results));
   }
   if (!flags.sweep_csv.empty()) write_output(flags.sweep_csv, sweeps_csv(sweeps.all), "--sweep-csv");
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
@@ -171,7 +173,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
                               : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));
   std::error_code ignored;
-  if (!results.empty()) std::filesystem::remove(results, ignored);  // all of it stands in what was written
+  if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }
 
 }  // namespace
@@ -179,29 +181,31 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
 void add_fit(CLI::App& program, const std::string& command_line, int& exit_code) {
   auto flags = std::make_shared<FitFlags>();
   CLI::App* command = program.add_subcommand(
-      "fit", "Tissue parameters with intervals, from measured force over displacement");
+      "fit", "Identify tissue parameters, with confidence intervals, from force-displacement curves");
   command
-      ->add_option("DATA", flags->files,
-                   "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen")
+      ->add_option(
+          "DATA", flags->files,
+          "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen")
       ->required();
   command->add_option("--law", flags->law, "layered or smooth (default layered)");
-  command->add_option("--direction", flags->direction, "press or pull: which the data are (default press)");
+  command->add_option("--direction", flags->direction,
+                      "direction of the measurements: press or pull (default press)");
   command->add_flag("--relaxation", flags->relaxation,
-                    "fit relaxation too, of one to three terms; needs time_s");
+                    "also fit relaxation, with one to three terms; needs the column time_s");
   command->add_option("--rate-Hz", flags->rate,
-                      "loop rate that the tissue is for: decides how many layers move (default 1000)");
+                      "loop rate at which the tissue is used; it limits the number of layers (default 1000)");
   command->add_option("--t1-us", flags->t1, "delay of the first layer, microseconds (default 1)");
   command->add_option("--bootstrap", flags->bootstrap,
-                      "resamples for a second kind of interval (default 0: none)");
-  command->add_option("--seed", flags->seed, "of the random numbers behind the intervals (default 1)");
-  command->add_option("--out", flags->out, "tissue file to write: the fit of all specimens together");
-  command->add_option("--report", flags->report, "folder for a page with a picture a specimen");
+                      "number of bootstrap resamples, for a second kind of interval (default 0: none)");
+  command->add_option("--seed", flags->seed, "seed of the random numbers for the intervals (default 1)");
+  command->add_option("--out", flags->out, "tissue file to write, from the pooled fit of all specimens");
+  command->add_option("--report", flags->report, "folder for a report with one figure per specimen");
   command->add_option(
       "--sweep", flags->sweeps,
-      "PARAM or PARAM=LOW:HIGH[:N]: holds k1_N_per_m, beta, q or limit_mm (all: each of them) at "
-      "N values, fits the others again, and tells which the data leave (again for more; default 21 "
-      "values around the interval)");
-  command->add_option("--sweep-csv", flags->sweep_csv, "file for the sweeps, a line a value");
+      "PARAM or PARAM=LOW:HIGH[:N]: fix k1_N_per_m, beta, q or limit_mm (all: each of them) at N values, "
+      "fit the other parameters again, and report the values that the data allow (repeat the flag for more "
+      "parameters; default: 21 values around the interval)");
+  command->add_option("--sweep-csv", flags->sweep_csv, "CSV file for the sweeps, one line per value");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"
@@ -209,8 +213,8 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "  palpate fit hold.csv --direction press --relaxation --bootstrap 200 --json\n"
       "  palpate fit liver-1.csv liver-2.csv --sweep q=0.5:0.9:41 --sweep-csv q.csv --report liver-fit\n"
       "  mpirun -n 8 palpate fit specimens/*.csv --bootstrap 200 --out liver.toml\n"
-      "With --out a run that was broken off goes on where it was when it is called again.\n"
-      "docs/fitting.md says how to measure and how to read the intervals.");
+      "With --out the same command continues a fit that was interrupted.\n"
+      "docs/fitting.md explains how to measure and how to read the intervals.");
   command->callback([flags, command_line, &exit_code] {
     fit_all(*flags, command_line);
     exit_code = kDone;

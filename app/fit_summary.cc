@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 using identify::Estimate;
 using identify::Interval;
 
-/// What of an estimate is shown, times 1/unit: a number, two, or null.
+/// Returns one part of an estimate as JSON, divided by `unit`: the value (a number), an interval (two
+/// numbers) or null where the estimate lacks it.
 using Part = std::function<Json(const Estimate&, double unit)>;
 
 Json pair_json(const Interval& interval, double unit) {
@@ -34,7 +35,8 @@ Json bootstrap_part(const Estimate& estimate, double unit) {
   return estimate.bootstrap ? pair_json(*estimate.bootstrap, unit) : Json(nullptr);
 }
 
-/// The shared parameters by their names, relaxation terms as a list.
+/// The parameters of the law by name, and the relaxation terms as a list. These parameters are shared by all
+/// specimens in a pooled fit.
 Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json json;
@@ -49,7 +51,7 @@ Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, cons
   return json;
 }
 
-/// All of a specimen's parameters by their names.
+/// All parameters of one specimen by name: the shared ones and the specimen's own offsets.
 Json all_json(const identify::SpecimenFit& fit, const Part& part) {
   Json json = shared_json(fit.estimates, fit.terms, part);
   const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
@@ -59,7 +61,7 @@ Json all_json(const identify::SpecimenFit& fit, const Part& part) {
   return json;
 }
 
-/// Names of the parameters that the data leave open.
+/// Names of the parameters that the data do not determine.
 Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   Json names = Json::array();
@@ -146,7 +148,7 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
   std::string text;
   for (const identify::SpecimenFit& fit : fits) {
     text += fmt::format(
-        "{}: {} law, {} points, error {} of the force range ({} N), on points left out {}, {} of {} layers "
+        "{}: {} law, {} points, error {} of the force range ({} N), {} on left-out points, {} of {} layers "
         "reached; parameter, best, 95 % interval:\n"
         "{}{}",
         fit.name, model::to_string(fit.law), fit.points, percent(fit.nrmse), brief(fit.rms),
@@ -154,8 +156,8 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
         estimate_lines(fit.estimates, fit.terms), warning_lines(fit.warnings));
   }
   if (fits.size() > 1) {
-    text += fmt::format("All {} together: {} law, error {} of the force range:\n{}{}", pooled.specimens,
-                        model::to_string(settings.law), percent(pooled.nrmse),
+    text += fmt::format("Pooled fit of {} specimens: {} law, error {} of the force range:\n{}{}",
+                        pooled.specimens, model::to_string(settings.law), percent(pooled.nrmse),
                         estimate_lines(pooled.estimates, pooled.terms), warning_lines(pooled.warnings));
   }
   return text;

@@ -7,13 +7,14 @@
 
 namespace palpate::app {
 
-/// [setup] Everything that was fitted as one JSON document (docs/fitting.md has its fields).
+/// [setup] The fits, the pooled fit and the sweeps as one JSON document (docs/fitting.md lists its fields).
 [[nodiscard]] std::string fit_json(const std::vector<identify::SpecimenFit>& fits,
                                    const identify::PooledFit& pooled,
                                    const std::vector<identify::Sweep>& sweeps,
                                    const identify::Settings& settings);
 
-/// [setup] Fits for people: a block a specimen, the pooled one, then warnings.
+/// [setup] The fits as a readable summary: one block per specimen, then the pooled fit of several specimens.
+/// Each block ends with its warnings.
 [[nodiscard]] std::string fit_text(const std::vector<identify::SpecimenFit>& fits,
                                    const identify::PooledFit& pooled, const identify::Settings& settings);
 

@@ -7,23 +7,25 @@
 
 namespace palpate::app {
 
-/// What --igtl says of itself.
+/// Help text of --igtl.
 inline constexpr const char* kIgtlHelp =
-    "[ADDRESS:]PORT: show the run to 3D Slicer and other OpenIGTLink clients, of this machine alone "
-    "unless ADDRESS is 0.0.0.0 or another of its own";
+    "[ADDRESS:]PORT: show the run to 3D Slicer and other OpenIGTLink clients, on this machine only unless "
+    "ADDRESS is 0.0.0.0 or an address of this machine in a network";
 
-/// What --igtl asks for: a server that shows runs to OpenIGTLink clients, or none. [setup]
+/// The server that --igtl asks for. It sends the state of each run to OpenIGTLink clients such as 3D Slicer.
+/// Without --igtl there is no server. All members: [setup].
 class IgtlService final {
  public:
-  /// Listens from here on. @param where what stands behind --igtl; none: no server
-  /// @throws InputError naming --igtl when it is no port, or cannot be listened at.
+  /// Starts to listen. @param where value of --igtl, [ADDRESS:]PORT; nullopt: no server
+  /// @throws InputError naming --igtl when the value is invalid or the server cannot listen at it.
   explicit IgtlService(const std::optional<std::string>& where);
 
-  /// Null: there is none.
+  /// Null without --igtl.
   [[nodiscard]] net::IgtlServer* server() noexcept { return server_.get(); }
-  /// Tells people where it is, and who can reach it.
+  /// Reports the server's address, and whether other machines can reach it, on standard error.
   void report_where() const;
-  /// After the last run: ends the server and tells how it went. @return that; nothing without a server
+  /// Call it after the last run. Ends the server and reports its statistics. @return the statistics; nullopt
+  /// without a server
   std::optional<net::IgtlStatistics> finish();
 
  private:

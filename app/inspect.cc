@@ -1,4 +1,4 @@
-// palpate inspect: what a mesh is, what was repaired on reading it and what could not be.
+// `palpate inspect`: describes a mesh and lists its repairs and the defects that cannot be repaired.
 #include <algorithm>
 #include <cstdint>
 #include <iostream>
@@ -32,14 +32,14 @@ struct InspectOptions {
 
 constexpr double kCubicMillimetresPerCubicMetre = 1e9;
 
-/// A path has a '/' or an ending; otherwise it is a built-in name.
+/// A path contains a '/' or a '.'; anything else is the name of a built-in organ.
 bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::string::npos; }
 
-/// The mesh as an organ would have it, or, where it cannot be one, as an instrument would.
+/// The mesh after the repairs of an organ. A mesh that cannot be an organ is shown as a tool would use it.
 struct Inspected {
   geometry::LoadedMesh loaded;
-  std::string refusal;        // as an organ; empty: it can be one
-  bool all_crossings = true;  // were looked at
+  std::string refusal;        // why the mesh cannot be an organ; empty: it can
+  bool all_crossings = true;  // false: too many candidate pairs to test all
 };
 
 geometry::LoadedMesh load(const InspectOptions& options) {
@@ -48,7 +48,7 @@ geometry::LoadedMesh load(const InspectOptions& options) {
     return geometry::read_mesh(options.mesh, unit);
   }
   if (!options.unit.empty()) {
-    throw InputError("--unit: " + options.mesh + " is a built-in mesh and has its unit; leave the flag out");
+    throw InputError("--unit: " + options.mesh + " is a built-in mesh, whose unit is fixed; omit the flag");
   }
   geometry::LoadedMesh loaded{geometry::make_organ(options.mesh), {}};
   loaded.findings = geometry::findings_of(loaded.mesh);
@@ -76,7 +76,7 @@ Inspected inspect(const InspectOptions& options) {
 }
 
 std::optional<double> volume_mm3(const geometry::MeshFindings& findings) {
-  if (!findings.closed) return std::nullopt;  // an open surface encloses nothing
+  if (!findings.closed) return std::nullopt;  // an open surface encloses no volume
   return findings.volume * kCubicMillimetresPerCubicMetre;
 }
 
@@ -146,7 +146,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   print_list("repaired", findings.repairs);
   std::vector<std::string> left = findings.defects;
   left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());
-  print_list("left as it is", left);
+  print_list("not repaired", left);
   row("as an organ", inspected.refusal.empty() ? "yes" : "no: " + inspected.refusal);
   row("as a tool", "yes");
 }
@@ -155,7 +155,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
 
 void add_inspect(CLI::App& program, int& exit_code) {
   CLI::App* command =
-      program.add_subcommand("inspect", "What a mesh is, what was repaired and what could not be");
+      program.add_subcommand("inspect", "Describe a mesh, its repairs and the defects that remain");
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
@@ -163,8 +163,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
                        ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
                        "ball, box)")
       ->required();
-  command->add_option("--unit", options->unit,
-                      "unit of the file's numbers: mm, cm, m or in; without it mm is taken");
+  command->add_option("--unit", options->unit, "unit of the file: mm, cm, m or in (default mm)");
   command->add_flag("--json", options->as_json, "one JSON document");
   command->footer(
       "Examples: palpate inspect liver.stl --unit mm --json\n"
@@ -172,7 +171,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   command->callback([options, &exit_code] {
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
-      report_message(options->mesh + ": no --unit given: its numbers are taken as mm");
+      report_message(options->mesh + ": no --unit given: mm is assumed");
     }
     if (options->as_json) {
       print_json(inspected);

@@ -24,18 +24,18 @@ void add_law_flags(CLI::App& command, LawFlags& flags) {
       ->required();
   add_choice(command, "--law", flags.law,
              Laws{{"layered", model::LawKind::kLayered}, {"smooth", model::LawKind::kSmooth}},
-             "layered (the paper's) or smooth (no jumps in stiffness); default: what the tissue says");
+             "layered (the paper's) or smooth (no steps in stiffness); default: the law of the tissue");
   add_choice(command, "--direction", flags.direction,
              Directions{{"press", model::Direction::kPress}, {"pull", model::Direction::kPull}},
              "press or pull (default press)");
   command.add_option_function<std::string>(
       "--rate-Hz",
       [&flags](const std::string& text) {
-        constexpr double kLeast = 1e-300;  // whose period is finite
+        constexpr double kLeast = 1e-300;  // Hz; the period of a lower rate is not finite
         flags.rate_Hz = parse_positive("--rate-Hz", text);
         if (flags.rate_Hz < kLeast) throw InputError("--rate-Hz " + text + ": must be > 1e-300");
       },
-      "loop rate, which decides how many layers move (default 1000)");
+      "loop rate, which limits the number of layers (default 1000)");
 }
 
 }  // namespace palpate::app

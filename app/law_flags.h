@@ -8,18 +8,18 @@
 
 namespace palpate::app {
 
-/// The force law that a command is about, as its flags say.
+/// The force law that the flags of a command select.
 struct LawFlags {
-  std::string tissue;                 // name or file
-  std::optional<model::LawKind> law;  // nothing: the tissue's
+  std::string tissue;                 // built-in name or tissue file
+  std::optional<model::LawKind> law;  // nullopt: the law of the tissue file
   model::Direction direction = model::Direction::kPress;
   double rate_Hz = 1000.0;
 
-  /// [setup] The tissue with the law that was asked for. @throws InputError
+  /// [setup] Loads the tissue and applies --law to it. @throws InputError
   [[nodiscard]] model::TissueParameters load() const;
 };
 
-/// [setup] Gives a command --tissue, --law, --direction and --rate-Hz.
+/// [setup] Adds --tissue, --law, --direction and --rate-Hz to a command.
 void add_law_flags(CLI::App& command, LawFlags& flags);
 
 }  // namespace palpate::app

@@ -9,13 +9,13 @@
 
 namespace palpate::app {
 
-/// A session that plays in the background, from start() on, while a window or clients watch it through a
-/// Observer, an observer. All members: [setup], one thread.
+/// A session that runs on its own thread after start(), while a window or clients watch it through the
+/// `Observer`. All members: [setup], one thread.
 template <typename Observer>
 class LiveRun final {
  public:
-  /// @param recording file; empty: none @param igtl shows the run to other programs, outlives this; may be
-  /// null @param observer what the Observer is made of
+  /// @param recording HDF5 file to write; empty: none @param igtl server that shows the run to OpenIGTLink
+  /// clients, outlives this; may be null @param observer arguments of the Observer's constructor
   template <typename... ObserverArguments>
   LiveRun(std::shared_ptr<Session> session, std::filesystem::path recording, haptics::LoopThread thread,
           net::IgtlServer* igtl, ObserverArguments&&... observer)
@@ -25,25 +25,25 @@ class LiveRun final {
         igtl_(igtl),
         observer_(std::forward<ObserverArguments>(observer)...) {}
 
-  /// Begins to play, once.
+  /// Starts the run. Call it once.
   void start() {
     run_ = play_in_background(
         *session_,
         {.run = {recording_, false, thread_}, .observers = {&snapshots_, &observer_}, .igtl = igtl_});
   }
   [[nodiscard]] bool started() const noexcept { return run_ != nullptr; }
-  /// Ends the run in good order and waits for it: zero force, recording closed.
+  /// Ends the run with zero force and a closed recording, and waits for its end.
   void stop() {
     session_->control().stop();
     if (run_ != nullptr) run_->wait();
   }
-  /// Whether no time passes in the run.
+  /// Whether the run pauses, so that its simulated time does not advance.
   [[nodiscard]] bool pausing() const noexcept { return session_->control().pausing(); }
-  /// Whether the run has ended, its recording closed.
+  /// Whether the run has ended and its recording is closed.
   [[nodiscard]] bool ended() const { return run_ != nullptr && run_->ended(); }
-  /// After its end: how it went; nothing when it failed.
+  /// Result of the run after its end; nullopt when the run failed.
   [[nodiscard]] std::optional<RunResult> result() const { return run_ ? run_->result() : std::nullopt; }
-  /// After its end: why it, or its recording, failed; empty: it did not.
+  /// Error message of the run or of its recording after its end; empty: neither failed.
   [[nodiscard]] std::string failure() const {
     if (!run_) return {};
     return run_->result() ? run_->result()->recording_failure : run_->failure();
@@ -63,7 +63,7 @@ class LiveRun final {
   net::IgtlServer* igtl_;
   Observer observer_;
   haptics::SnapshotPublisher snapshots_;
-  std::unique_ptr<session::BackgroundRun> run_;  // last: it uses all of the above
+  std::unique_ptr<session::BackgroundRun> run_;  // last: destroyed before the members that the run uses
 };
 
 }  // namespace palpate::app

@@ -1,4 +1,5 @@
-// The one program: `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line in words.
+// The program `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line that describes
+// the error.
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -14,7 +15,7 @@
 
 namespace {
 
-/// Of several that mpirun started, the first speaks for all: they find the same errors.
+/// Reports an error on MPI rank 0 only, because all ranks that mpirun started find the same error.
 void report_once(const std::string& error) {
   if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::report_error(error);
 }
@@ -29,8 +30,9 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   const std::string command_line = quoted_command_line("palpate", argc, argv);
   int exit_code = kDone;
-  std::signal(SIGXFSZ,
-              SIG_IGN);  // a file over the limit of `ulimit -f` is an error of write(), as a full disk is
+  // With SIGXFSZ ignored, write() returns an error for a file over the limit of `ulimit -f`, as for a full
+  // disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   add_run(program, command_line, exit_code);
   add_demo(program, command_line, exit_code);
   add_model(program, exit_code);

@@ -12,8 +12,8 @@ namespace {
 
 spdlog::logger& messages() {
   static const std::shared_ptr<spdlog::logger> logger = [] {
-    auto made = spdlog::stderr_color_mt("palpate");  // a run's companion speaks, too
-    made->set_pattern("%n: %^%v%$");                 // the colour is the level's, and only a terminal sees it
+    auto made = spdlog::stderr_color_mt("palpate");  // _mt: the progress thread logs, too
+    made->set_pattern("%n: %^%v%$");                 // coloured by level, on a terminal only
     const char* level = std::getenv("PALPATE_LOG");  // NOLINT(concurrency-mt-unsafe): nothing writes it
     if (level != nullptr && std::string_view(level) == "debug") made->set_level(spdlog::level::debug);
     return made;

@@ -3,13 +3,13 @@
 
 namespace palpate::app {
 
-/// A line for people on standard error, after the program's name; coloured on a terminal. [setup]
+/// [setup] Prints one line on standard error after the program's name; coloured on a terminal.
 void report_message(std::string_view message);
 
-/// The same for details, which only who set PALPATE_LOG=debug sees.
+/// [setup] Prints a detail on standard error, only with PALPATE_LOG=debug in the environment.
 void report_detail(std::string_view message);
 
-/// The same for what went wrong.
+/// [setup] Prints an error on standard error.
 void report_error(std::string_view message);
 
 }  // namespace palpate::app

@@ -1,4 +1,4 @@
-// `palpate model`: the force law alone, either way.
+// `palpate model`: evaluates the force law alone, from force to depth or from depth to force.
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -28,7 +28,7 @@ struct ModelFlags {
   bool as_json = false;
 };
 
-/// What was asked for and what the law answers.
+/// One requested force or depth, and the state of the layers that the law computes for it.
 struct Answer {
   double requested = 0.0;  // N or mm
   LayeredSpringLaw::LayerState state;
@@ -36,14 +36,14 @@ struct Answer {
 
 struct Account {
   model::TissueParameters tissue;
-  std::string direction;  // as the flag says
+  std::string direction;  // press or pull
   double rate_Hz = 0.0;
   bool by_force = false;
   int layers_allowed = 0;
   std::vector<Answer> answers;
 };
 
-/// What `law` answers to all that was asked for.
+/// Evaluates `law` at all requested forces [N] or depths [mm] and adds the states to `account`.
 template <typename Law>
 void answer(const Law& law, const std::vector<double>& requested, Account& account) {
   account.layers_allowed = law.layers_allowed();
@@ -110,12 +110,12 @@ void print_table(const Account& account) {
   const auto number = [](const std::string& text) -> std::ostream& {
     return std::cout << std::setw(kNumberWidth) << text;
   };
-  number(account.by_force ? "asked for N" : "asked for mm");
+  number(account.by_force ? "requested N" : "requested mm");
   number("force N");
   number("depth mm");
   number("tangent N/m");
   std::cout << std::setw(kLayerWidth) << "layer"
-            << "  deformation of a spring of each layer, mm\n";
+            << "  deformation of one spring in each layer, mm\n";
   for (const Answer& answer : account.answers) {
     number(shortest(answer.requested));
     number(shortest(answer.state.force));
@@ -124,7 +124,8 @@ void print_table(const Account& account) {
     std::cout << std::setw(kLayerWidth) << answer.state.cutoff_layer << ' ';
     for (const double deformation : layer_deformation_mm(answer.state))
       std::cout << ' ' << shortest(deformation);
-    std::cout << (answer.state.saturated ? "  saturated: the layers hold at their largest\n" : "\n");
+    std::cout << (answer.state.saturated ? "  saturated: all layers are at their largest deformation\n"
+                                         : "\n");
   }
 }
 
@@ -133,17 +134,17 @@ void print_table(const Account& account) {
 void add_model(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ModelFlags>();
   CLI::App* command =
-      program.add_subcommand("model", "The force law of a tissue alone: force to depth or depth to force");
+      program.add_subcommand("model", "Evaluate the force law of a tissue: force to depth or depth to force");
   add_law_flags(*command, flags->law);
-  CLI::Option_group* wanted = command->add_option_group("asked for", "exactly one of these");
-  wanted->add_option("--force-N", flags->forces, "forces between commas, newtons");
-  wanted->add_option("--depth-mm", flags->depths, "depths between commas, millimetres");
+  CLI::Option_group* wanted = command->add_option_group("requested", "exactly one of these");
+  wanted->add_option("--force-N", flags->forces, "forces in newtons, separated by commas");
+  wanted->add_option("--depth-mm", flags->depths, "depths in millimetres, separated by commas");
   wanted->require_option(1);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Example:\n  palpate model --tissue gallbladder --direction press --rate-Hz 1000 --depth-mm 5,10,15\n"
       "  palpate model --tissue heart --direction pull --law smooth --force-N 0.1,0.5\n"
-      "Relaxation is left out: these are the forces of a tissue that has had no time to let go.");
+      "Relaxation is not included: these are the forces before the tissue relaxes.");
   command->callback([flags, &exit_code] {
     const Account account = compute(*flags);
     if (flags->as_json) {

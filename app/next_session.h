@@ -10,34 +10,39 @@
 
 namespace palpate::app {
 
-/// The session to come: read and checked on a thread of its own while the one before still plays, then, once
-/// that has let its devices go, made ready. All members: [setup], one thread.
+/// Prepares the next session on its own thread. The scene is read and checked while the previous session
+/// still runs. The session is prepared after the previous session has closed its devices. All members:
+/// [setup], one thread.
 class NextSession final {
  public:
-  /// What is taken over from the session before instead of what the request says.
+  /// Parameters of the previous session that replace those of the request; nullopt: those of the request.
   struct Kept {
     std::optional<model::TissueParameters> tissue;
     std::optional<noise::NoiseSettings> noise;
   };
-  /// Refuses a scene that was read, before the session before it ends. @throws InputError
+  /// Checks the scene while the previous session still runs. @throws InputError to reject the scene.
   using Check = std::function<void(const scene::Scene&)>;
   enum class State { kReading, kRead, kPreparing, kReady, kFailed };
 
-  /// Begins to read.
+  /// Starts to read and check the scene. @param recording HDF5 file to write; empty: none @param check may be
+  /// empty
   NextSession(scene::Overrides request, Kept kept, std::filesystem::path recording, Check check = {});
 
+  /// Polls the thread; does not wait.
   [[nodiscard]] State state();
-  /// It is wanted no more: what its thread does ends after the file that is being read, or with the organ's
-  /// next stage.
+  /// Cancels the session. The thread ends after it has read the current file, or at the next stage of the
+  /// organ's preparation.
   void break_off() noexcept { broken_off_.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool is_broken_off() const noexcept { return broken_off_.load(std::memory_order_relaxed); }
-  /// Whether its thread does nothing any more, so that destroying it does not wait.
+  /// Whether the thread has finished, so that the destructor does not wait.
   [[nodiscard]] bool is_idle() { return state() != State::kReading && state() != State::kPreparing; }
-  /// In kRead, when no other session holds a device: goes on.
+  /// Call it in kRead, when no other session holds a device. Starts to prepare the session.
+  /// @param duration_s simulated time [s]; nullopt: until the devices have no more samples @param no_cache
+  /// ignores the cache of prepared organs
   void prepare_now(std::optional<double> duration_s, bool no_cache);
-  /// In kReady: the session.
+  /// Call it in kReady. Hands over the session.
   [[nodiscard]] std::unique_ptr<Session> take() { return std::move(session_); }
-  /// In kFailed: why, in words.
+  /// In kFailed: the error message.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
   [[nodiscard]] const scene::Overrides& request() const noexcept { return request_; }
   [[nodiscard]] const std::filesystem::path& recording() const noexcept { return recording_; }
@@ -52,7 +57,7 @@ class NextSession final {
   std::string failure_;
   std::atomic<bool> broken_off_{false};
   State state_ = State::kReading;
-  std::future<void> work_;  // last: its thread uses all of the above, and ends with this
+  std::future<void> work_;  // last: the thread ends before the members that it uses are destroyed
 };
 
 }  // namespace palpate::app

@@ -1,4 +1,4 @@
-// `palpate noise`: the steady touch noise alone, one value a line.
+// `palpate noise`: prints samples of the steady touch noise [N], one per line.
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -23,13 +23,13 @@ namespace {
 
 struct NoiseFlags {
   noise::NoiseSettings settings;
-  double distance = 0.0;  // m, 0 in contact
+  double distance = 0.0;  // m; 0 in contact
   bool contact = false;
   std::uint64_t samples = 0;
   bool as_json = false;
 };
 
-/// Calls `take(force)` for each sample of hand 0; the noise has been on for long, so there is no fade.
+/// Calls `take(force)` with each sample [N] of hand 0. The noise is steady: it does not fade in.
 template <typename Take>
 void for_each_force(const NoiseFlags& flags, Take take) {
   const noise::TouchNoise noise(flags.settings, flags.settings.rate_Hz);
@@ -41,14 +41,14 @@ void for_each_force(const NoiseFlags& flags, Take take) {
 
 void print_lines(const NoiseFlags& flags) {
   constexpr std::uint64_t kLinesAtOnce = 4096;
-  const bool piped = isatty(STDOUT_FILENO) != 1;  // lines and a bar on one terminal would mix
+  const bool piped = isatty(STDOUT_FILENO) != 1;  // a progress bar would mix with the lines on a terminal
   Progress bar("noise");
   std::string lines;
   std::uint64_t done = 0;
   const auto write = [&lines] {
     std::cout << lines << std::flush;
     lines.clear();
-    if (!std::cout) throw std::runtime_error("standard output: cannot write to it any more");
+    if (!std::cout) throw std::runtime_error("standard output: cannot be written any more");
   };
   for_each_force(flags, [&](double force) {
     lines += shortest(force);
@@ -79,18 +79,18 @@ void print_json(const NoiseFlags& flags) {
 void add_noise(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<NoiseFlags>();
   CLI::App* command =
-      program.add_subcommand("noise", "The steady touch noise alone, one value a line, newtons");
+      program.add_subcommand("noise", "Print samples of the steady touch noise, one per line, newtons");
   add_number(*command, "--gain-N-m", flags->settings.gain, Numbers::kNotNegative,
-             "K; sigma is K/(distance + threshold) (default 5e-5)");
-  add_number(*command, "--threshold-mm", flags->settings.threshold, Numbers::kPositive, "d0 > 0 (default 5)",
-             kMillimetre);
+             "gain K; sigma is K/(distance + threshold) (default 5e-5)");
+  add_number(*command, "--threshold-mm", flags->settings.threshold, Numbers::kPositive,
+             "distance threshold d0 > 0 (default 5)", kMillimetre);
   CLI::Option_group* where = command->add_option_group("where", "exactly one of these");
   add_number(*where, "--distance-mm", flags->distance, Numbers::kNotNegative,
              "distance of the tool from the tissue", kMillimetre);
   where->add_flag("--contact", flags->contact, "in contact: sigma is K/threshold");
   where->require_option(1);
-  add_whole(*command, "--samples", flags->samples, "how many")->required();
-  add_whole(*command, "--seed", flags->settings.seed, "a whole number (default 1)");
+  add_whole(*command, "--samples", flags->samples, "number of samples")->required();
+  add_whole(*command, "--seed", flags->settings.seed, "seed of the random numbers (default 1)");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Example:\n  palpate noise --gain-N-m 5e-5 --threshold-mm 5 --distance-mm 3 --samples 1000 --seed 1");

@@ -49,7 +49,7 @@ std::vector<double> parse_not_negative_list(const std::string& flag, const std::
     if (!read_all(entry, value) || !std::isfinite(value) || value < 0.0) {
       const std::string shown = entry.empty() ? "an empty entry" : "'" + entry + "'";
       const std::string which = entry == text ? "" : " (not " + shown + ")";
-      refuse(flag, text, "finite numbers >= 0 between commas, as in 0.05,0.5" + which);
+      refuse(flag, text, "finite numbers >= 0, separated by commas, e.g. 0.05,0.5" + which);
     }
     values.push_back(value);
     if (comma == std::string::npos) return values;

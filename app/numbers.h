@@ -10,22 +10,26 @@
 
 namespace palpate::app {
 
-/// Which finite numbers a flag takes.
+/// Which finite numbers a flag accepts.
 enum class Numbers { kAny, kNotNegative, kPositive };
 
-/// [setup] The number that `text` is, all of it: no spaces, no sign +, no hexadecimal. @param flag as the
-/// user typed it, e.g. "--rate-Hz". @throws InputError naming flag and text when it is none of these.
+/// [setup] Parses a decimal number. The text must contain nothing else: no spaces, no plus sign. Hexadecimal
+/// numbers are rejected. @param flag name of the flag in error messages, e.g. "--rate-Hz" @throws InputError
+/// naming flag and text when the number is invalid or outside `numbers`.
 [[nodiscard]] double parse_number(const std::string& flag, const std::string& text, Numbers numbers);
+/// [setup] Parses a number > 0, as parse_number() does.
 [[nodiscard]] double parse_positive(const std::string& flag, const std::string& text);
 
-/// [setup] Numbers >= 0 between commas, at least one. @throws InputError naming flag and the bad entry.
+/// [setup] Parses one or more numbers >= 0, separated by commas. @throws InputError naming the flag and the
+/// invalid entry.
 [[nodiscard]] std::vector<double> parse_not_negative_list(const std::string& flag, const std::string& text);
 
-/// [setup] A whole number 0 .. 2^64-1. @throws InputError naming flag and text.
+/// [setup] Parses a whole number from 0 to 2^64-1. @throws InputError naming flag and text.
 [[nodiscard]] std::uint64_t parse_whole(const std::string& flag, const std::string& text);
 
-/// [setup] Gives a command a flag with a number, which is `value` in SI. @param value a double, or an
-/// optional one @param unit what the flag's unit is in SI
+/// [setup] Adds a flag that takes a number to a command. The number times `unit` is stored in `value`.
+/// @param value double or std::optional<double>, in SI units; outlives the parse @param unit size of the
+/// flag's unit in SI units, e.g. kMillimetre
 template <typename Value>
 CLI::Option* add_number(CLI::App& command, const std::string& flag, Value& value, Numbers numbers,
                         const std::string& help, double unit = 1.0) {
@@ -37,11 +41,11 @@ CLI::Option* add_number(CLI::App& command, const std::string& flag, Value& value
       help);
 }
 
-/// [setup] Gives a command a flag with a whole number 0 .. 2^64-1.
+/// [setup] Adds a flag that takes a whole number from 0 to 2^64-1 to a command.
 CLI::Option* add_whole(CLI::App& command, const std::string& flag, std::uint64_t& value,
                        const std::string& help);
 
-/// [setup] Gives a command a flag that takes one of some names, each for a value.
+/// [setup] Adds a flag that takes one of several names to a command. Each name selects a value.
 template <typename Value, typename Choice>
 CLI::Option* add_choice(CLI::App& command, const std::string& flag, Value& value,
                         std::vector<std::pair<std::string, Choice>> choices, const std::string& help) {

@@ -12,7 +12,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::int64_t kSilent_ns = 300'000'000;  // no bar flashes up for a small organ
+constexpr std::int64_t kSilent_ns = 300'000'000;  // delay of the bar: a small organ is ready earlier
 
 }  // namespace
 
@@ -23,7 +23,7 @@ OrganPreparation::OrganPreparation(bool no_cache)
   };
   if (no_cache) return;
   scene::use_organ_cache(how_, user_cache_folder(), report_detail, [](const std::string& why) {
-    static std::once_flag warned;  // a process may prepare many organs
+    static std::once_flag warned;  // warns once, although a process may prepare many organs
     std::call_once(warned, [&why] { report_message(why); });
   });
 }

@@ -8,11 +8,11 @@
 
 namespace palpate::app {
 
-/// How the program prepares an organ: with the user's cache, unless it is turned off, and with a progress bar
-/// once it takes a while. Keep it alive as long as what how() returned is used.
+/// Options for the preparation of an organ: the user's cache, unless it is turned off, and a progress bar,
+/// which appears after 0.3 s. Must outlive every use of how().
 class OrganPreparation final {
  public:
-  /// [setup] @param no_cache the user said --no-cache; PALPATE_CACHE=off says the same.
+  /// [setup] @param no_cache the flag --no-cache was given. PALPATE_CACHE=off also turns the cache off.
   explicit OrganPreparation(bool no_cache);
   OrganPreparation(const OrganPreparation&) = delete;
   OrganPreparation& operator=(const OrganPreparation&) = delete;
@@ -25,8 +25,8 @@ class OrganPreparation final {
   contact::Preparation how_;
 };
 
-/// What --help says of --no-cache.
+/// Help text of --no-cache.
 inline constexpr const char* kNoCacheHelp =
-    "prepare the organ anew, and do not keep it (PALPATE_CACHE=off does the same)";
+    "prepare the organ again and do not cache it (PALPATE_CACHE=off does the same)";
 
 }  // namespace palpate::app

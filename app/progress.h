@@ -4,22 +4,21 @@
 
 namespace palpate::app {
 
-/// A progress bar on standard error, drawn only when that is a terminal; elsewhere every call does nothing.
-/// One thread.
+/// A progress bar on standard error. Without a terminal every call does nothing. For one thread.
 class Progress final {
  public:
-  /// [setup] @param title stands before the bar, e.g. "bench"
+  /// [setup] @param title text before the bar, e.g. "bench"
   explicit Progress(std::string title);
   /// Clears the bar's line.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// [setup] Redraws, at most twenty times a second. @param share done, clamped to 0..1
-  /// @param what a few words on what is being done now
+  /// [setup] Redraws the bar, at most twenty times per second. @param share completed fraction, 0 to 1; other
+  /// values are clamped @param what short description of the current step
   void update(double share, const std::string& what);
 
-  /// [setup] Makes room for a message: the bar is away until the next update().
+  /// [setup] Removes the bar until the next update(), so that a message can be printed.
   void clear();
 
  private:

@@ -64,10 +64,9 @@ void ProgressObserver::report_progress(const std::stop_token& stop) {
 
 std::string ProgressObserver::describe_warm_motors(std::size_t hand) const {
   const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
-  return "hand " + std::to_string(hand) + ": the device's motors are warm: rest for some minutes; " +
-         (lowers
-              ? "its force is lowered until they have cooled"
-              : "its force is not lowered, because it does not report the force that it bears without end");
+  return "hand " + std::to_string(hand) + ": the device's motors are warm: pause for some minutes; " +
+         (lowers ? "its force is reduced until they have cooled"
+                 : "its force is not reduced, because it does not report its continuous force");
 }
 
 void ProgressObserver::report_fault(const haptics::FaultSeen& seen) const {

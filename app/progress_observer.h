@@ -13,18 +13,18 @@
 
 namespace palpate::app {
 
-/// Tells people how a run goes, from a thread of its own: a progress bar, and each fault in words with the
-/// way to reset it. The loop only counts and leaves the faults in a ring.
+/// Reports the progress of a run from its own thread: a progress bar, and a message for each fault with the
+/// command that resets it. The haptic loop only counts ticks and puts faults into a lock-free queue.
 class ProgressObserver final : public haptics::TickObserver {
  public:
   /// [setup] @param session outlives this
   explicit ProgressObserver(const session::Session& session);
-  /// Tells what is still untold.
+  /// [setup] Reports the remaining faults and errors, then ends the thread.
   ~ProgressObserver() override;
   ProgressObserver(const ProgressObserver&) = delete;
   ProgressObserver& operator=(const ProgressObserver&) = delete;
 
-  /// [setup] Writes an error to standard error within a tenth of a second; from any thread.
+  /// [setup] Prints an error on standard error within 0.1 s. Any thread except the haptic loop may call it.
   void queue_error(std::string error) {
     const std::scoped_lock lock(mutex_);
     errors_.push_back(std::move(error));
@@ -48,11 +48,11 @@ class ProgressObserver final : public haptics::TickObserver {
 
   const session::Session& session_;
   std::atomic<std::uint64_t> done_{0};  // ticks
-  std::atomic<int> warm_hand_{-1};      // whose device's motors were warm last; -1: none
+  std::atomic<int> warm_hand_{-1};      // hand whose device last reported warm motors; -1: none
   SpscQueue<haptics::FaultSeen> faults_{kFaultsKept};
-  std::mutex mutex_;  // of errors_
+  std::mutex mutex_;  // guards errors_
   std::vector<std::string> errors_;
-  std::jthread thread_;  // last: it uses all of the above
+  std::jthread thread_;  // last: the thread ends before the members that it uses are destroyed
 };
 
 }  // namespace palpate::app

@@ -12,7 +12,7 @@ namespace {
 record::Recording read_some(const std::filesystem::path& file, const record::Progress& progress) {
   record::Recording recording = record::read_recording(file, progress);
   if (recording.rows.empty())
-    throw InputError(file.string() + ": no tick is in it, so there is nothing to see");
+    throw InputError(file.string() + ": contains no tick, so there is nothing to show");
   return recording;
 }
 

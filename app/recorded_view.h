@@ -10,12 +10,12 @@
 
 namespace palpate::app {
 
-/// A recording that is opened to be looked at: the same moments, seen from the same place, in a file, in a
-/// film and in the viewer's window. One thread, unless said.
+/// A recording that is opened for display. Pictures, films and the viewer's window show the same ticks from
+/// the same camera. For one thread, unless noted.
 class RecordedView final {
  public:
-  /// [setup] Reads the file and prepares its organ. @param no_cache the organ is prepared anew
-  /// @throws InputError naming the file when it cannot be read or run again, or has no tick.
+  /// [setup] Reads the file and prepares its organ. @param no_cache ignores the cache of prepared organs
+  /// @throws InputError naming the file when it cannot be read or replayed, or contains no tick.
   RecordedView(std::filesystem::path file, bool no_cache, const record::Progress& progress = {});
   RecordedView(const RecordedView&) = delete;
   RecordedView& operator=(const RecordedView&) = delete;
@@ -25,18 +25,20 @@ class RecordedView final {
   [[nodiscard]] record::RecordingFrames& frames() noexcept { return frames_; }
   [[nodiscard]] std::uint64_t ticks() const noexcept { return frames_.ticks(); }
   [[nodiscard]] std::uint32_t hands() const noexcept;
-  /// [any] Hands and organ as pictures need them.
+  /// [any] Organ, tools and tissue that the renderer draws.
   [[nodiscard]] render::Subject subject() const;
   /// [any] The row of one hand at a tick.
   [[nodiscard]] const haptics::TickRow& row(std::uint64_t tick, std::uint32_t hand) const;
 
-  /// [any] Time of a tick [s], of the recording's end, and the tick that is shown at a time.
+  /// [any] Time of a tick [s].
   [[nodiscard]] double time_of(std::uint64_t tick) const noexcept;
+  /// [any] Duration of the recording [s].
   [[nodiscard]] double duration_s() const noexcept { return time_of(ticks()); }
+  /// [any] The tick closest to a time [s], clamped to the recording.
   [[nodiscard]] std::uint64_t tick_at(double time) const noexcept;
 
-  /// [setup] Where a hand's contact is best seen from: at its deepest moment (without contact: its nearest).
-  /// @param close_up the contact fills the picture
+  /// [setup] Camera that shows the contact of a hand at its deepest tick. Without contact it shows the point
+  /// of the organ closest to the tool. @param close_up the contact fills the picture
   [[nodiscard]] render::Camera camera(std::uint32_t hand, bool close_up);
 
  private:

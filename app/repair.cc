@@ -1,4 +1,4 @@
-// `palpate repair`: a recording that was cut off, made readable for every HDF5 tool.
+// `palpate repair`: makes an incomplete recording readable for every HDF5 tool.
 #include <iostream>
 #include <memory>
 #include <string>
@@ -27,8 +27,9 @@ int repair_file(const std::string& file) {
 void add_repair(CLI::App& program, int& exit_code) {
   auto file = std::make_shared<std::string>();
   CLI::App* command =
-      program.add_subcommand("repair", "Make a recording that was cut off open in every HDF5 tool");
-  command->add_option("recording", *file, "The recording (.h5); replaced by its repaired self")->required();
+      program.add_subcommand("repair", "Repair an incomplete recording, so that every HDF5 tool can open it");
+  command->add_option("recording", *file, "The recording (.h5); it is replaced by the repaired file")
+      ->required();
   command->footer("Example:\n  palpate repair run.h5");
   command->callback([file, &exit_code] { exit_code = repair_file(*file); });
 }

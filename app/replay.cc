@@ -1,4 +1,4 @@
-// `palpate replay`: a recording's device samples through the tick again.
+// `palpate replay`: computes the ticks of a recording again from its device samples and compares the rows.
 #include <array>
 #include <cstdio>
 #include <iostream>
@@ -87,7 +87,7 @@ int replay_file(const ReplayFlags& flags) {
 void add_replay(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ReplayFlags>();
   CLI::App* command = program.add_subcommand(
-      "replay", "Run a recording's ticks again from its own device samples, and compare every value");
+      "replay", "Compute a recording's ticks again from its device samples, and compare every value");
   command->add_option("recording", flags->file, "The recording (.h5)")->required();
   command->add_flag("--verify", flags->verify, "Exit with 4 when any value differs in any bit");
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);

@@ -1,4 +1,4 @@
-// `palpate run`: one interaction, in real time or offline.
+// `palpate run`: runs one interaction, in real time or offline.
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -60,15 +60,15 @@ void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
   require_no_overwrite(outputs, sources_of(setup));
 }
 
-/// Whether this run has a window. Without a display a run in real time says that it has none.
+/// Whether this run has a window. Reports a missing display for a run in real time without --headless.
 bool wants_window(const RunFlags& flags) {
   if (flags.headless || flags.offline) return false;
   if (display_there()) return true;
-  report_message("there is no display: the run has no window (--headless asks for that)");
+  report_message("there is no display: the run has no window (--headless omits this message)");
   return false;
 }
 
-/// A mouse or a gamepad needs the window that feeds it.
+/// Rejects a mouse or a gamepad without a window, because the window supplies their input. @throws InputError
 void require_window(const Session& session, const RunFlags& flags, bool window) {
   if (window) return;
   for (const scene::DeviceSetup& device : session.setup().devices) {
@@ -77,21 +77,22 @@ void require_window(const Session& session, const RunFlags& flags, bool window) 
     const std::string why = flags.offline    ? "with --offline"
                             : flags.headless ? "with --headless"
                                              : "without a display";
-    throw InputError("device " + device.kind + ": the window of a run feeds it, and there is none " + why);
+    throw InputError("device " + device.kind + ": needs the window of the run, and there is none " + why);
   }
 }
 
-/// Whether something was asked for that a window kept open would keep waiting.
+/// Whether the flags ask for an output. The window then closes at the end of the run, because outputs are
+/// written after it has closed.
 bool wants_outputs(const RunFlags& flags) {
   return flags.json || flags.duration_s || flags.max_missed || !flags.files.recording.empty() ||
          !flags.files.report.empty() || !flags.files.screenshot.empty();
 }
 
-/// How a run went, with what was begun in its window after it.
+/// Result of the first run, and the events of later runs in its window.
 struct Played {
   RunResult result;
-  bool later_fault = false;
-  bool display_lost = false;
+  bool later_fault = false;   // a later run in the window latched a fault
+  bool display_lost = false;  // the display closed during a run
 };
 
 Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& flags,
@@ -108,16 +109,16 @@ Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& f
   WindowOutcome outcome = run_in_window(session, flags.request, options);
   const auto in_ms = [](double time) { return shortest(std::round(1e3 * time)) + " ms"; };
   report_message("the window showed " + std::to_string(outcome.frames) +
-                 " frames of the run; what they showed was " + in_ms(outcome.median_age) +
-                 " old in the median, at most " + in_ms(outcome.largest_age));
+                 " frames of the run; median age of the shown state " + in_ms(outcome.median_age) +
+                 ", largest age " + in_ms(outcome.largest_age));
   if (outcome.more_runs > 0) {
     report_message(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
-                   " in the window; what follows is the first");
+                   " in the window; the summary is of the first run");
   }
   return {std::move(outcome.result), outcome.later_fault, outcome.display_lost};
 }
 
-/// In a window where there can be one.
+/// Plays the session in a window, or without one when none can be opened.
 Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& flags,
                      const fs::path& recording, bool window, net::IgtlServer* igtl) {
   const StopOnSignal signals;
@@ -125,7 +126,7 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
     try {
       return play_in_window(session, flags, recording, igtl, signals.flag());
     } catch (const NoWindow& error) {
-      report_message(std::string(error.what()) + "; the run has none");
+      report_message(std::string(error.what()) + "; the run has no window");
       require_window(*session, flags, false);
     }
   }
@@ -139,7 +140,7 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
 int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
-  (void)UiScale::asked(flags.ui_scale);  // refused before anything else is done
+  (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
   scene::Scene setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
   const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
@@ -147,7 +148,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
 
-  std::optional<ScratchFolder> temporary;  // of a recording that is only needed to draw a picture from
+  // Holds a recording that is needed only to draw the screenshot.
+  std::optional<ScratchFolder> temporary;
   if (!files.report.empty()) {
     report::make_report_folder(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
@@ -155,8 +157,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   fs::path recorded = files.recording;
   if (recorded.empty() && !files.screenshot.empty()) {
     const fs::path folder = temporary.emplace("palpate-").path();
-    if (folder.empty())
-      throw InputError(fs::temp_directory_path().string() + ": no folder can be made in it");
+    if (folder.empty()) throw InputError(fs::temp_directory_path().string() + ": cannot make a folder in it");
     recorded = folder / "run.h5";
   }
 
@@ -166,13 +167,14 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const std::optional<net::IgtlStatistics> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
-  // SDL holds on to a display that is gone, and cannot have another.
+  // SDL keeps its connection to a lost display and cannot open another, so no picture can be drawn.
   if (draw && (played.display_lost || !result.recording_failure.empty())) {
-    report_message((played.display_lost ? "no pictures can be drawn now" : "the recording is not whole") +
-                   std::string(": no report and no screenshot were made") +
-                   (files.recording.empty() || !std::filesystem::exists(files.recording)
-                        ? std::string()
-                        : "; palpate view " + files.recording.string() + " --screenshot does that"));
+    report_message(
+        (played.display_lost ? "no pictures can be drawn without a display" : "the recording is incomplete") +
+        std::string(": no report and no screenshot were written") +
+        (files.recording.empty() || !std::filesystem::exists(files.recording)
+             ? std::string()
+             : "; to draw one: palpate view " + files.recording.string() + " --screenshot FILE.png"));
     draw = false;
     files.report.clear();
     files.screenshot.clear();
@@ -198,15 +200,17 @@ int run(const RunFlags& flags, const std::string& command_line) {
 }
 
 void add_run_flags(CLI::App& command, RunFlags& flags) {
-  command.add_flag("--offline", flags.offline, "as fast as possible, the same rows");
-  command.add_option("--duration-s", flags.duration_s, "exactly round(S x rate) ticks");
+  command.add_flag("--offline", flags.offline,
+                   "run as fast as possible; the rows are the same as in real time");
+  command.add_option("--duration-s", flags.duration_s, "simulated time: exactly round(S x rate) ticks");
   command.add_option("--record", flags.files.recording, "write every tick to this HDF5 file");
   command.add_option("--report", flags.files.report, "write report.html and its figures to this folder");
-  command.add_option("--screenshot", flags.files.screenshot, "write a PNG of the deepest moment");
-  command.add_flag("--headless", flags.headless, "no window, also where there is a display");
+  command.add_option("--screenshot", flags.files.screenshot, "write a PNG picture of the deepest contact");
+  command.add_flag("--headless", flags.headless, "no window, even if there is a display");
   command.add_option("--ui-scale", flags.ui_scale,
-                     "the window's letters and panels, 0.5 to 4 (default: as the display says)");
-  command.add_option("--max-missed", flags.max_missed, "exit 4 when more deadlines were missed");
+                     "size of the window's text and panels, 0.5 to 4 (default: from the display)");
+  command.add_option("--max-missed", flags.max_missed,
+                     "exit with code 4 when more deadlines than this were missed");
   add_thread_flags(command, flags.thread);
   command.get_option("--poll")->excludes("--offline");
   command.add_option("--igtl", flags.igtl, kIgtlHelp);
@@ -218,15 +222,15 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
 
 void add_run(CLI::App& program, const std::string& command_line, int& exit_code) {
   CLI::App* command =
-      program.add_subcommand("run", "One interaction: an organ is touched, felt, seen, recorded");
+      program.add_subcommand("run", "Run one interaction: touch an organ, feel it, see it and record it");
   auto flags = std::make_shared<RunFlags>();
   add_scene_flags(*command, flags->request);
   add_run_flags(*command, *flags);
   command->footer(
       "Example: palpate run --organ liver.stl --organ-unit mm --tissue liver --tool sphere:3 \\\n"
       "           --record liver.h5 --report out\n"
-      "A fault brings the force to zero and keeps it there; kill -USR1 PID resets the faults of all hands.\n"
-      "Exit: 0 done, 2 bad input, 3 a fault was latched (also when it was reset),\n"
+      "A fault keeps the force at zero until it is reset; kill -USR1 PID resets the faults of all hands.\n"
+      "Exit: 0 done, 2 bad input, 3 a fault was latched (even if it was reset),\n"
       "      4 more than --max-missed deadlines missed");
   command->callback([flags, &command_line, &exit_code] { exit_code = run(*flags, command_line); });
 }

@@ -3,28 +3,29 @@
 namespace palpate::app {
 
 void add_scene_flags(CLI::App& command, scene::Overrides& request) {
-  command.add_option("SCENE", request.scene, "scene file (.toml); none: the gallbladder press");
+  command.add_option("SCENE", request.scene, "scene file (.toml); default: the gallbladder press");
   command.add_option("--task", request.task, "press or pull");
   command.add_option("--organ", request.organ, "built-in organ or mesh file");
   command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
   command
       .add_option("--organ-motion", request.organ_motion,
-                  "breathing, heartbeat or none; again for each, in place of the scene's")
+                  "breathing, heartbeat or none, instead of the scene's; repeat the flag for both")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tissue", request.tissue, "built-in tissue or tissue file");
-  command.add_option("--tool", request.tools, "built-in tool or mesh file; again for each jaw")
+  command.add_option("--tool", request.tools, "built-in tool or mesh file; repeat the flag for each jaw")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
-  command.add_option("--device", request.device,
-                     "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-                     "mouse, gamepad, forcedimension, haply, touch (`palpate devices` says what is there)");
-  command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks a second");
-  command.add_option("--seed", request.seed, "of the touch noise");
-  command.add_flag("--no-noise", request.no_noise, "leave the touch noise out");
+  command.add_option(
+      "--device", request.device,
+      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
+      "mouse, gamepad, forcedimension, haply, touch (`palpate devices` lists the available ones)");
+  command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks per second");
+  command.add_option("--seed", request.seed, "seed of the touch noise");
+  command.add_flag("--no-noise", request.no_noise, "run without the touch noise");
   command.add_flag("--fit-device", request.fit_device,
-                   "scale the force so that the tissue is no stiffer than the device bears");
+                   "scale the force so that the tissue is not stiffer than the device can render stably");
 }
 
 }  // namespace palpate::app

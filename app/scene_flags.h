@@ -5,8 +5,8 @@
 
 namespace palpate::app {
 
-/// [setup] The flags that say what is to be played, as `palpate run` has them. @param request outlives the
-/// parse
+/// [setup] Adds the flags that select and override a scene, e.g. --organ, to a command. @param request
+/// outlives the parse
 void add_scene_flags(CLI::App& command, scene::Overrides& request);
 
 }  // namespace palpate::app

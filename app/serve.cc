@@ -1,4 +1,5 @@
-// `palpate serve`: the live interface (docs/live-interface.md).
+// `palpate serve`: serves the live interface, by which other programs watch and control runs
+// (docs/live-interface.md).
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -45,7 +46,7 @@ std::string read_page(const fs::path& file) try {
   throw InputError(std::string("--page ") + error.what());
 }
 
-/// What the flags say of who may connect. @throws InputError.
+/// Server options of the flags: address, port, page, and the token that clients need. @throws InputError
 net::LiveOptions server_options(const ServeFlags& flags) {
   net::LiveOptions options = flags.server;
   options.log = [](const std::string& line) { report_message(line); };
@@ -55,7 +56,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
   options.port = static_cast<std::uint16_t>(flags.port);
   if (!flags.page.empty()) options.page = read_page(flags.page);
   if (!flags.token_file.empty() && flags.new_token) {
-    throw InputError("--new-token: a token is in --token-file " + flags.token_file.string() + " already");
+    throw InputError("--new-token: --token-file " + flags.token_file.string() + " already gives a token");
   }
   if (!flags.token_file.empty()) options.token = net::read_token_file(flags.token_file);
   if (flags.new_token) options.token = net::new_token();
@@ -67,15 +68,16 @@ void check_runs(const ServedOptions& options) {
   if (!options.recording.empty()) require_regular_file(options.recording, "--record");
   std::error_code error;
   if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {
-    throw InputError("--scenes " + options.scenes.string() + ": is no folder");
+    throw InputError("--scenes " + options.scenes.string() + ": is not a folder");
   }
 }
 
-/// Where clients find the server; for scripts the one line of JSON that comes first.
+/// Reports the server's address on standard error. With --json it also prints the first JSON line on standard
+/// output.
 void report_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
   const std::string place = fmt::format("{}:{}", server.host(), server.port());
-  report_message("serves ws://" + place + "/; Ctrl-C ends");
-  if (!options.page.empty()) report_message("a browser finds the page at http://" + place + "/");
+  report_message("serving ws://" + place + "/; Ctrl-C ends the server");
+  if (!options.page.empty()) report_message("the page for a browser is at http://" + place + "/");
   if (flags.new_token) report_message("token for hello: " + options.token);
   if (!flags.runs.json) return;
   nlohmann::ordered_json line{{"address", server.host()}, {"port", server.port()}};
@@ -98,7 +100,7 @@ void report_account(const net::LiveStatistics& account, std::uint64_t runs, bool
   }
   std::cout << "Served " << account.connections << " connections (" << account.refused << " refused), "
             << account.messages << " messages (" << account.errors << " with errors), " << account.frames
-            << " frames (" << account.left_out << " left out)\n";
+            << " frames (" << account.left_out << " skipped)\n";
 }
 
 int serve(const ServeFlags& flags) {
@@ -124,44 +126,50 @@ int serve(const ServeFlags& flags) {
 }
 
 void add_serve_flags(CLI::App& command, ServeFlags& flags) {
-  command.add_option("--listen", flags.server.address,
-                     "address to listen at (127.0.0.1); beyond this machine a token is needed");
-  command.add_option("--port", flags.port, "port (7370); 0: the system chooses");
+  command.add_option(
+      "--listen", flags.server.address,
+      "address to listen at (default 127.0.0.1); one that other machines can reach needs a token");
+  command.add_option("--port", flags.port, "port (default 7370); 0: the system chooses");
   command.add_option("--token-file", flags.token_file,
-                     "clients must say the token in this file's first line");
-  command.add_flag("--new-token", flags.new_token, "clients must say a token that is made now, and printed");
+                     "clients must send the token in the first line of this file");
+  command.add_flag("--new-token", flags.new_token, "make and print a token that clients must send");
   command
-      .add_option("--allow-origin", flags.server.origins,
-                  "let pages of this origin connect, as http://localhost:8000; again for each")
+      .add_option(
+          "--allow-origin", flags.server.origins,
+          "allow pages of this origin to connect, e.g. http://localhost:8000; repeat the flag for more")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--page", flags.page, "HTML file that a browser gets from here");
-  command.add_option("--scenes", flags.runs.scenes, "clients may load the files below this folder");
-  command.add_flag("--wait", flags.wait, "play nothing until a client says start");
-  command.add_flag("--stop-when-alone", flags.runs.stop_when_alone, "end the run when the last client goes");
-  command.add_option(
-      "--record", flags.runs.recording,
-      "write the first run's ticks to this HDF5 file, the others' beside it with their number");
-  command.add_option("--duration-s", flags.runs.duration_s, "exactly round(S x rate) ticks a run");
+  command.add_option("--page", flags.page, "HTML file that the server sends to browsers");
+  command.add_option("--scenes", flags.runs.scenes,
+                     "clients may load files in this folder and its subfolders");
+  command.add_flag("--wait", flags.wait, "do not begin a run until a client sends start");
+  command.add_flag("--stop-when-alone", flags.runs.stop_when_alone,
+                   "end the run when the last client disconnects");
+  command.add_option("--record", flags.runs.recording,
+                     "write the first run's ticks to this HDF5 file; the files of later runs get a number");
+  command.add_option("--duration-s", flags.runs.duration_s,
+                     "simulated time of each run: exactly round(S x rate) ticks");
   add_thread_flags(command, flags.runs.thread);
   command.add_flag("--no-cache", flags.runs.no_cache, kNoCacheHelp);
-  command.add_flag("--json", flags.runs.json, "one JSON document a line: listening, each run, served");
+  command.add_flag("--json", flags.runs.json, "one JSON document per line: listening, each run, served");
 }
 
 }  // namespace
 
 void add_serve(CLI::App& program, int& exit_code) {
-  CLI::App* command =
-      program.add_subcommand("serve", "Live interface: programs and web pages watch and steer a run");
+  CLI::App* command = program.add_subcommand(
+      "serve", "Serve the live interface: programs and web pages watch and control a run");
   auto flags = std::make_shared<ServeFlags>();
   add_scene_flags(*command, flags->runs.request);
   add_serve_flags(*command, *flags);
   command->footer(
       "Example: palpate serve --device emulated --page examples/live/index.html\n"
-      "         then http://127.0.0.1:7370/ in a browser, or python3 examples/python/live_client.py\n"
-      "A WebSocket with one JSON object a message (docs/live-interface.md). It begins to play at once, and\n"
-      "goes on when clients come and go; after a run's end clients may start the next, until Ctrl-C.\n"
-      "Exit: 0 done, 2 bad input, 3 a fault was latched (also when it was reset)");
+      "         then open http://127.0.0.1:7370/ in a browser, or run python3 "
+      "examples/python/live_client.py\n"
+      "A WebSocket with one JSON object per message (docs/live-interface.md). The first run begins at once\n"
+      "and continues when clients connect or disconnect. After its end clients may start the next run.\n"
+      "Ctrl-C ends the server.\n"
+      "Exit: 0 done, 2 bad input, 3 a fault was latched (even if it was reset)");
   command->callback([flags, &exit_code] { exit_code = serve(*flags); });
 }
 

@@ -24,13 +24,14 @@ haptics::LiveNoise live(const noise::NoiseSettings& noise) {
   return {noise.enabled, noise.gain, noise.threshold};
 }
 
-/// A client may ask for a hand that the program makes up, not for one that opens a file or a library.
+/// A client may select a simulated device, but no device that opens a file or a library on the server.
+/// @throws LiveError
 void require_made_up(const std::string& device) {
   if (device == "scripted" || device == "emulated") return;
   throw LiveError("refused",
                   "device = \"" + device +
-                      "\": must be \"scripted\" or \"emulated\"; others are chosen where "
-                      "the server is started, or in a scene file",
+                      "\": must be \"scripted\" or \"emulated\"; other devices are chosen "
+                      "where the server is started, or in a scene file",
                   "device");
 }
 
@@ -40,7 +41,7 @@ void require_windowless(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
-    throw InputError("device " + device.kind + ": the window of `palpate run` feeds it, and serve has none");
+    throw InputError("device " + device.kind + ": needs the window of `palpate run`; serve has no window");
   }
 }
 
@@ -58,8 +59,8 @@ void ServedRuns::send_event(const std::string& event, Json members) {
   events_.push_back({std::nullopt, event, std::move(members)});
 }
 
-/// The recording with the run's number, or with the next number that no file has: a client must not replace
-/// what somebody recorded.
+/// File of the next recording: its name gets the number of the run, or the next number without a file. A
+/// client must not replace an existing recording.
 fs::path ServedRuns::next_recording() const {
   if (options_.recording.empty()) return {};
   const std::string stem = options_.recording.stem().string();
@@ -69,7 +70,7 @@ fs::path ServedRuns::next_recording() const {
     if (number > 1) {
       file.replace_filename(stem + "-" + std::to_string(number) + options_.recording.extension().string());
     }
-    const bool is_newest = run_ != nullptr && file == run_->recording();  // may not be written yet
+    const bool is_newest = run_ != nullptr && file == run_->recording();  // its file may not exist yet
     if (!is_newest && !fs::exists(fs::symlink_status(file, error))) return file;
   }
 }
@@ -93,7 +94,7 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
 void ServedRuns::begin_first() { begin_first(options_.recording); }
 
 void ServedRuns::begin_first(fs::path recording) {
-  const model::TissueParameters tissue = tissue_;  // may be changed already, before anything was played
+  const model::TissueParameters tissue = tissue_;  // a client may have changed it before the first run
   const haptics::LiveNoise noise = live(noise_);
   const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
   const bool other_noise = !(noise == live(first_->setup().noise));
@@ -123,7 +124,7 @@ ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net
     run_->session().control().reset_faults();
     return Json::object();
   }
-  throw LiveError("command", "do: is no command for a scene", "do");
+  throw LiveError("command", "do: is not a command for a scene", "do");
 }
 
 Json ServedRuns::about_run() {
@@ -164,7 +165,7 @@ ServedRuns::Answer ServedRuns::describe() const {
 }
 
 ServedRuns::Answer ServedRuns::surface(bool at_rest) {
-  constexpr std::int64_t kBetween = 20'000'000;  // ns, so that many clients cost no more than one
+  constexpr std::int64_t kBetween = 20'000'000;  // ns; many clients within it share one surface
   if (!surface_) surface_.emplace(setup().organ);
   if (at_rest) {
     Json whole{{"run", runs_}};
@@ -189,11 +190,11 @@ bool ServedRuns::is_loading() const noexcept {
 
 void ServedRuns::require_no_loading() const {
   if (load_next_ || next_ != nullptr)
-    throw LiveError("state", "a scene is being loaded already; wait for its run event");
+    throw LiveError("state", "a scene is already being loaded; wait for its run event");
 }
 
-/// Breaks off the scene that is being loaded: its client gets an error. The loading thread ends by itself and
-/// is not joined here.
+/// Cancels the load of a scene. The client that asked for it gets an error. Does not wait for the loading
+/// thread, which ends by itself.
 void ServedRuns::break_off_loading(const std::string& why) {
   if (is_loading()) {
     events_.push_back({std::exchange(next_client_, std::nullopt), "", {}, LiveError("state", why)});
@@ -206,8 +207,8 @@ std::string ServedRuns::file_below(const std::string& key, const std::string& na
   if (options_.scenes.empty()) {
     throw LiveError("refused",
                     key + " = \"" + name +
-                        "\": this server was started without --scenes, so that no files "
-                        "can be named",
+                        "\": this server was started without --scenes, so clients "
+                        "cannot name files",
                     key);
   }
   std::error_code error;
@@ -243,7 +244,7 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
 
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRef& client) {
   scene::Overrides request = request_of(wanted);
-  break_off_loading("the load was broken off by the next load");
+  break_off_loading("the load was cancelled by the next load");
   load_next_ = std::move(request);
   next_client_ = client;
   poll_next();
@@ -252,7 +253,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
 
 ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
-  if (running()) throw LiveError("state", "start: a run goes on; stop it first, or load a scene");
+  if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
   if (first_ != nullptr && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
@@ -267,7 +268,7 @@ ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
 ServedRuns::Answer ServedRuns::stop(const net::ClientRef& client) {
   const bool loading = is_loading();
   if (!running() && !loading) throw LiveError("state", "stop: nothing is running");
-  break_off_loading("the load was broken off by stop");
+  break_off_loading("the load was cancelled by stop");
   if (!running()) return Json{{"run", about_run()}};
   run_->session().control().stop();
   stop_clients_.push_back(client);
@@ -304,14 +305,14 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
 
 std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
   if (clients == 0 && had_clients_ && options_.stop_when_alone && running()) {
-    report_message("the last client has gone: the run ends (--stop-when-alone)");
+    report_message("the last client has disconnected: the run ends (--stop-when-alone)");
     run_->session().control().stop();
   }
   had_clients_ = clients > 0;
   if (stop_ != nullptr && stop_->load(std::memory_order_relaxed) && run_ != nullptr)
     run_->session().control().stop();
   if (running()) {
-    const bool ended = run_->ended();  // first, so that no fault is told after the end
+    const bool ended = run_->ended();  // read first: every fault event must precede the end event
     report_faults();
     if (ended) account_for_run();
   }
@@ -367,7 +368,7 @@ void ServedRuns::poll_next() {
   if (next_ == nullptr || next_->is_broken_off()) return;
   switch (next_->state()) {
     case NextSession::State::kRead:
-      if (running()) return run_->session().control().stop();  // the force goes off first
+      if (running()) return run_->session().control().stop();  // zero force before the preparation
       if (first_ != nullptr) first_->close_devices();
       next_->prepare_now(options_.duration_s, options_.no_cache);
       break;
@@ -390,12 +391,14 @@ void ServedRuns::poll_next() {
   }
 }
 
-/// Why the next session cannot be played. The files of the command line may be anywhere, and what is wrong
-/// with them is for whoever started the program: a message may quote a line of them.
+/// Error message for the client when the next session cannot be played. A message about a file of the command
+/// line goes to standard error instead, because it may quote a line of that file, which the client must not
+/// see.
 std::string ServedRuns::next_failure() const {
   if (next_is_clients_) return next_->failure();
   report_error(next_->failure());
-  return "the scene that the server was started with cannot be played; the server's own messages say why";
+  return "the scene that the server was started with cannot be run; the server's own messages give the "
+         "reason";
 }
 
 void ServedRuns::finish() {

@@ -19,33 +19,35 @@
 
 namespace palpate::app {
 
-/// How the runs of `palpate serve` are played.
+/// Options of the runs of `palpate serve`.
 struct ServedOptions {
-  scene::Overrides request;          // of the first, and of every one that is started anew
-  std::filesystem::path scenes;      // files that clients may name are below it; empty: none may be named
-  std::filesystem::path recording;   // of the first run, the others get a number; empty: none
-  std::optional<double> duration_s;  // of every run
-  haptics::LoopThread thread;        // of every run's loop
+  scene::Overrides request;          // scene of the first run and of every restart
+  std::filesystem::path scenes;      // folder of the files that clients may load; empty: none
+  std::filesystem::path recording;   // file of the first run, numbered for the later runs; empty: none
+  std::optional<double> duration_s;  // simulated time of every run [s]
+  haptics::LoopThread thread;        // thread of every run's haptic loop
   bool no_cache = false;
-  bool stop_when_alone = false;  // the last client's leaving ends a run
-  bool json = false;             // how the summaries of runs are printed
+  bool stop_when_alone = false;  // the run ends when the last client disconnects
+  bool json = false;             // print the summaries of runs as JSON
 };
 
-/// The runs of one `palpate serve`, one after the other, as its clients drive them. All members: [setup], the
-/// server's thread.
+/// The successive runs of one `palpate serve`, which its clients control. All members: [setup], the server's
+/// thread.
 class ServedRuns final : public net::RunService {
  public:
-  /// @param first is not played yet
+  /// @param first session of the command line; begin_first() or a client starts it
   ServedRuns(ServedOptions options, std::unique_ptr<Session> first);
 
-  /// Ends a run as soon as that is set, before clients are let go: the hand comes first. It outlives this.
+  /// @param stop when it is set, the run ends before the clients are disconnected, so that the hand has zero
+  /// force first; outlives this
   void stop_with(const std::atomic<bool>& stop) noexcept { stop_ = &stop; }
-  /// Plays the first session, recorded to the file that was asked for, also over one that is there.
+  /// Starts the first session and records it to the file of --record. Overwrites an existing file.
   void begin_first();
-  /// Zero force, recording closed; the run's summary is printed.
+  /// Ends the run with zero force and a closed recording, and prints its summary.
   void finish();
-  /// Whether a fault was latched in any run; whether one could not be played or recorded.
+  /// Whether any run latched a fault.
   [[nodiscard]] bool fault() const noexcept { return fault_; }
+  /// Whether any run could not be played or recorded.
   [[nodiscard]] bool failed() const noexcept { return failed_; }
   [[nodiscard]] std::uint64_t runs() const noexcept { return runs_; }
 
@@ -82,19 +84,19 @@ class ServedRuns final : public net::RunService {
   void send_event(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
-  std::unique_ptr<Session> first_;  // until one is played; without devices once another is to come
-  std::unique_ptr<LiveRun<net::LiveObserver>> run_;  // the newest, also after its end
-  bool accounted_ = false;                           // it has ended, and that was dealt with
-  std::optional<net::LiveSurface> surface_;          // of the newest run's organ, once it was asked for
-  std::int64_t moved_ns_ = 0;                        // when the next moved_ may be made
-  nlohmann::ordered_json moved_;                     // of surface_: where it has moved to
-  bool request_is_clients_ = false;  // options_.request is what a client loaded, not the command line's
+  std::unique_ptr<Session> first_;  // until the first run; has no devices once another scene is prepared
+  std::unique_ptr<LiveRun<net::LiveObserver>> run_;  // the newest run, also after its end
+  bool accounted_ = false;                           // the newest run has ended and its summary is printed
+  std::optional<net::LiveSurface> surface_;  // organ of the newest run, made when a client first asks for it
+  std::int64_t moved_ns_ = 0;                // monotonic time [ns] from which moved_ may be computed again
+  nlohmann::ordered_json moved_;             // the displaced points of surface_
+  bool request_is_clients_ = false;          // a client, not the command line, chose options_.request
   std::unique_ptr<NextSession> next_;
   bool next_is_clients_ = false;
   std::optional<net::ClientRef> next_client_;
-  std::optional<scene::Overrides> load_next_;  // once next_, which is broken off, has ended: for next_client_
+  std::optional<scene::Overrides> load_next_;  // loaded after the cancelled next_ has ended, for next_client_
   std::vector<net::ClientRef> stop_clients_;
-  model::TissueParameters tissue_;  // in force, or of the next run
+  model::TissueParameters tissue_;  // of the current run, or of the next one
   noise::NoiseSettings noise_;
   std::vector<net::Event> events_;
   const std::atomic<bool>* stop_ = nullptr;
@@ -104,7 +106,8 @@ class ServedRuns final : public net::RunService {
   bool failed_ = false;
 };
 
-/// [setup] Refuses devices that the window of `palpate run` feeds. @throws InputError
+/// [setup] Rejects a scene with a mouse or a gamepad, because they need the window of `palpate run`.
+/// @throws InputError
 void require_windowless(const scene::Scene& setup);
 
 }  // namespace palpate::app

@@ -22,21 +22,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a signal handler may set. The one mutable global: a handler has no other way to say anything.
+/// Set by the handler of SIGINT and SIGTERM. It is a mutable global because a signal handler has no arguments
+/// that could carry it.
 std::atomic<bool> stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
 
-/// The same for the reset of all hands' faults.
+/// Set by the handler of SIGUSR1: reset the faults of all hands.
 std::atomic<bool> reset_asked{false};
 
 extern "C" void ask_for_reset(int) { reset_asked.store(true, std::memory_order_relaxed); }
 
-/// Passes on to a run what signals ask of the program. An observer, so that the run always outlives the call.
+/// Passes a stop or a fault reset that a signal requested on to a run. It is an observer, so the run exists
+/// whenever it is called.
 class SignalRelay final : public haptics::TickObserver {
  public:
-  /// [setup] @param stop null: Ctrl-C does not end the run by itself
+  /// [setup] @param stop flag that ends the run; null: Ctrl-C does not end the run here
   SignalRelay(haptics::RunControl& control, const std::atomic<bool>* stop) : control_(control), stop_(stop) {}
   void on_tick(const haptics::TickState& /*now*/) noexcept override {
     if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) control_.stop();
@@ -49,8 +51,8 @@ class SignalRelay final : public haptics::TickObserver {
   const std::atomic<bool>* stop_;
 };
 
-/// SIGUSR1 resets the faults of all hands while this lives, and does nothing afterwards: a reset that comes
-/// too late must not end the program before its report is written.
+/// SIGUSR1 resets the faults of all hands during the lifetime of this object, and is ignored afterwards. A
+/// late reset must not end the program before its report is written.
 class ResetOnSignal final {
  public:
   ResetOnSignal() {
@@ -70,7 +72,7 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    throw InputError(flag + " " + path.string() + ": there is no folder " + folder.string());
+    throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " does not exist");
   }
   if (access(folder.c_str(), W_OK) != 0) {
     throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " is not writable");
@@ -88,7 +90,7 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
   options.preparation = preparation.how();
   if (broken_off != nullptr) {
     options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
-      if (broken_off->load(std::memory_order_relaxed)) throw InputError("broken off");
+      if (broken_off->load(std::memory_order_relaxed)) throw InputError("cancelled");
       preparation.how().progress(share, what);
     };
   }
@@ -98,11 +100,11 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
 void require_writable_file(const fs::path& file, const std::string& flag) {
   std::error_code error;
   if (!file.has_filename() || fs::is_directory(file, error)) {
-    throw InputError(flag + " " + file.string() + ": is a folder; a file is wanted");
+    throw InputError(flag + " " + file.string() + ": is a folder; must be a file");
   }
   if (!is_special_file(file)) require_writable_parent(link_target(file), flag);
   if (fs::exists(file, error) && access(file.c_str(), W_OK) != 0) {
-    throw InputError(flag + " " + file.string() + ": the file is there and not writable");
+    throw InputError(flag + " " + file.string() + ": the file exists and is not writable");
   }
 }
 
@@ -150,8 +152,8 @@ void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
   command.add_option("--core", thread.core, "run the haptic loop on this core only (0 is the first)");
   command.add_flag_callback(
       "--poll", [&thread] { thread.waiting = haptics::Waiting::kPoll; },
-      "keep asking for the time between ticks instead of sleeping: ticks begin within a few "
-      "microseconds, and one core is busy all the while");
+      "poll the clock between ticks instead of sleeping: ticks begin within a few microseconds, "
+      "and one core is always busy");
 }
 
 RunResult play(Session& session, const PlayOptions& how) {
@@ -164,7 +166,8 @@ RunResult play(Session& session, const PlayOptions& how) {
   if (how.igtl != nullptr) observers.push_back(how.igtl);
   session::RunOptions options = how.run;
   options.on_recording_failure = [&companion](const std::string& failure) {
-    companion.queue_error(failure + "; the run goes on and is not recorded: make room, then record again");
+    companion.queue_error(failure +
+                          "; the run continues without recording: free disk space, then record again");
   };
   return session.run(options, observers);
 }

@@ -25,24 +25,27 @@ using session::RunResult;
 using session::Session;
 
 /// [setup] Opens a session and shows a progress bar while its organ is prepared. @param duration_s simulated
-/// time [s], rounded to whole ticks; none: until the devices have no more samples. @param no_cache ignores
-/// the cache of prepared organs. @param broken_off once another thread has set it, the organ's next stage
-/// ends with an InputError @throws InputError; ParameterError naming --duration-s.
+/// time [s], rounded to whole ticks; nullopt: until the devices have no more samples @param no_cache ignores
+/// the cache of prepared organs @param broken_off cancels the preparation: after another thread has set it,
+/// the next stage of the preparation throws InputError @throws InputError; ParameterError naming
+/// --duration-s.
 [[nodiscard]] std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s,
                                                bool no_cache, const std::atomic<bool>* broken_off = nullptr);
 
-/// [setup] Whether a file or folder could be written there, without touching anything. @throws InputError
-/// naming `flag` and the path.
+/// [setup] Checks that a file can be written, without creating or changing it. @throws InputError naming
+/// `flag` and the path.
 void require_writable_file(const std::filesystem::path& file, const std::string& flag);
-/// [setup] As require_writable_file(), and that no device or FIFO stands there: a recording is renamed to its
-/// name, a film is written with jumps.
+/// [setup] Checks a file as require_writable_file() does, and rejects a device file and a FIFO: a recording
+/// is renamed to its final name, and a film is not written sequentially. @throws InputError
 void require_regular_file(const std::filesystem::path& file, const std::string& flag);
+/// [setup] Checks that a folder, or the folder in which it would be made, is writable. @throws InputError
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
 
-/// [setup] The files that a scene was read from, which no output may replace.
+/// [setup] The files from which a scene was read. No output may replace them.
 [[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& setup);
 
-/// Ctrl-C and SIGTERM end the run in good order while this lives; the second one ends the program.
+/// [setup] During the lifetime of this object Ctrl-C or SIGTERM ends the run with zero force and a closed
+/// recording. A second one ends the program at once.
 class StopOnSignal final {
  public:
   StopOnSignal();
@@ -50,37 +53,38 @@ class StopOnSignal final {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
+  /// [any] True after the first signal.
   [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
 };
 
-/// [setup] Gives a command --core and --poll.
+/// [setup] Adds --core and --poll to a command.
 void add_thread_flags(CLI::App& command, haptics::LoopThread& thread);
 
 /// How a session is played.
 struct PlayOptions {
   session::RunOptions run;
-  std::vector<haptics::TickObserver*> observers;  // a window, clients; they outlive the run
-  net::IgtlServer* igtl = nullptr;                // shows the run to other programs
-  const std::atomic<bool>* stop = nullptr;        // Ctrl-C; null: whoever plays the session looks after it
+  std::vector<haptics::TickObserver*> observers;  // e.g. a window or clients; they outlive the run
+  net::IgtlServer* igtl = nullptr;          // server that shows the run to OpenIGTLink clients; may be null
+  const std::atomic<bool>* stop = nullptr;  // ends the run, e.g. Ctrl-C; null: the caller ends it
 };
 
-/// [setup] Runs a session to its end, with a progress bar on a terminal. Each latched fault is
-/// reported on standard error while the run continues at zero force, so is a recording that cannot be written
-/// any more; SIGUSR1 clears the faults of all hands. @throws InputError when the recording cannot be made.
+/// [setup] Runs a session to its end, with a progress bar on a terminal. A latched fault is reported on
+/// standard error while the run continues at zero force. A recording that can no longer be written is also
+/// reported. SIGUSR1 resets the faults of all hands. @throws InputError when the recording cannot be made.
 [[nodiscard]] RunResult play(Session& session, const PlayOptions& how);
 
 /// [setup] Calls play() on a new thread. Destroying the result stops the run and waits for its end.
 [[nodiscard]] std::unique_ptr<session::BackgroundRun> play_in_background(Session& session, PlayOptions how);
 
-/// [setup] Exit code of a run: 3 with a fault, also one that was reset, 2 when its recording ends early, 4
-/// past the missed deadlines allowed, else 0.
+/// [setup] Exit code of a run: 3 after a fault, even if it was reset; 2 when the recording is incomplete; 4
+/// when more deadlines were missed than `max_missed`; otherwise 0.
 [[nodiscard]] int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed);
 
-/// [setup] "Gallbladder pressed with curved-forceps".
+/// [setup] Title of a run, e.g. "Gallbladder pressed with curved-forceps".
 [[nodiscard]] std::string title_of(const scene::Scene& setup);
 
-/// [setup] The picture of a recording's deepest moment as a PNG. @throws InputError when it cannot be
-/// written, std::runtime_error without OpenGL. @param no_cache as for prepare().
+/// [setup] Writes a picture of a recording's deepest tick as a PNG file. @param no_cache ignores the cache of
+/// prepared organs @throws InputError when the file cannot be written, std::runtime_error without OpenGL.
 void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,
                       const std::filesystem::path& file, bool no_cache);
 

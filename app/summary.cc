@@ -69,7 +69,7 @@ void print_timing(std::ostream& out, const RunResult& run) {
   out << "Timing [us]                      p50       p99     p99.9       max\n";
   print_times(out, "computing a tick", run.loop.tick_time);
   if (run.offline) return;
-  print_times(out, "a tick begins late by", run.loop.lateness);
+  print_times(out, "lateness of a tick", run.loop.lateness);
   out << "  missed deadlines: " << run.loop.missed_deadlines << " of " << run.loop.ticks
       << ", longest gap between two ticks: " << std::fixed << std::setprecision(3)
       << microseconds(run.loop.longest_gap_ns) / 1e3 << " ms\n"
@@ -80,8 +80,8 @@ std::string moment(std::uint64_t tick, double rate_Hz) {
   return fmt::format("tick {} ({} s)", tick, shortest(static_cast<double>(tick) / rate_Hz));
 }
 
-/// "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20 ms; zero
-/// force from there on".
+/// For example "a fault was latched (stalled-loop) at tick 12 (0.012 s), hand 0: the loop stood still for 20
+/// ms; zero force from there on".
 std::string fault_text(const RunResult& run, const haptics::FaultSeen& seen) {
   const double rate = run.rate_Hz;
   const bool reset = seen.reset_tick != haptics::FaultSeen::kNotReset;
@@ -118,22 +118,23 @@ std::vector<std::string> remarks(const RunResult& run) {
   std::vector<std::string> all = run.scene_remarks;
   all.insert(all.end(), run.loop.remarks.begin(), run.loop.remarks.end());
   if (run.statistics.changes > 0) {
-    all.emplace_back(fmt::format("tissue or noise was changed {}{} while the run went on",
-                                 run.statistics.changes, run.statistics.changes == 1 ? " time" : " times"));
+    all.emplace_back(fmt::format("tissue or noise was changed {}{} during the run", run.statistics.changes,
+                                 run.statistics.changes == 1 ? " time" : " times"));
   }
   const std::pair<std::uint32_t, std::string> words[] = {
       {contact::kStartedInside,
-       "a part of the tool was inside the organ at first: it gave no force until it had been outside"},
+       "a part of the tool started inside the organ: it gave no force until it had left the organ"},
       {contact::kContactsFull,
-       fmt::format("a part wanted more than {} contacts at once: the further ones were left out",
+       fmt::format("a part of the tool had more than {} contacts at once: the other ones were ignored",
                    contact::kContactsPerPart)},
-      {contact::kGripReleased, "the grip's limit was passed: it let go (grip_limit_N of the tissue)"},
+      {contact::kGripReleased,
+       "the force limit of the grip was exceeded: it let go (grip_limit_N of the tissue)"},
       {contact::kJump, "the tool moved faster than a hand can: its contacts were reset"}};
   for (const auto& [bit, text] : words) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }
   if (run.statistics.limited_ticks > 0) {
-    all.emplace_back(fmt::format("force or torque was held back by the limits under [safety] in {} ticks",
+    all.emplace_back(fmt::format("force or torque was reduced to the limits under [safety] in {} ticks",
                                  run.statistics.limited_ticks));
   }
   for (const haptics::FaultSeen& seen : run.loop.faults) all.push_back(fault_text(run, seen));
@@ -141,7 +142,7 @@ std::vector<std::string> remarks(const RunResult& run) {
   if (run.loop.further_faults > 0) {
     all.emplace_back(fmt::format("and {} more faults", run.loop.further_faults));
   }
-  if (run.loop.stopped_early) all.emplace_back("stopped before its end");
+  if (run.loop.stopped_early) all.emplace_back("the run was stopped before its end");
   return all;
 }
 

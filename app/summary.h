@@ -13,7 +13,7 @@
 
 namespace palpate::app {
 
-/// Where a run's outputs are; empty: not asked for.
+/// Files and folder of a run's outputs; empty: not requested.
 struct OutputFiles {
   std::filesystem::path recording;
   std::filesystem::path report;
@@ -22,20 +22,20 @@ struct OutputFiles {
 
 [[nodiscard]] inline double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1e3; }
 
-/// [setup] p50, p99, p999 and max of times [us].
+/// [setup] p50, p99, p99.9 (key "p999") and maximum of times [us].
 [[nodiscard]] nlohmann::ordered_json to_json(const haptics::Histogram& times);
 
-/// [setup] What is wrong or worth knowing, in words: the scene's repairs and remarks, the loop's, what the
-/// status bits say.
+/// [setup] Remarks on a run as text: repairs and remarks of the scene, remarks of the loop, and the meaning
+/// of the status bits.
 [[nodiscard]] std::vector<std::string> remarks(const session::RunResult& run);
 
-/// [setup] The document that `palpate run --json` prints (docs/file-formats.md). @param igtl what --igtl did;
-/// none: it was not asked for
+/// [setup] The document that `palpate run --json` prints (docs/file-formats.md). @param igtl statistics of
+/// the OpenIGTLink server; nullopt: no server
 [[nodiscard]] nlohmann::ordered_json summary_json(
     const session::RunResult& run, const OutputFiles& files,
     const std::optional<net::IgtlStatistics>& igtl = std::nullopt);
 
-/// [setup] The same for people.
+/// [setup] Prints a readable summary of a run.
 void print_summary(std::ostream& out, const session::RunResult& run, const OutputFiles& files);
 
 }  // namespace palpate::app

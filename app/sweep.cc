@@ -1,4 +1,4 @@
-// `palpate sweep`: a scene with one value after another.
+// `palpate sweep`: runs a scene over a grid of parameter values.
 #include "science/study/sweep.h"
 
 #include <algorithm>
@@ -42,10 +42,10 @@ struct SweepFlags {
   bool as_json = false;
 };
 
-/// The files of a sweep, in its folder.
+/// File names of a sweep's outputs, in the folder of --out.
 constexpr std::array kFiles = {"results.csv", "results.h5", "results.svg", "results.jsonl"};
 
-/// Flags and what the keys that they override begin with.
+/// Flags, and the prefix of the scene keys that each flag overrides.
 constexpr std::pair<const char*, const char*> kOverrides[] = {{"--task", "scene.task"},
                                                               {"--organ", "organ.mesh"},
                                                               {"--organ", "organ.unit"},
@@ -61,13 +61,12 @@ constexpr std::pair<const char*, const char*> kOverrides[] = {{"--task", "scene.
                                                               {"--no-noise", "noise."},
                                                               {"--fit-device", "device.fit"}};
 
-/// @throws InputError for an axis whose values a flag would replace
+/// @throws InputError for a swept key that a flag would override in every run
 void refuse_overridden(const std::vector<study::Axis>& axes, const CLI::App& command) {
   for (const study::Axis& axis : axes) {
     for (const auto& [flag, key] : kOverrides) {
       if (!axis.key.starts_with(key) || command.count(flag) == 0) continue;
-      throw InputError(
-          fmt::format("--set {}: {} sets it in every run; leave one of them out", axis.key, flag));
+      throw InputError(fmt::format("--set {}: {} sets it in every run; omit one of them", axis.key, flag));
     }
   }
 }
@@ -89,7 +88,7 @@ void check_files_and_duration(const SweepFlags& flags) {
   require_no_overwrite(outputs, inputs);
 }
 
-/// Least and largest value of a quantity over the runs that did not fail.
+/// Minimum and maximum of a quantity over the runs that did not fail.
 std::pair<double, double> span_of(const study::SweepResult& sweep, std::size_t quantity) {
   std::vector<double> values;
   for (const study::SweepRow& row : sweep.rows) {
@@ -142,10 +141,10 @@ nlohmann::ordered_json sweep_json(const study::SweepResult& sweep, const std::st
           {"results", rows}};
 }
 
-/// What the user should know of the runs.
+/// Reports resumed runs, failed runs, faults and runs without contact on standard error.
 void report_findings(const study::SweepResult& sweep, const std::string& record) {
   if (sweep.resumed > 0) {
-    report_message(fmt::format("{} of {} runs were finished before: taken from {}", sweep.resumed,
+    report_message(fmt::format("{} of {} runs were finished in an earlier sweep: read from {}", sweep.resumed,
                                sweep.rows.size(), record));
   }
   const auto report_first = [&sweep](std::size_t count, const char* what, auto which) {
@@ -194,7 +193,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
     write_output(folder / kFiles[0], study::sweep_csv(result), "--out");
     study::write_sweep_hdf5(result, folder / kFiles[1]);
     const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
-    if (!missing.empty()) report_message(std::string("there is no ") + kFiles[2] + ": " + missing);
+    if (!missing.empty()) report_message(std::string(kFiles[2]) + " was not written: " + missing);
     report_findings(result, request.record.string());
     std::cout << (flags.as_json ? sweep_json(result, flags.out).dump(2) + '\n'
                                 : sweep_text(result, flags.out));
@@ -207,21 +206,21 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
 
 void add_sweep(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<SweepFlags>();
-  CLI::App* command =
-      program.add_subcommand("sweep", "A scene with one value after another, and a table of results");
+  CLI::App* command = program.add_subcommand(
+      "sweep", "Run a scene over a grid of parameter values, and write a table of results");
   add_scene_flags(*command, flags->request.scene);
   command
       ->add_option("--set", flags->settings,
-                   "KEY=LOW:HIGH:N (N values, evenly spaced; :log after it: evenly in the logarithm) or "
-                   "KEY=VALUE,VALUE,...; a key of the scene (path.speed, device.mass_kg) or of its tissue "
-                   "(tissue.k1); again for more: all combinations")
+                   "KEY=LOW:HIGH:N (N evenly spaced values; with :log after it, logarithmic spacing) or "
+                   "KEY=VALUE,VALUE,...; KEY is a key of the scene (path.speed, device.mass_kg) or of its "
+                   "tissue (tissue.k1); repeat the flag for more keys: all combinations are run")
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--out", flags->out, "folder for results.csv, .h5, .svg and .jsonl")->required();
   command->add_option("--duration-s", flags->request.duration_s,
-                      "of each run, exactly round(S x rate) ticks");
-  command->add_flag("--no-cache", flags->no_cache, "prepare organs again and cache nothing");
+                      "simulated time of each run: exactly round(S x rate) ticks");
+  command->add_flag("--no-cache", flags->no_cache, "prepare organs again and do not cache them");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"
@@ -229,11 +228,10 @@ void add_sweep(CLI::App& program, int& exit_code) {
       "  palpate sweep press.toml --set tissue.k1=5:500:9:log --set path.speed=0.5,1,2 --out both --json\n"
       "  mpirun -n 8 palpate sweep press.toml --set organ.tissue=liver,heart --set scene.seed=1:20:20 --out "
       "noise\n"
-      "Runs are offline and give the same table on any number of processes. The same command goes on where "
-      "a\n"
-      "sweep was broken off, and tries runs that failed again. docs/sweeps.md has the columns.\n"
-      "Exit: 0 done, 2 bad input, a run failed (its row says why) or the record is not whole, 3 a run "
-      "latched a fault");
+      "Runs are offline and give the same table on any number of processes. The same command continues\n"
+      "an interrupted sweep and repeats the runs that failed. docs/sweeps.md lists the columns.\n"
+      "Exit: 0 done, 2 bad input, a run failed (its row states the reason) or the record is incomplete,\n"
+      "      3 a run latched a fault");
   command->callback([flags, command, &exit_code] { exit_code = sweep(*flags, *command); });
 }
 

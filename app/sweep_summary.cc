@@ -33,7 +33,7 @@ Json point_json(const identify::SweepPoint& point, double unit) {
           {"parameters", std::move(parameters)}};
 }
 
-/// A name as one field of CSV.
+/// Quotes a name for a CSV field where CSV requires quotes.
 std::string quoted(const std::string& name) {
   if (name.find_first_of(",\"\n") == std::string::npos) return name;
   std::string field = "\"";
@@ -51,10 +51,10 @@ std::string verdict(const identify::Sweep& sweep, double unit) {
     high = point.value;
     any = true;
   }
-  if (sweep.open_below && sweep.open_above) return "the data leave all of it open";
-  if (!any) return "the data leave none of these values";
-  if (low == high) return "the data leave " + brief(low / unit) + " alone of these values";
-  return fmt::format("the data leave {} to {}{}{}", brief(low / unit), brief(high / unit),
+  if (sweep.open_below && sweep.open_above) return "the data do not determine it";
+  if (!any) return "the data allow none of these values";
+  if (low == high) return "the data allow only " + brief(low / unit) + " of these values";
+  return fmt::format("the data allow {} to {}{}{}", brief(low / unit), brief(high / unit),
                      sweep.open_below ? ", and perhaps less" : "",
                      sweep.open_above ? ", and perhaps more" : "");
 }
@@ -108,8 +108,8 @@ std::string sweeps_text(const std::vector<identify::Sweep>& sweeps) {
                         brief(sweep.points.back().value / label.unit), verdict(sweep, label.unit));
     if (sweep.found_better) {
       text +=
-          "  ! a value of it fits clearly better than the fit's own, so the fit is not the best one: take "
-          "that value and the others beside it, which --sweep-csv and --json list\n";
+          "  ! one of these values fits clearly better than the fitted value, so the fit is only a local "
+          "optimum: use that value and the other parameters in its row of --sweep-csv or --json\n";
     }
   }
   return text;

@@ -8,13 +8,13 @@
 
 namespace palpate::app {
 
-/// [setup] Sweeps as a list (docs/fitting.md has its fields).
+/// [setup] Sweeps as a JSON list (docs/fitting.md lists its fields).
 [[nodiscard]] nlohmann::ordered_json sweeps_json(const std::vector<identify::Sweep>& sweeps);
 
-/// [setup] The same as CSV, a line a value; what there is none of is empty.
+/// [setup] Sweeps as CSV, one line per swept value. A field without a value is empty.
 [[nodiscard]] std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps);
 
-/// [setup] What each sweep came to, a line each; nothing for none.
+/// [setup] The result of each sweep in one line; empty without sweeps.
 [[nodiscard]] std::string sweeps_text(const std::vector<identify::Sweep>& sweeps);
 
 }  // namespace palpate::app

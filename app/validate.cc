@@ -1,4 +1,4 @@
-// `palpate validate`: the model against measurements.
+// `palpate validate`: compares the model with measurements.
 #include "palpate/validate.h"
 
 #include <iostream>
@@ -31,12 +31,12 @@ namespace palpate::app {
 namespace {
 
 struct ValidateFlags {
-  std::vector<std::string> files;     // force over displacement
-  std::vector<std::string> profiles;  // u over r
+  std::vector<std::string> files;     // force-displacement curves
+  std::vector<std::string> profiles;  // surface displacement u(r)
   LawFlags law;
   bool zeros_fitted = false;
-  std::optional<double> first_contact;  // m
-  std::optional<double> offset;         // N
+  std::optional<double> first_contact;  // displacement at first contact [m]
+  std::optional<double> offset;         // force reading without load [N]
   std::string depth;
   std::string force;
   std::optional<double> tip_radius;  // m
@@ -52,7 +52,7 @@ struct ValidateFlags {
   bool as_json = false;
 };
 
-/// The depth [m] that flags give each profile; 0 where the file's own counts.
+/// Depth [m] of each profile from --depth-mm or --force-N; 0: use the depth in the file. @throws InputError
 std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
   if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
   const bool by_force = !flags.force.empty();
@@ -87,21 +87,23 @@ std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   return all;
 }
 
-/// The tool's radius [m]: given, or the one that the tissue was fitted with.
+/// Radius of the tool's tip [m]: from --tip-radius-mm, or the radius of the indenter in the tissue file.
+/// @throws InputError without both
 double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
   if (flags.tip_radius) return *flags.tip_radius;
   if (law.tissue.source) return law.tissue.source->radius;
   throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
 }
 
-/// Says in `missed` where an error of `name` is above the goal of `flag`, when there is one.
+/// Adds a line to `missed` when the error of the data set `name` exceeds the goal of `flag`.
 void hold(const std::string& flag, std::optional<double> goal, double error, const std::string& name,
           std::vector<std::string>& missed) {
   if (!goal || error <= *goal) return;
   missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, shortest(*goal)));
 }
 
-/// The profiles beside the tissue's u(r); with --fit-reach its reach is fitted to them first.
+/// Compares the profiles with the tissue's displacement profile u(r). With --fit-reach the falloff ratios of
+/// u(r) are fitted to the profiles first.
 void compare_profiles(const ValidateFlags& flags, const std::vector<validate::Deformation>& profiles,
                       report::Validation& validation) {
   const double radius = tip_radius_of(flags, validation.law);
@@ -122,7 +124,7 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
-/// Refuses flags that would do nothing, where no other flag is missing by name.
+/// Rejects flags that would have no effect with the given data. @throws InputError
 void check_use(const ValidateFlags& flags) {
   const bool no_image = flags.image.files.empty();
   if (flags.files.empty() && flags.profiles.empty() && no_image) {
@@ -130,24 +132,24 @@ void check_use(const ValidateFlags& flags) {
         "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
   }
   if (flags.zeros_fitted && flags.files.empty())
-    throw InputError("--zeros fitted: is of force curves, needs DATA");
+    throw InputError("--zeros fitted: applies to force curves, needs DATA");
   if (flags.zeros_fitted && (flags.first_contact || flags.offset)) {
     throw InputError(
-        "--zeros fitted: finds the zeros, --first-contact-mm and --offset-N give them: one of the two");
+        "--zeros fitted: fits the zeros that --first-contact-mm and --offset-N give; use one or the other");
   }
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
   if (flags.rule.as_drawn && flags.law.direction == model::Direction::kPull) {
-    throw InputError("--as-drawn: is of a ball pressed in, needs --direction press");
+    throw InputError("--as-drawn: applies to a ball that is pressed in, needs --direction press");
   }
   if (flags.profiles.empty() && no_image &&
       !(flags.depth.empty() && flags.force.empty() && !flags.tip_radius)) {
     throw InputError(
-        "--depth-mm, --force-N and --tip-radius-mm: are of profiles, need --profile FILE or --image BEFORE "
+        "--depth-mm, --force-N and --tip-radius-mm: apply to profiles, need --profile FILE or --image BEFORE "
         "AFTER");
   }
 }
 
-/// The deformation in two photographs, as one more profile.
+/// Adds the deformation measured in two photographs as one more profile.
 void add_image(const ValidateFlags& flags, report::Validation& validation) {
   const double depth = depths_of(flags, validation.law, 1).front();
   const double radius = tip_radius_of(flags, validation.law);
@@ -188,14 +190,14 @@ void check_validate_outputs(const ValidateFlags& flags) {
   if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
 }
 
-/// The tissue with the reach that was fitted.
+/// Writes the tissue file of --out with the fitted falloff ratios.
 void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
   write_output(file, scene::to_toml(tissue), "--out");
 }
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
   add_number(command, "--max-nrmse", flags.max_nrmse, Numbers::kNotNegative,
-             "goal: RMS error over the force range or the depth, as a share (0.05 is 5 %)");
+             "goal: RMS error divided by the force range or the depth (0.05 is 5 %)");
   add_number(command, "--max-error-N", flags.max_error_N, Numbers::kNotNegative,
              "goal: largest error of a force, newtons");
   add_number(command, "--max-error-mm", flags.max_error_mm, Numbers::kNotNegative,
@@ -205,43 +207,45 @@ void add_goals(CLI::App& command, ValidateFlags& flags) {
 void add_zeros(CLI::App& command, ValidateFlags& flags, CLI::Option* data) {
   using Zeros = std::vector<std::pair<std::string, bool>>;
   add_choice(command, "--zeros", flags.zeros_fitted, Zeros{{"given", false}, {"fitted", true}},
-             "given: first contact and the sensor's zero are as stated (default); fitted: as a fit "
-             "finds them. Both errors are reported; this selects which one is judged and drawn");
+             "given: use the stated first contact and zero of the sensor (default); fitted: fit both. "
+             "Both errors are reported; this selects which one is judged and drawn");
   add_number(command, "--first-contact-mm", flags.first_contact, Numbers::kAny,
              "displacement at which the tool touched (default 0)", kMillimetre)
       ->needs(data);
   add_number(command, "--offset-N", flags.offset, Numbers::kAny,
-             "what the sensor shows without load (default 0)")
+             "reading of the sensor without load (default 0)")
       ->needs(data);
 }
 
 void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
   CLI::Option* profile = command.add_option(
       "--profile", flags.profiles,
-      "CSV files with columns r_mm,u_mm and, when there is, depth_mm: how far the surface moved "
-      "at a distance from the contact");
+      "CSV files with the columns r_mm and u_mm, and optionally depth_mm: displacement u of the surface "
+      "at a distance r from the contact");
   CLI::Option* depth = command.add_option(
-      "--depth-mm", flags.depth, "depth of the tool in the profiles: one, or one each between commas");
-  command.add_option("--force-N", flags.force, "instead: the load, from which the law gives the depth")
+      "--depth-mm", flags.depth,
+      "depth of the tool in the profiles: one value, or one per profile, separated by commas");
+  command
+      .add_option("--force-N", flags.force,
+                  "instead of --depth-mm: the load, from which the law gives the depth")
       ->excludes(depth);
   add_number(command, "--tip-radius-mm", flags.tip_radius, Numbers::kPositive,
-             "radius of the tool's tip in the profiles (default: the tissue's source)", kMillimetre);
+             "radius of the tool's tip in the profiles (default: from [tissue.source])", kMillimetre);
   command
       .add_flag("--fit-reach", flags.fit_reach,
-                "fit how far the tissue is drawn along (reach) to all profiles together first")
+                "first fit the tissue's displacement profile ([tissue.reach]) to all profiles together")
       ->needs(profile);
-  CLI::Option* drawn =
-      command
-          .add_flag(
-              "--as-drawn", flags.rule.as_drawn,
-              "compare (and fit) the surface as the picture shows it, nowhere above the ball, instead of "
-              "u(r) alone")
-          ->needs(profile);
+  CLI::Option* drawn = command
+                           .add_flag("--as-drawn", flags.rule.as_drawn,
+                                     "compare (and fit) the surface as it is drawn, which is never above the "
+                                     "ball's surface, instead of u(r) alone")
+                           ->needs(profile);
   add_number(command, "--surface-radius-mm", flags.rule.rest_radius, Numbers::kPositive,
              "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)",
              kMillimetre)
       ->needs(drawn);
-  command.add_option("--out", flags.out, "with --fit-reach: tissue file to write, with the reach found");
+  command.add_option("--out", flags.out,
+                     "with --fit-reach: tissue file to write, with the fitted displacement profile");
 }
 
 }  // namespace
@@ -249,18 +253,18 @@ void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code) {
   auto flags = std::make_shared<ValidateFlags>();
   CLI::App* command = program.add_subcommand(
-      "validate", "How true a tissue is: its forces and its deformation against measurements");
+      "validate", "Compare the forces and the deformation of a tissue with measurements");
   CLI::Option* data = command->add_option(
       "DATA", flags->files,
-      "CSV files with columns displacement_mm,force_N and, when there are, time_s and specimen");
+      "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
   add_law_flags(*command, flags->law);
   add_zeros(*command, *flags, data);
   add_profile_flags(*command, *flags);
   add_image_flags(*command, flags->image);
   add_goals(*command, *flags);
   command->add_option("--against", flags->against,
-                      "laws of others, fitted to the same data: hertz,linear,exponential,mass-spring");
-  command->add_option("--report", flags->report, "folder for a page with a picture a data set");
+                      "baseline models, fitted to the same data: hertz,linear,exponential,mass-spring");
+  command->add_option("--report", flags->report, "folder for a report with one figure per data set");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Exit code 4 when a goal is missed. Examples:\n"
@@ -272,7 +276,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "    --out liver-reach.toml --report liver-reach\n"
       "  palpate validate --image before.png after.png --scale-mm-per-px 0.08 --tissue liver.toml \\\n"
       "    --tip-radius-mm 3 --report side\n"
-      "docs/validation.md says what is compared and what the figures mean.");
+      "docs/validation.md explains the comparison and its figures.");
   command->callback([flags, command_line, &exit_code] {
     check_validate_outputs(*flags);
     const report::Validation validation = validation_of(*flags);

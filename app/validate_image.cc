@@ -14,16 +14,15 @@ void add_image_flags(CLI::App& command, ImageFlags& flags) {
   CLI::Option* image =
       command
           .add_option("--image", flags.files,
-                      "two photographs from the side (PNG or JPEG), before and under the press or pull: the "
-                      "tissue below, "
-                      "the tool from above")
+                      "two photographs from the side (PNG or JPEG), before and during the press or pull: the "
+                      "tissue is at the bottom, the tool comes from above")
           ->expected(2);
   add_number(command, "--scale-mm-per-px", flags.pixel, Numbers::kPositive,
-             "how many millimetres a pixel of the photographs is", kMillimetre)
+             "size of a pixel of the photographs in millimetres", kMillimetre)
       ->needs(image);
   command
       .add_flag("--fixed-camera", flags.fixed_camera,
-                "the camera stood still between the two: no turn or shift is taken out")
+                "the camera did not move between the photographs: correct no rotation or shift")
       ->needs(image);
 }
 

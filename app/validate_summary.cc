@@ -22,7 +22,7 @@ Json errors_json(const std::string& name, const char* kind, const validate::Erro
           {"nrmse", errors.nrmse}};
 }
 
-/// Adds what the comparison with others found, when there was one.
+/// Adds the results of the baseline models of --against, if any.
 void add_baselines(Json& json, double cost_ns, const std::vector<report::BaselineResult>& baselines,
                    double unit) {
   if (baselines.empty()) return;
@@ -75,7 +75,7 @@ Json profile_json(const report::ProfileSet& set) {
   return json;
 }
 
-/// Calls `take(key, value)` for each number of a reach.
+/// Calls `take(key, value)` for each falloff ratio, with its key in the tissue file.
 template <typename Take>
 void for_each_number(const model::FalloffRatios& reach, Take take) {
   model::TissueNumbers numbers;
@@ -96,7 +96,8 @@ Json reach_json(const validate::FalloffFit& fit) {
 std::string baselines_text(double cost_ns, const std::vector<report::BaselineResult>& baselines, double unit,
                            const char* unit_name) {
   if (baselines.empty()) return "";
-  std::string text = "  one evaluation " + brief(cost_ns) + " ns; others, each fitted to these data:\n";
+  std::string text =
+      "  one evaluation " + brief(cost_ns) + " ns; baseline models, each fitted to these data:\n";
   for (const report::BaselineResult& baseline : baselines) {
     const validate::Errors& errors = baseline.fit.errors;
     text += fmt::format("    {}: RMS {} {}, largest {} {}; RMS {}; one evaluation {} ns ({})\n",
@@ -110,23 +111,23 @@ std::string baselines_text(double cost_ns, const std::vector<report::BaselineRes
 std::string force_text(const report::ForceSet& set) {
   const validate::ForceComparison& force = set.ours;
   std::string text = fmt::format(
-      "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within the "
-      "{} % of their force that a hand notices\n",
+      "{}: force, {} points: RMS {} N, largest {} N; RMS {} of the force range; {} of the points within "
+      "{} % of their force (just noticeable difference)\n",
       force.measured.name, force.measured.size(), brief(force.errors.rms), brief(force.errors.max),
       percent(force.errors.nrmse), percent(force.within_jnd), brief(100.0 * validate::kForceJnd));
   text += report::zeros_text(set);
   if (force.rows > force.measured.size()) {
-    text += fmt::format("  of {} rows: means of neighbours\n", force.rows);
+    text += fmt::format("  averaged over neighbours from {} rows\n", force.rows);
   }
   if (force.beyond > 0) {
     text += fmt::format(
-        "  ! {} points are deeper than the tissue's layers go: the law holds its largest force there\n",
+        "  ! {} points are deeper than the tissue's layers allow: the law stays at its largest force there\n",
         force.beyond);
   }
   return text + baselines_text(set.cost_ns, set.baselines, 1.0, "N");
 }
 
-// Which surface under the ball was compared, where it is not the model's own.
+// Describes the compared surface under the ball, for --as-drawn; otherwise empty.
 std::string surface_text(const validate::SurfaceRule& rule) {
   if (!rule.as_drawn) return "";
   if (!(rule.rest_radius > 0.0)) return ", as drawn on a flat surface";
@@ -145,7 +146,7 @@ std::string profile_text(const report::ProfileSet& set) {
 }
 
 std::string reach_text(const validate::FalloffFit& fit) {
-  std::string text = "reach fitted to all profiles together:\n";
+  std::string text = "displacement profile ([tissue.reach]) fitted to all profiles together:\n";
   std::size_t i = 0;
   for_each_number(fit.reach, [&](const char* key, double value) {
     text += fmt::format(
@@ -153,7 +154,7 @@ std::string reach_text(const validate::FalloffFit& fit) {
         fit.at_limit[i++] ? "  ! at the limit of the search: these profiles do not determine it\n" : "\n");
   });
   if (fit.exponent_kept) {
-    text.insert(text.size() - 1, ", as the tissue has it: it takes depths that differ more to determine it");
+    text.insert(text.size() - 1, ", from the tissue: to determine it, measure at depths that differ more");
   }
   return text;
 }

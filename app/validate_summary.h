@@ -5,10 +5,10 @@
 
 namespace palpate::app {
 
-/// [setup] What was found as one JSON document (docs/validation.md has its fields).
+/// [setup] The results as one JSON document (docs/validation.md lists its fields).
 [[nodiscard]] std::string validation_json(const report::Validation& validation);
 
-/// [setup] The same for people: a line a data set, then what was missed.
+/// [setup] The results as a readable summary: the errors of each data set, then the missed goals.
 [[nodiscard]] std::string validation_text(const report::Validation& validation);
 
 }  // namespace palpate::app

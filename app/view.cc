@@ -1,4 +1,4 @@
-// `palpate view`: pictures and films of a recording.
+// `palpate view`: shows a recording in a window, or draws pictures and films of it.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -34,11 +34,11 @@ struct ViewFlags {
   std::string file;
   std::string screenshot;
   std::string video;
-  std::optional<double> at, from, to;  // s
+  std::optional<double> at, from, to;  // s, times in the recording
   double fps = 30.0;
   double slow = 1.0;
-  Display::Size size;      // width 0: the usual one
-  double map_range = 0.0;  // m; 0: no map
+  Display::Size size;      // width 0: the default size
+  double map_range = 0.0;  // largest displacement of the colour map [m]; 0: no map
   std::optional<render::Quality> quality;
   std::string ui_scale;
   bool close_up = false;
@@ -53,22 +53,23 @@ constexpr double kMostFrames = 1e6;
 Display::Size parse_size(const std::string& text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos)
-    throw InputError("--size " + text + ": want WIDTHxHEIGHT in pixels, e.g. 1280x720");
+    throw InputError("--size " + text + ": must be WIDTHxHEIGHT in pixels, e.g. 1280x720");
   const std::uint64_t width = parse_whole("--size", text.substr(0, cross));
   const std::uint64_t height = parse_whole("--size", text.substr(cross + 1));
   if (width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
-    throw InputError("--size " + text + ": want 1 to 8192 pixels a side");
+    throw InputError("--size " + text + ": must be 1 to 8192 pixels per side");
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-/// The flags with what is usual in place of what was not said; all that needs no recording is checked.
+/// Returns the flags with defaults for those not given. Checks everything that can be checked without the
+/// recording. @throws InputError
 ViewFlags checked(ViewFlags flags) {
   if (flags.window() && !display_there())
     throw InputError(
         "view " + flags.file +
-        ": there is no display for a window: want --screenshot FILE.png (one moment, --at-s T) or "
+        ": there is no display for a window: use --screenshot FILE.png (one moment, --at-s T) or "
         "--video FILE.mp4 (--from-s, --to-s, --fps, --slow)");
-  (void)UiScale::asked(flags.ui_scale);  // refused before anything is read
+  (void)UiScale::asked(flags.ui_scale);  // checks the value before the recording is read
   if (flags.size.width == 0)
     flags.size = flags.window() ? Display::Size{1440, 900} : Display::Size{1280, 720};
   if (!flags.quality)
@@ -83,7 +84,7 @@ ViewFlags checked(ViewFlags flags) {
   return flags;
 }
 
-// One recording, drawn for files.
+// Draws pictures of one recording for files.
 class FilePictures final {
  public:
   FilePictures(RecordedView& seen, const ViewFlags& flags)
@@ -102,7 +103,7 @@ class FilePictures final {
 
  private:
   RecordedView& seen_;
-  double map_range_;  // m; 0: no map
+  double map_range_;  // largest displacement of the colour map [m]; 0: no map
   render::Camera camera_;
   render::OffscreenRenderer renderer_;
 };
@@ -122,9 +123,9 @@ void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags
     throw InputError(fmt::format("--from-s {}: later than --to-s {}", shortest(from), shortest(to)));
   const double count = std::floor((to - from) * flags.slow * flags.fps) + 1.0;
   if (!(count <= kMostFrames))
-    throw InputError(
-        fmt::format("--video {}: {} pictures; want at most a million: shorten it, or lower --fps or --slow",
-                    flags.video, shortest(count)));
+    throw InputError(fmt::format(
+        "--video {}: {} pictures; must be at most a million: shorten it, or lower --fps or --slow",
+        flags.video, shortest(count)));
   Film film(flags.video, flags.size.width, flags.size.height, flags.fps);
   for (int i = 0; i < static_cast<int>(count); ++i) {
     film.add(pictures.at(from + i / (flags.fps * flags.slow)));
@@ -149,7 +150,7 @@ int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags) {
     view_in_window(std::move(seen), options);
   } catch (const NoWindow& error) {
     throw InputError(
-        fmt::format("view {}: {}; --screenshot and --video need none", flags.file, error.what()));
+        fmt::format("view {}: {}; --screenshot and --video need no window", flags.file, error.what()));
   }
   return kDone;
 }
@@ -170,7 +171,7 @@ int view(const ViewFlags& asked) {
     render::write_png(pictures.at(time), flags.screenshot);
     bar.clear();
     report_message(fmt::format("{} shows {} s{}", flags.screenshot, shortest(time),
-                               flags.at ? "" : ", where the contact is deepest"));
+                               flags.at ? "" : ", when the contact is deepest"));
   }
   if (!flags.video.empty()) make_film(pictures, *seen, flags, bar);
   return kDone;
@@ -178,20 +179,23 @@ int view(const ViewFlags& asked) {
 
 void add_flags(CLI::App& command, ViewFlags& flags) {
   command.add_option("recording", flags.file, "The recording (.h5)")->required();
-  command.add_option("--screenshot", flags.screenshot, "One picture, to this PNG file");
+  command.add_option("--screenshot", flags.screenshot, "Write one picture to this PNG file");
   add_number(command, "--at-s", flags.at, Numbers::kNotNegative,
-             "Of this moment (default: where the contact is deepest)");
-  command.add_option("--video", flags.video, "A film, to this file; without ffmpeg PNG files in FILE-frames");
-  add_number(command, "--from-s", flags.from, Numbers::kNotNegative, "Where the film begins (default: 0)");
+             "Time of the picture (default: when the contact is deepest)");
+  command.add_option("--video", flags.video,
+                     "Write a film to this file; without ffmpeg, PNG files in FILE-frames");
+  add_number(command, "--from-s", flags.from, Numbers::kNotNegative, "Start time of the film (default: 0)");
   add_number(command, "--to-s", flags.to, Numbers::kNotNegative,
-             "Where it ends (default: with the recording)");
-  add_number(command, "--fps", flags.fps, Numbers::kPositive, "Its pictures a second")->default_str("30");
-  add_number(command, "--slow", flags.slow, Numbers::kPositive, "How many times slower than it was")
+             "End time of the film (default: the end of the recording)");
+  add_number(command, "--fps", flags.fps, Numbers::kPositive, "Pictures per second of the film")
+      ->default_str("30");
+  add_number(command, "--slow", flags.slow, Numbers::kPositive,
+             "Slow motion: how many times slower than the recording")
       ->default_str("1");
   command.add_option_function<std::string>(
       "--size", [&flags](const std::string& text) { flags.size = parse_size(text); },
-      "Pixels, WIDTHxHEIGHT (default: 1280x720); of the window: its size (default: 1440x900)");
-  command.add_flag("--close-up", flags.close_up, "The contact fills the picture, instead of the organ");
+      "WIDTHxHEIGHT in pixels (default: 1280x720; for the window: 1440x900)");
+  command.add_flag("--close-up", flags.close_up, "Fill the picture with the contact instead of the organ");
   add_number(command, "--map-mm", flags.map_range, Numbers::kPositive,
              "Colour the organ by its displacement, up to this many mm, with a legend", kMillimetre);
   using Qualities = std::vector<std::pair<std::string, render::Quality>>;
@@ -201,10 +205,10 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
                        {"fast", render::Quality::kFast}},
              "full, balanced or fast (default: full for a picture, balanced for a film)");
   command.add_option("--ui-scale", flags.ui_scale,
-                     "The window's letters and panels, 0.5 to 4 (default: as the display says)");
+                     "Size of the window's text and panels, 0.5 to 4 (default: from the display)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.footer(
-      "Without --screenshot and --video a window opens (F1: its keys).\n"
+      "Without --screenshot and --video a window opens (F1 lists its keys).\n"
       "Examples:\n  palpate view run.h5\n  palpate view run.h5 --screenshot deepest.png --close-up\n"
       "  palpate view run.h5 --video press.mp4 --from-s 1 --to-s 3 --slow 2");
 }
@@ -214,7 +218,7 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
 void add_view(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<ViewFlags>();
   CLI::App* command =
-      program.add_subcommand("view", "Look at a recording: in a window, a picture of a moment, or a film");
+      program.add_subcommand("view", "Show a recording in a window, or draw a picture or a film of it");
   add_flags(*command, *flags);
   command->callback([flags, &exit_code] { exit_code = view(*flags); });
 }

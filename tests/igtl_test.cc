@@ -65,7 +65,7 @@ TEST(Igtl, WhatAClientReceivesIsWhatTheRecordingSays) {
   const Outcome outcome = program.wait();
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("OpenIGTLink: listening at 127.0.0.1:" + std::to_string(port) +
-                             ", for programs on this machine alone"),
+                             ", for programs on this machine only"),
             std::string::npos)
       << outcome.err;
   EXPECT_NE(outcome.err.find("OpenIGTLink: 1 client, "), std::string::npos) << outcome.err;

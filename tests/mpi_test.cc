@@ -110,7 +110,8 @@ TEST(Mpi, ASweepGoesOnWhereItWasBrokenOff) {
   ASSERT_EQ(shell(folder, alone + " --sweep q=0.3:1.2:4 --report r"), 2);
   EXPECT_EQ(results_in(folder), 3U);  // the fit and both halves of the sweep
   ASSERT_EQ(shell(folder, by_mpi(2, words + sweeps)), 0) << text_of(folder / "err");
-  EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("2 pieces of sweeps were finished before"));
+  EXPECT_THAT(text_of(folder / "err"),
+              testing::HasSubstr("2 parts of sweeps were finished in an earlier run"));
   EXPECT_EQ(text_of(folder / "out"), whole);
 }
 
@@ -159,7 +160,7 @@ TEST(Mpi, ALostRankLosesOnlyWhatWasUnderWay) {
   const std::size_t kept = results_in(folder);
   ASSERT_GE(kept, 1U);
   ASSERT_EQ(shell(folder, by_mpi(2, words)), 0) << text_of(folder / "err");
-  EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("of 3 specimens were finished before"));
+  EXPECT_THAT(text_of(folder / "err"), testing::HasSubstr("of 3 specimens were fitted in an earlier run"));
   const std::string resumed = text_of(folder / "out");
   ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0);
   EXPECT_EQ(resumed, text_of(folder / "out"));

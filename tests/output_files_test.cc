@@ -216,8 +216,8 @@ TEST(OutputFiles, AFullDiskIsReportedWhileTheRunGoesOnAndTheSummaryIsWhole) {
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_THAT(outcome.err,
-              AllOf(HasSubstr("the run goes on and is not recorded: make room, then record again"),
-                    HasSubstr("no report and no screenshot were made")));
+              AllOf(HasSubstr("the run continues without recording: free disk space, then record again"),
+                    HasSubstr("no report and no screenshot were written")));
   const auto summary = nlohmann::json::parse(outcome.out);
   EXPECT_THAT(summary["recording_failure"].get<std::string>(), HasSubstr(reported));
   EXPECT_EQ(summary["recording"], "a.h5");
@@ -268,7 +268,8 @@ TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothi
     const std::string flag = command[command.size() - 2] + " " + command.back();
     const Outcome outcome = run(folder, command);
     EXPECT_EQ(outcome.exit_code, 2) << flag << ": " << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(makes_folder ? command.back() : flag + ": there is no folder none"));
+    EXPECT_THAT(outcome.err,
+                HasSubstr(makes_folder ? command.back() : flag + ": the folder none does not exist"));
     EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
     EXPECT_EQ(outcome.out, "") << flag;
     EXPECT_EQ(folder.names(), names) << flag;

@@ -230,7 +230,7 @@ TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsToldThereAndNotToClients) {
   client.ask(R"({"do": "stop"})");
   (void)folder.write("mine.toml", "a-secret-line here\n");
   const std::string words = client.ask(R"({"do": "start"})").dump();
-  EXPECT_NE(words.find("the server's own messages say why"), std::string::npos) << words;
+  EXPECT_NE(words.find("the server's own messages give the reason"), std::string::npos) << words;
   EXPECT_EQ(words.find("secret"), std::string::npos) << words;
   const Outcome outcome = serve.end();
   EXPECT_NE(outcome.err.find("mine.toml:1"), std::string::npos) << outcome.err;
@@ -289,11 +289,11 @@ TEST(Serve, WhileASceneIsLoadedOthersAreAnsweredAndTheNextLoadOrStopBreaksItOff)
   const json first = loader.hear_until(answer);
   EXPECT_EQ(first["id"], 1) << first;
   EXPECT_EQ(first["error"]["code"], "state") << first;
-  EXPECT_EQ(first["error"]["words"], "the load was broken off by the next load");
+  EXPECT_EQ(first["error"]["words"], "the load was cancelled by the next load");
   EXPECT_EQ(other.ask(R"({"do": "stop"})")["run"]["state"], "waiting");
   const json second = loader.hear_until(answer);
   EXPECT_EQ(second["id"], 2) << second;
-  EXPECT_EQ(second["error"]["words"], "the load was broken off by stop");
+  EXPECT_EQ(second["error"]["words"], "the load was cancelled by stop");
   EXPECT_EQ(other.ask(R"({"do": "state"})")["run"]["loading"], false);
   EXPECT_EQ(loader.ask(R"({"do": "load", "task": "pull"})")["run"]["scene"], "heart pull")
       << "one that ends plays";

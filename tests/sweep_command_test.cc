@@ -43,7 +43,7 @@ TEST(SweepCommand, WritesItsTablesFigureAndRecordAndPrintsThem) {
   }
   const Outcome again = sweep(folder, {"--set", "tissue.k1=10:20:2", "--set", "path.speed=1,2"});
   EXPECT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.err, HasSubstr("4 of 4 runs were finished before"));
+  EXPECT_THAT(again.err, HasSubstr("4 of 4 runs were finished in an earlier sweep"));
   EXPECT_THAT(again.out,
               HasSubstr("press: 4 runs over tissue.k1_N_per_m (10 to 20, 2 values) and path.speed"));
 }

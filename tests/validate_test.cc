@@ -146,8 +146,8 @@ TEST(ValidateCommand, SaysThatOneDepthLeavesTheExponentAsItWas) {
   const std::vector<std::string> words = {"validate", "--profile",       "one.csv", "--tissue",
                                           "liver",    "--tip-radius-mm", "5",       "--fit-reach"};
   EXPECT_NE(run(folder, words)
-                .out.find("depth_exponent = 0.5, as the tissue has it: it takes depths that "
-                          "differ more to determine it\n"),
+                .out.find("depth_exponent = 0.5, from the tissue: to determine it, measure at "
+                          "depths that differ more\n"),
             std::string::npos);
 }
 

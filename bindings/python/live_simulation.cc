@@ -27,7 +27,7 @@ scene::Scene checked(scene::Scene setup, const LiveSimulation::Options& options)
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* known = scene::find_device_kind(device.kind);
     if (known == nullptr || !known->window) continue;
-    throw InputError("device " + device.kind + ": the window of a run feeds it, and there is none in Python");
+    throw InputError("device " + device.kind + ": needs the window of a run; Python has no window");
   }
   return setup;
 }
