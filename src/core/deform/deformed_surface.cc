@@ -77,8 +77,8 @@ struct DeformedSurface::TrackedContact {
   ContactField before;    // the field of the last frame
   float slack_before = 0.0F;
   FieldChange change;
-  float slack = 0.0F;    // a vertex may be nearer than `least` by this much, now or in the last frame [m]
-  bool is_anew = false;  // the drawn vertices belong to another front
+  float slack = 0.0F;  // a vertex may be nearer than `least` by this much, now or in the last frame [m]
+  bool has_new_front = false;  // the drawn vertices belong to a previous front
 
   // Distance [m] of the contact from the front's source.
   [[nodiscard]] float distance_from_source() const { return (field.point - front.source()).norm(); }
@@ -148,7 +148,7 @@ void DeformedSurface::begin_frame() {
   for (const auto& contact : contacts_) {
     contact->was_used = contact->used;
     contact->used = false;
-    contact->is_anew = false;
+    contact->has_new_front = false;
     contact->before = contact->field;
     contact->slack_before = contact->closing_bound();
   }
@@ -223,7 +223,7 @@ int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle)
     contact.front.begin(corners, contact.field.point);
     contact.field.own_excess = 0.0F;
     contact.begun = true;
-    contact.is_anew = true;
+    contact.has_new_front = true;
     contact.next_runs = false;
   } else if (contact.distance_from_source() > kNewFront && !contact.next_runs) {
     contact.next.begin(corners, contact.field.point);
@@ -236,7 +236,7 @@ int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle)
     taken += contact.next.advance(wanted, steps - taken);
     if (contact.next.radius() >= wanted) {
       std::swap(contact.front, contact.next);
-      contact.is_anew = true;
+      contact.has_new_front = true;
       contact.next_runs = false;
     }
   }
@@ -262,7 +262,7 @@ void DeformedSurface::lower_to_front(TrackedContact& contact) {
 }
 
 void DeformedSurface::update_least_distances(TrackedContact& contact) {
-  if (contact.is_anew) {
+  if (contact.has_new_front) {
     contact.least.assign(blocks_.count(), kInfinityF);
     contact.noted = 0;
     contact.noted_to = 0.0F;
@@ -298,7 +298,7 @@ void DeformedSurface::update_change(TrackedContact& contact) {
 float DeformedSurface::added_error(std::size_t block) {
   near_changes_.clear();
   for (const TrackedContact* contact : changing_) {
-    if (contact->is_anew && contact->was_used) {
+    if (contact->has_new_front && contact->was_used) {
       if (blocks_.near(block, contact->before.point, contact->before.limit) ||
           (contact->used && blocks_.near(block, contact->field.point, contact->field.limit)))
         return kInfinityF;
@@ -317,7 +317,7 @@ void DeformedSurface::find_changes() {
     if (!contact->used && !contact->was_used) continue;
     update_change(*contact);
     changing_.push_back(contact.get());
-    any = any || contact->is_anew || !contact->change.is_still();
+    any = any || contact->has_new_front || !contact->change.is_still();
   }
   if (!any) changing_.clear();
 }
