@@ -14,7 +14,7 @@
 
 namespace palpate::fuzz {
 
-/// A file in a folder of its own, written anew for each input; both are gone when the process ends.
+/// A file in a folder of its own, written again for each input; both are gone when the process ends.
 class InputFile final {
  public:
   /// @param ending with its dot, by which readers tell formats

@@ -62,7 +62,7 @@ int run(const char* expected_file) {
   }};
   int differing = 0;
   for (const auto& [name, hash] : found) differing += check_hash(name, hash, expected_file) ? 0 : 1;
-  if (differing > 0) std::cerr << "tools/check_hashes --update writes the file anew\n";
+  if (differing > 0) std::cerr << "tools/check_hashes --update rewrites the file\n";
   std::cout << "# C library " << hash_of_library() << '\n';
   return differing == 0 ? 0 : 1;
 }

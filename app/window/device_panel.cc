@@ -47,7 +47,7 @@ void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
     if (shown.hands.size() > 1) {
       rows.text("Device", words.device);
     } else {
-      rows.name("Device", "what moves the tool; another one begins the session anew");
+      rows.name("Device", "what moves the tool; another device starts a new session");
       choose_device(shown, commands);
     }
     rows.text("State", words.state);

@@ -64,7 +64,7 @@ struct Commands {
   std::optional<noise::NoiseSettings> noise;
   std::optional<scene::Overrides> request;  // another session; tissue and noise as that says
   std::optional<ChosenFile> file;
-  bool again = false;  // the same session anew; tissue and noise as they are
+  bool again = false;  // start the session again with the same tissue and noise
   std::optional<bool> record;
   bool pause = false;      // the picture, or go on
   bool pause_run = false;  // the run, or go on

@@ -89,7 +89,7 @@ void run_buttons(const PanelModel& shown, Commands& commands) {
   }
   const bool recording = !shown.recording.empty() && !shown.ended;
   if (half_button(recording ? "End recording" : "Record", true,
-                  "Ctrl + R: the session begins anew, so that the recording has it whole\n"
+                  "Ctrl + R: the session starts again, so that the recording is complete\n"
                   "and replays bit for bit; ending it begins a session without")) {
     commands.record = !recording;
   }

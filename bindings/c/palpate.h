@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// The version of this interface: it changes when a program must be compiled anew, and is the library's
+/// The version of this interface: it changes when a program must be recompiled, and is the library's
 /// SONAME (libpalpate.so.0).
 #define PALPATE_ABI_VERSION 0
 
@@ -60,7 +60,7 @@ typedef int32_t palpate_status;
 #define PALPATE_STARTED_INSIDE (UINT32_C(1) << 0)  // no force until the tool has been outside the organ
 #define PALPATE_CONTACTS_FULL (UINT32_C(1) << 1)   // more than four contacts wanted on one part of a tool
 #define PALPATE_GRIP_RELEASED (UINT32_C(1) << 2)   // past the grip's limit: it has let go
-#define PALPATE_JUMP (UINT32_C(1) << 3)            // moved faster than any hand: counts as placed anew
+#define PALPATE_JUMP (UINT32_C(1) << 3)            // moved faster than any hand: contacts are reset
 #define PALPATE_FORCE_CLAMPED (UINT32_C(1) << 8)   // the gate held the force at its largest
 #define PALPATE_FORCE_SLEWED (UINT32_C(1) << 9)    // the gate held back its change
 #define PALPATE_TORQUE_CLAMPED (UINT32_C(1) << 10)
@@ -204,7 +204,7 @@ PALPATE_API palpate_status palpate_tick(palpate_simulation* simulation, const pa
 /// get force again after they have been still outside the tissue.
 PALPATE_API palpate_status palpate_reset_fault(palpate_simulation* simulation, uint32_t hand_bits);
 
-/// [setup] Back to before tick 0. Refused while recording: close and open anew.
+/// [setup] Back to before tick 0. Refused while recording: close it and open it again.
 PALPATE_API palpate_status palpate_restart(palpate_simulation* simulation);
 
 /// [rt] What a scripted device would give at a tick: the scene's own path or recording, else from above the

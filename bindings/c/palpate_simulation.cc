@@ -106,7 +106,7 @@ palpate_status palpate_restart(palpate_simulation* simulation) {
   return guarded([&] {
     require_given(simulation, "simulation");
     if (simulation->recording()) {
-      throw UseError("palpate_restart: not while recording; close the simulation and open it anew");
+      throw UseError("palpate_restart: not while recording; close the simulation and open it again");
     }
     simulation->restart();
   });

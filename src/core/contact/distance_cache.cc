@@ -40,9 +40,9 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
   motion_ = largest_motion();
   odometer_ += motion_;
   entry_count_ = 0;
-  const bool placed_anew = !placed_ || motion_ > kFastestHand * period;
+  const bool jumped = !placed_ || motion_ > kFastestHand * period;
   placed_ = true;
-  if (placed_anew) {
+  if (jumped) {
     previous_S_ = placed_S_;
     motion_ = 0.0;
     reset();
@@ -50,7 +50,7 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
     // In one tick a proxy moves by at most the tool's motion there plus the drift.
     find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
   }
-  return !placed_anew;
+  return !jumped;
 }
 
 void DistanceCache::set_inside(std::size_t point, double distance) noexcept {

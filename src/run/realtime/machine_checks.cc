@@ -76,7 +76,7 @@ MachineCheck priority(const fs::path& root) {
                   " is wanted, and no CAP_SYS_NICE";
     check.advice =
         "put '@realtime - rtprio 95' into /etc/security/limits.d/realtime.conf, add yourself to that group "
-        "(groupadd realtime; usermod -aG realtime USER) and log in anew; in a container: --cap-add SYS_NICE "
+        "(groupadd realtime; usermod -aG realtime USER) and log in again; in a container: --cap-add SYS_NICE "
         "--ulimit rtprio=95";
   }
   return check;
@@ -97,7 +97,8 @@ MachineCheck memory_lock(const fs::path& root) {
     check.verdict = Verdict::kBad;
     check.found = "memlock limit " + *allowed + " bytes, and no CAP_IPC_LOCK";
     check.advice =
-        "put '@realtime - memlock unlimited' into /etc/security/limits.d/realtime.conf and log in anew; in a "
+        "put '@realtime - memlock unlimited' into /etc/security/limits.d/realtime.conf and log in again; in "
+        "a "
         "container: --ulimit memlock=-1";
   }
   return check;

@@ -165,7 +165,7 @@ void add_errors(const LocalOptima& optima, SpecimenFit& fit) {
 SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
                          const Progress& progress, tasks::Communicator* ranks) {
   check(specimen, settings);
-  const auto told = [&progress](double from, double to, const char* what) {
+  const auto reported = [&progress](double from, double to, const char* what) {
     return [&progress, from, to, what](double share) {
       if (progress) progress(from + share * (to - from), what);
     };
@@ -175,7 +175,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   LocalOptima optima = with_terms(part, settings, progress);
   const double most = settings.bootstrap > 0 ? 0.6 : 0.95;
   const std::vector<Point> profiles =
-      search_along_profiles(optima, used.size(), told(0.3, most, "intervals"));
+      search_along_profiles(optima, used.size(), reported(0.3, most, "intervals"));
   const Curvature curvature = curvature_of(optima);
   SpecimenFit fit;
   fit.name = specimen.name;
@@ -194,7 +194,7 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
   fit.layers_allowed = layers.allowed;
   fit.layers_reached = layers.reached;
   const std::vector<Point> resampled =
-      bootstrap(optima, settings.bootstrap, settings.seed, job, told(most, 0.95, "bootstrap"), ranks);
+      bootstrap(optima, settings.bootstrap, settings.seed, job, reported(most, 0.95, "bootstrap"), ranks);
   add_estimates(optima, profiles, curvature, resampled, fit);
   const std::vector<Identifiability> determined = identifiability_of(optima, profiles);
   for (std::size_t i = 0; i < determined.size(); ++i) {

@@ -167,7 +167,7 @@ void check_record(const std::filesystem::path& file, const std::string& fingerpr
     if (key.starts_with(fingerprint)) continue;
     throw InputError(file.string() +
                      ": holds runs of another sweep: the scene, a file that it names, a flag or the version "
-                     "of palpate was another; give another --out, or delete this file to begin anew");
+                     "of palpate was different; give another --out, or delete this file to start again");
   }
 }
 

@@ -206,7 +206,7 @@ std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) 
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},
       {contact::kGripReleased, "the grip let go, past its limit"},
-      {contact::kJump, "the tool moved faster than any hand and was placed anew"},
+      {contact::kJump, "the tool moved faster than any hand; its contacts were reset"},
       {haptics::kForceClamped, "the force was clamped at max_force_N"},
       {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
       {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},

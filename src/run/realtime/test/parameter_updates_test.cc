@@ -107,7 +107,7 @@ TEST(ParameterUpdates, OneIsTakenATickInTheOrderOffered) {
   EXPECT_EQ(changes.waiting(), nullptr);
 }
 
-TEST(ParameterUpdates, SwitchedNoiseAndANewStrengthComeWithinFiftyMilliseconds) {
+TEST(ParameterUpdates, SwitchedNoiseAndItsNewGainAreFullWithinFiftyMilliseconds) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   SimulationState state(world);
   const LiveNoise stronger{true, 4.0 * world.noise.settings().gain, 2.0 * world.noise.settings().threshold};

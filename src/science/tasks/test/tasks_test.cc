@@ -131,18 +131,18 @@ TEST(ForEachTask, GivesEveryRankTheSameOnAnyNumberOfRanks) {
   }
 }
 
-TEST(ForEachTask, TellsTheFirstRankOfEachTaskOnce) {
-  std::vector<std::size_t> told;
-  (void)on_ranks(3, [&told](Communicator& ranks) {
+TEST(ForEachTask, ReportsEachTaskToTheFirstRankOnce) {
+  std::vector<std::size_t> done;
+  (void)on_ranks(3, [&done](Communicator& ranks) {
     Tasks tasks{7, [](std::size_t) { return std::string("x"); }};
     tasks.done = [&](std::size_t i) {
       EXPECT_EQ(ranks.rank(), 0);
-      told.push_back(i);
+      done.push_back(i);
     };
     (void)for_each_task(&ranks, tasks);
     return std::string();
   });
-  EXPECT_THAT(told, testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(done, testing::UnorderedElementsAre(0, 1, 2, 3, 4, 5, 6));
 }
 
 TEST(ForEachTask, ThrowsTheFirstTasksErrorOnEveryRankWhenAllAreDone) {
