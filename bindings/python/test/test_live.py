@@ -210,7 +210,7 @@ def test_end_is_waited_for_without_holding_other_threads_up():
 
 
 def test_use_is_refused_in_words():
-    for arguments, words in (({'device': 'mouse'}, 'device mouse: the window'), ({'core': 4000}, 'core = 4000'),
+    for arguments, words in (({'device': 'mouse'}, 'device mouse: needs the window'), ({'core': 4000}, 'core = 4000'),
                              ({'duration_s': 0.0}, 'duration_s = 0'), ({'keep_s': -1.0}, 'keep_s = -1'),
                              ({'surface_edge': 1e-6}, 'surface_edge'), ({'tissue': 'hearth'}, 'hearth'),
                              ({'device': 'host'}, 'device host'), ({'organ_motion': ['sneezing']}, 'sneezing')):
