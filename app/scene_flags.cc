@@ -12,6 +12,13 @@ void add_scene_flags(CLI::App& command, scene::Overrides& request) {
                   "breathing, heartbeat or none, instead of the scene's; repeat the flag for both")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option(
+          "--inclusion", request.inclusions,
+          "nodule, stone, plaque, vessel, cyst or none, under the place that the default path presses, "
+          "instead of the scene's; repeat the flag for several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tissue", request.tissue, "built-in tissue or tissue file");
   command.add_option("--tool", request.tools, "built-in tool or mesh file; repeat the flag for each jaw")
       ->expected(1)

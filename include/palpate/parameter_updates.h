@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "palpate/inclusion.h"
 #include "palpate/tissue.h"
 #include "palpate/touch_noise.h"
 
@@ -23,12 +24,23 @@ struct LiveNoise {
   bool operator==(const LiveNoise&) const = default;
 };
 
+/// Numbers of an inclusion that may change during a run. Radius and pulse stay constant.
+struct LiveInclusion {
+  std::uint32_t index = 0;           // of the inclusion, from 0, in the scene's order
+  std::array<double, 3> centre_S{};  // organ frame [m]
+  double ratio = 1.0;                // stiffness ratio
+
+  bool operator==(const LiveInclusion&) const = default;
+};
+
 /// Bits of ParameterUpdate::what.
 inline constexpr std::uint32_t kTissueChanged = 1U << 0;
 inline constexpr std::uint32_t kNoiseChanged = 1U << 1;
+inline constexpr std::uint32_t kInclusionChanged = 1U << 2;
 
-/// One update of tissue or noise parameters during a run. It holds all parameters that apply from `tick` on;
-/// `what` marks those that are new. It is plain data, so one copy passes it to another thread.
+/// One update of tissue, noise or an inclusion during a run. It holds the tissue and noise that apply from
+/// `tick` on, and at most one inclusion; `what` marks the parts that are new. It is plain data, so one copy
+/// passes it to another thread.
 struct ParameterUpdate {
   static constexpr std::size_t kNameBytes = 64;
 
@@ -37,6 +49,7 @@ struct ParameterUpdate {
   std::uint32_t what = 0;    // bits kTissueChanged, kNoiseChanged
   model::TissueNumbers tissue;
   LiveNoise noise;
+  LiveInclusion inclusion;              // only with kInclusionChanged
   std::array<char, kNameBytes> name{};  // name of the tissue, truncated or padded with zeros
 
   bool operator==(const ParameterUpdate&) const = default;
@@ -90,10 +103,17 @@ class ParameterUpdates final {
   /// already. After an exception nothing has changed.
   Accepted offer(const LiveNoise& noise);
 
+  /// [any] Moves an inclusion and sets its stiffness ratio at one of the next ticks. It allocates and may
+  /// wait for another caller, so do not call it from the tick.
+  /// @throws ParameterError for a ratio out of range; InputError when the scene has no inclusion of this
+  /// index, when it would not be inside the organ, or when kMaxWaiting updates wait already.
+  Accepted offer(const LiveInclusion& inclusion);
+
   /// [any] The parameters of the last accepted update, or those at the start of the run. May wait for another
   /// caller, so do not call them from the tick.
   [[nodiscard]] model::TissueParameters tissue() const;
   [[nodiscard]] LiveNoise noise() const;
+  [[nodiscard]] std::vector<model::Inclusion> inclusions() const;
 
   /// [rt] For the loop: the oldest update that waits, or null. It stays valid until taken().
   [[nodiscard]] const PreparedUpdate* waiting() const noexcept;
@@ -108,6 +128,7 @@ class ParameterUpdates final {
   mutable std::mutex callers_;  // one caller at a time; the loop never locks it
   model::TissueParameters tissue_;
   LiveNoise noise_;
+  std::vector<model::Inclusion> inclusions_;
   std::uint64_t offered_ = 0;
   std::vector<PreparedUpdate> slots_;
   alignas(64) std::atomic<std::uint64_t> head_{0};  // number of updates passed to the loop

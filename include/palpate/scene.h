@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "palpate/device.h"
+#include "palpate/inclusion.h"
 #include "palpate/mesh.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
@@ -136,6 +137,13 @@ struct SafetySetup {
   double max_torque_slew = 50.0;  // N m/s
 };
 
+/// An inclusion of the scene's organ.
+struct InclusionSetup {
+  std::string name;
+  bool visible = true;  // in pictures; false: hidden until a task shows it
+  model::Inclusion inclusion{};
+};
+
 /// A file that was read for a scene, with the flag or line that names it.
 struct SourceFile {
   std::string named_by;  // "--organ", "FILE:LINE: organ.mesh"
@@ -155,8 +163,10 @@ struct Scene {
   std::vector<model::OrganMotionParameters>
       organ_motion;  // their sum, about the centre of the bounding box; empty: no motion
   model::TissueParameters tissue;
-  std::vector<geometry::Tool> tools;  // one per hand
-  std::vector<DeviceSetup> devices;   // one per hand
+  std::vector<InclusionSetup> inclusions;        // at most model::kMaxInclusions
+  std::vector<model::StiffnessPoint> stiffness;  // of the stiffness map; empty: the factor is 1
+  std::vector<geometry::Tool> tools;             // one per hand
+  std::vector<DeviceSetup> devices;              // one per hand
   noise::NoiseSettings noise;
   SafetySetup safety;
   // Shown to the user, stored in recordings, printed in reports:
@@ -185,6 +195,7 @@ struct Overrides {
   std::optional<std::string> organ;            // built-in name or path
   std::optional<std::string> organ_unit;
   std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
+  std::vector<std::string> inclusions;    // presets, or none; replace the scene's inclusions
   std::optional<std::string> tissue;      // built-in name or tissue file
   std::vector<std::string> tools;         // one entry: the tool; several: the jaws of one tool
   std::optional<std::string> tool_unit;

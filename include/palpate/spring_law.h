@@ -48,6 +48,9 @@ class LayeredSpringLaw final {
   /// is set. NaN gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
+  /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
+  [[nodiscard]] double energy_at(double depth) const noexcept;
+
   /// [rt] Inverse of force_at(): deformation of every layer under a contact force [N]. A force <= 0 gives
   /// depth 0 and the slope of layer 1.
   [[nodiscard]] LayerState deformation_under(double force) const noexcept;
@@ -67,9 +70,10 @@ class LayeredSpringLaw final {
   [[nodiscard]] LayerState layer_state(std::size_t cutoff, double in_cutoff) const noexcept;
 
   int layers_ = 1;
-  std::array<double, kMaxLayers + 1> start_depth_{};  // depth at which layer i+1 starts [m]
-  std::array<double, kMaxLayers + 1> start_force_{};  // force at which layer i+1 starts [N]
-  std::array<double, kMaxLayers + 1> past_depth_{};   // end of layer i and a margin of a few roundings [m]
+  std::array<double, kMaxLayers + 1> start_depth_{};   // depth at which layer i+1 starts [m]
+  std::array<double, kMaxLayers + 1> start_force_{};   // force at which layer i+1 starts [N]
+  std::array<double, kMaxLayers + 1> start_energy_{};  // energy at which layer i+1 starts [J]
+  std::array<double, kMaxLayers + 1> past_depth_{};    // end of layer i and a margin of a few roundings [m]
   std::array<double, kMaxLayers + 1>
       past_force_{};                        // force at the end of layer i and a margin of a few roundings [N]
   std::array<double, kMaxLayers> slope_{};  // P_i k_i [N/m]
@@ -99,6 +103,9 @@ class SmoothSpringLaw final {
   /// is set. NaN gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
+  /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
+  [[nodiscard]] double energy_at(double depth) const noexcept;
+
   /// [rt] Inverse of force_at(): depth and deformation of every layer under a contact force [N]. A force <= 0
   /// gives depth 0 and the stiffness at D = 0.
   [[nodiscard]] LayerState deformation_under(double force) const noexcept;
@@ -117,14 +124,17 @@ class SmoothSpringLaw final {
     double force = 0.0;      // at the start [N]
     double stiffness = 0.0;  // at the start [N/m]
     double growth = 0.0;     // d(ln K)/dD [1/m]; 0 with one layer
+    double energy = 0.0;     // at the start [J]
   };
 
   [[nodiscard]] double force_in(const Piece& piece, double depth) const noexcept;
+  [[nodiscard]] double energy_in(const Piece& piece, double depth) const noexcept;
 
   LayeredSpringLaw layers_;
   std::size_t pieces_ = 1;
   std::array<Piece, kMaxLayers> piece_{};
   double max_force_ = 0.0;
+  double max_energy_ = 0.0;  // at the end of the last layer [J]
 };
 
 /// The layered or the smooth law, as `tissue.law` selects. It is one value without virtual calls and without
@@ -148,6 +158,12 @@ class SpringLaw final {
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept {
     const SmoothSpringLaw* const is_smooth = smooth();
     return is_smooth != nullptr ? is_smooth->force_at(depth) : layered()->force_at(depth);
+  }
+
+  /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
+  [[nodiscard]] double energy_at(double depth) const noexcept {
+    const SmoothSpringLaw* const is_smooth = smooth();
+    return is_smooth != nullptr ? is_smooth->energy_at(depth) : layered()->energy_at(depth);
   }
 
   /// [rt] Inverse of force_at(): deformation of every layer [m] under a contact force [N].

@@ -40,6 +40,26 @@ std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
   return sampled;
 }
 
+/// @throws InputError that names the inclusion by its number from 1
+PlacedInclusion place_inclusion(const OrganSurface& surface, std::size_t index,
+                                const model::Inclusion& inclusion) {
+  try {
+    return {surface, inclusion};
+  } catch (const InputError& error) {
+    throw InputError("inclusion " + std::to_string(index + 1) + ": " + error.what());
+  }
+}
+
+void place_inclusions(const std::vector<model::Inclusion>& inclusions, World::Data& world) {
+  if (inclusions.size() > model::kMaxInclusions) {
+    throw InputError(std::to_string(inclusions.size()) + " inclusions: must be at most " +
+                     std::to_string(model::kMaxInclusions));
+  }
+  for (std::size_t i = 0; i < inclusions.size(); ++i) {
+    world.inclusions.add(place_inclusion(world.surface, i, inclusions[i]));
+  }
+}
+
 /// Moves one part. @return false when the part jumped (DistanceCache::move): its contacts are dropped, and it
 /// starts none until it has been outside the organ
 bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
@@ -62,7 +82,7 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
 
 /// Moves all parts of a tool and updates their contacts. Load sharing follows in advance().
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
-                          const TissueLaws& laws, const ToolInput& input, ToolState& tool) noexcept {
+                          const ToolTissue& tissue, const ToolInput& input, ToolState& tool) noexcept {
   std::uint32_t status = 0;
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
@@ -77,9 +97,9 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
     tool.grip.release_at_once();
     if (had_pose) status |= kJump;
   }
-  status |= tool.grip.update(world, laws, points, input.gripper, tool.pose_S, tool.parts);
+  status |= tool.grip.update(world, tissue, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
-    status |= update_press(world, laws, points.parts[i], tool.parts[i]);
+    status |= update_press(world, tissue, points.parts[i], tool.parts[i]);
   }
   return status;
 }
@@ -107,7 +127,8 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Wre
     for (const Proxy& contact : part.active()) {
       const Load& load = contact.load();
       const double counts = load.share * part.press_level;
-      const Vec3 force = counts * (contact.normal_force() * load.normal + contact.friction());
+      const Vec3 force =
+          counts * (contact.normal_force() * load.normal + contact.friction() + contact.lateral_force());
       sums.add(force, contact.application_point(), tool.pose_S.position);
       sums.friction += counts * contact.friction();
       if (counts <= 0.0 || contact.depth() <= 0.0) continue;
@@ -206,11 +227,14 @@ void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std
 }  // namespace
 
 World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
-             const model::TissueParameters& tissue, double loop_period, const Preparation& how) {
+             const model::TissueParameters& tissue, double loop_period, const Preparation& how,
+             const model::TissueVariation& variation) {
   model::validate(tissue);
-  data_ =
-      std::make_unique<const Data>(Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how),
-                                        sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
+  auto data = std::make_unique<Data>(Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how),
+                                          sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
+  if (!variation.stiffness.empty()) data->map = StiffnessMap(data->surface, variation.stiffness);
+  place_inclusions(variation.inclusions, *data);
+  data_ = std::move(data);
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -221,9 +245,15 @@ const model::TissueParameters& World::tissue() const noexcept { return data_->ti
 const model::SpringLaw& World::press_law() const noexcept { return data_->laws.press; }
 const model::SpringLaw& World::pull_law() const noexcept { return data_->laws.pull; }
 const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
+std::vector<model::Inclusion> World::inclusions() const {
+  std::vector<model::Inclusion> inclusions;
+  for (const PlacedInclusion& one : data_->inclusions.at_rest()) inclusions.push_back(one.inclusion);
+  return inclusions;
+}
 double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
 
 State::State(const World& world) : data_(std::make_unique<Data>()) {
+  data_->inclusions = world.data().inclusions;
   for (const ToolPoints& points : world.data().tools) {
     ToolState tool;
     for (const PartPoints& part : points.parts) tool.parts.emplace_back(world.data().surface, part);
@@ -251,6 +281,16 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
   now.updated_laws = laws;
 }
 
+PlacedInclusion placed_inclusion(const World& world, std::size_t index, const model::Inclusion& inclusion) {
+  return place_inclusion(world.data().surface, index, inclusion);
+}
+
+void change_inclusion(State& state, std::size_t index, const PlacedInclusion& placed) noexcept {
+  state.data().inclusions.replace(index, placed);
+}
+
+void move_inclusions(State& state, double time) noexcept { state.data().inclusions.move_to(time); }
+
 void advance(const World& world, const Pose& organ_W, std::span<const ToolInput> inputs, State& state,
              std::span<ToolResult> results) noexcept {
   const World::Data& data = world.data();
@@ -260,7 +300,8 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   std::array<Load*, kMaxContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    status[t] = update_tool(data, data.tools[t], organ_W, laws, inputs[t], now.tools[t]);
+    const ToolTissue tissue{laws, now.inclusions.now(), data.map, data.tools[t].tip_radius};
+    status[t] = update_tool(data, data.tools[t], organ_W, tissue, inputs[t], now.tools[t]);
     for (PartState& part : now.tools[t].parts) {
       for (Proxy& contact : part.active()) all[count++] = &contact.load();
     }

@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "core/contact/inclusions.h"
 #include "core/contact/tissue_laws.h"
+#include "palpate/inclusion.h"
 #include "palpate/mesh.h"
 #include "palpate/pose.h"
 #include "palpate/preparation.h"
@@ -20,11 +22,13 @@ class World final {
   /// [setup] Refines the organ's rest surface, computes its normals and its bounding-volume hierarchy, and
   /// resamples the tools. Uses all processors; its threads end before it returns.
   /// @param organ closed, outward-oriented, metres, organ frame S
-  /// @param how cache and progress callback
-  /// @throws ParameterError for bad tissue values; InputError for a mesh that is not closed, or a tool
-  /// without points or with more than kMaxParts parts.
+  /// @param how cache and progress callback @param variation where the tissue is not uniform
+  /// @throws ParameterError for bad tissue values; InputError for a mesh that is not closed, a tool without
+  /// points or with more than kMaxParts parts, an inclusion that is not inside the organ, or a point of the
+  /// stiffness map that is not on its surface.
   World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
-        const model::TissueParameters& tissue, double loop_period, const Preparation& how = {});
+        const model::TissueParameters& tissue, double loop_period, const Preparation& how = {},
+        const model::TissueVariation& variation = {});
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
@@ -37,6 +41,8 @@ class World final {
   [[nodiscard]] const geometry::TriangleMesh& rest_surface() const noexcept;
   /// [any] Radius of curvature [m] of a tool at its tip: given by the user, or estimated from its mesh.
   [[nodiscard]] double tip_radius(std::size_t tool) const noexcept;
+  /// [any] The inclusions before tick 0.
+  [[nodiscard]] std::vector<model::Inclusion> inclusions() const;
 
   struct Data;
   [[nodiscard]] const Data& data() const noexcept { return *data_; }
@@ -68,6 +74,17 @@ class State final {
 /// [rt] Changes the tissue from the next tick on. Proxies and depths stay, so each contact force becomes that
 /// of the new law at the same depth. Relaxation keeps its history; a new Prony term begins unrelaxed.
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept;
+
+/// [setup] An inclusion in the world's organ. @param index for messages, from 0
+/// @throws InputError when it is not valid or not inside the organ
+[[nodiscard]] PlacedInclusion placed_inclusion(const World& world, std::size_t index,
+                                               const model::Inclusion& inclusion);
+
+/// [rt] Replaces an inclusion from the next tick on. @param index below the number of inclusions
+void change_inclusion(State& state, std::size_t index, const PlacedInclusion& placed) noexcept;
+
+/// [rt] Moves the inclusions that pulse to their places in the tick at `time` [s] after tick 0.
+void move_inclusions(State& state, double time) noexcept;
 
 /// [rt] One tick of contact: all tools against the organ's rest surface. A pure function of its arguments.
 /// @param organ_W the organ's pose in this tick

@@ -82,10 +82,12 @@ void Grasp::grasp(const World::Data& world, const ToolPoints& points, const Pose
 }
 
 /// Updates stretch and force. @return false when the force is above the grip limit
-bool Grasp::pull(const TissueLaws& laws, const Pose& tool_S) noexcept {
+bool Grasp::pull(const ToolTissue& tissue, const Pose& tool_S) noexcept {
+  const TissueLaws& laws = tissue.laws;
   stretch_ = tool_S * anchor_T_ - anchor_.point;
   const double length = stretch_.norm();
-  const model::ContactResponse response = laws.pull.force_at(length);
+  model::ContactResponse response = laws.pull.force_at(length);
+  if (!tissue.uniform()) response.force = TissueAt(tissue, anchor_).force_at(laws.pull, length).normal;
   Vec3 force = length > 0.0 ? Vec3(-(response.force / length) * stretch_) : Vec3(Vec3::Zero());
   if (laws.relaxation.count() > 0) {
     // Relax each component. Relaxation is linear in the force, and it stays passive for a force that is the
@@ -121,13 +123,13 @@ void Grasp::change_relaxation(const model::Relaxation& now, const model::Relaxat
   for (model::RelaxationState& memory : memory_) now.convert_history(memory, before);
 }
 
-std::uint32_t Grasp::update(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+std::uint32_t Grasp::update(const World::Data& world, const ToolTissue& tissue, const ToolPoints& points,
                             double gripper, const Pose& tool_S, std::span<PartState> parts) noexcept {
   if (fade_ > 0.0) fade_ = std::max(0.0, fade_ - world.period / kLetGoFade);
   if (follow(gripper) && !held_ && !torn_off_) grasp(world, points, tool_S, parts);
   if (held_ && gripper > kOpenAbove) {
     release();
-  } else if (held_ && !pull(laws, tool_S)) {
+  } else if (held_ && !pull(tissue, tool_S)) {
     release();
     torn_off_ = true;
   }

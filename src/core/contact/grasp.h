@@ -5,7 +5,7 @@
 
 #include "core/contact/contact.h"
 #include "core/contact/organ_surface.h"
-#include "core/contact/tissue_laws.h"
+#include "core/contact/tool_tissue.h"
 
 namespace palpate::contact {
 
@@ -22,7 +22,7 @@ class Grasp final {
  public:
   /// [rt] One tick, after the parts have moved. Sets the press level of the parts that hold.
   /// @param tool_S pose of the handle @return status bits
-  std::uint32_t update(const World::Data& world, const TissueLaws& laws, const ToolPoints& points,
+  std::uint32_t update(const World::Data& world, const ToolTissue& tissue, const ToolPoints& points,
                        double gripper, const Pose& tool_S, std::span<PartState> parts) noexcept;
 
   /// [rt] The tool jumped: releases without a fade. The gripper state stays.
@@ -49,7 +49,7 @@ class Grasp final {
   [[nodiscard]] bool follow(double gripper) noexcept;
   void grasp(const World::Data& world, const ToolPoints& points, const Pose& tool_S,
              std::span<PartState> parts) noexcept;
-  [[nodiscard]] bool pull(const TissueLaws& laws, const Pose& tool_S) noexcept;
+  [[nodiscard]] bool pull(const ToolTissue& tissue, const Pose& tool_S) noexcept;
   void release() noexcept;
 
   bool open_ = false;     // state of the gripper, with hysteresis

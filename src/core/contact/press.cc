@@ -134,7 +134,7 @@ class ContactStarter final {
 
 }  // namespace
 
-std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
+std::uint32_t update_press(const World::Data& world, const ToolTissue& tissue, const PartPoints& points,
                            PartState& part) noexcept {
   const int before = part.contact_count;
   for (int i = 0; i < part.contact_count;) {
@@ -161,7 +161,7 @@ std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, con
   } else {
     status = kStartedInside;
   }
-  for (Proxy& contact : part.active()) contact.press(laws, part.distances, part.press_level, world.period);
+  for (Proxy& contact : part.active()) contact.press(tissue, part.distances, part.press_level, world.period);
   return status;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "core/contact/state.h"
+#include "core/contact/tool_tissue.h"
 
 namespace palpate::contact {
 
@@ -7,7 +8,7 @@ namespace palpate::contact {
 /// ends and merges contacts, starts new ones, then computes depth, force and friction of each (docs/model.md,
 /// section 4).
 /// @return status bits
-std::uint32_t update_press(const World::Data& world, const TissueLaws& laws, const PartPoints& points,
+std::uint32_t update_press(const World::Data& world, const ToolTissue& tissue, const PartPoints& points,
                            PartState& part) noexcept;
 
 }  // namespace palpate::contact

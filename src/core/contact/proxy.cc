@@ -182,12 +182,31 @@ void Proxy::follow_patch(const DistanceCache& distances, double period) noexcept
   application_point_ = patch_.centroid;
 }
 
-void Proxy::press(const TissueLaws& laws, const DistanceCache& distances, double level,
+/// Elastic force of a tissue that is not uniform [N]; sets the lateral force. A Maxwell element whose force
+/// has relaxed by v is as if it began at the depth D_v with dU/dD(D_v) = v. Its lateral force is that of U(D,
+/// s) - U(D_v, s), so that the element never gives back more energy than was put in (relaxation.h).
+double Proxy::press_at_place(const ToolTissue& tissue) noexcept {
+  const model::SpringLaw& law = tissue.laws.press;
+  const model::Relaxation& relaxation = tissue.laws.relaxation;
+  const TissueAt place(tissue, load_.at);
+  const TissueAt::Force now = place.force_at(law, depth_);
+  Vec3 lateral = now.lateral_S;
+  for (std::size_t i = 0; i < relaxation.count(); ++i) {
+    const double relaxed = relaxation.relaxed_after(load_.memory, i, now.normal);
+    relaxed_depth_[i] = place.depth_under(law, relaxed, relaxed_depth_[i]);
+    lateral -= relaxation.share(i) * place.force_at(law, relaxed_depth_[i]).lateral_S;
+  }
+  lateral_force_ = lateral - lateral.dot(load_.normal) * load_.normal;
+  return now.normal;
+}
+
+void Proxy::press(const ToolTissue& tissue, const DistanceCache& distances, double level,
                   double period) noexcept {
+  const TissueLaws& laws = tissue.laws;
   follow_patch(distances, period);
   offset_ = std::max(0.0, offset_ - offset_step_);
   depth_ = std::max(0.0, patch_.depth - offset_);
-  const double elastic = laws.press.force_at(depth_).force;
+  const double elastic = tissue.uniform() ? laws.press.force_at(depth_).force : press_at_place(tissue);
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
   // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
   // steps of the walk.

@@ -6,6 +6,7 @@
 #include "core/contact/organ_surface.h"
 #include "core/contact/tissue_laws.h"
 #include "core/contact/tool_points.h"
+#include "core/contact/tool_tissue.h"
 #include "core/model/relaxation.h"
 
 namespace palpate::contact {
@@ -65,7 +66,7 @@ class Proxy final {
   /// The depth of a stale proxy does not grow.
   void fade(bool is_stale, double period) noexcept;
   /// [rt] Computes force and friction of this tick. @param level press level of the part, 0..1
-  void press(const TissueLaws& laws, const DistanceCache& distances, double level, double period) noexcept;
+  void press(const ToolTissue& tissue, const DistanceCache& distances, double level, double period) noexcept;
 
   /// [rt] Whether the proxy has left its own local maximum of depth and moves towards a deeper contact of the
   /// part, whose patch it would press twice.
@@ -85,10 +86,13 @@ class Proxy final {
   [[nodiscard]] double normal_force() const noexcept { return normal_force_; }
   /// Tangential [N].
   [[nodiscard]] const Vec3& friction() const noexcept { return friction_; }
+  /// Tangential, of tissue that is not uniform: -dU/ds [N]. It pushes the tool off a hard inclusion.
+  [[nodiscard]] const Vec3& lateral_force() const noexcept { return lateral_force_; }
 
  private:
   [[nodiscard]] Vec3 tangential_offset() const noexcept;
   void hold_back_depth(double excess, double period) noexcept;
+  [[nodiscard]] double press_at_place(const ToolTissue& tissue) noexcept;
   void follow_patch(const DistanceCache& distances, double period) noexcept;
 
   Load load_;
@@ -105,6 +109,8 @@ class Proxy final {
   ContactPatch patch_;  // in S
   double normal_force_ = 0.0;
   Vec3 friction_ = Vec3::Zero();
+  Vec3 lateral_force_ = Vec3::Zero();
+  std::array<double, model::kMaxRelaxationTerms> relaxed_depth_{};  // of the tissue that is not uniform [m]
 };
 
 /// [rt] The contact patch at a point with a unit normal, all in S. @param guess as in contact_patch_of

@@ -9,10 +9,12 @@
 #include "core/contact/contact.h"
 #include "core/contact/distance_cache.h"
 #include "core/contact/grasp.h"
+#include "core/contact/inclusions.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/proxy.h"
 #include "core/contact/tissue_laws.h"
 #include "core/contact/tool_points.h"
+#include "core/contact/tool_tissue.h"
 
 namespace palpate::contact {
 
@@ -32,6 +34,8 @@ struct World::Data {
   std::vector<ToolPoints> tools;
   TissueLaws laws;  // of `tissue`
   double period;    // T [s]
+  StiffnessMap map{};
+  InclusionState inclusions{};  // before tick 0
 };
 
 /// State of one rigid part.
@@ -63,6 +67,7 @@ struct ToolState {
 struct State::Data {
   std::vector<ToolState> tools;
   std::optional<TissueLaws> updated_laws;  // updated during the run; empty: the world's laws apply
+  InclusionState inclusions{};             // in this tick
 
   [[nodiscard]] const TissueLaws& laws(const World::Data& world) const noexcept {
     return updated_laws ? *updated_laws : world.laws;

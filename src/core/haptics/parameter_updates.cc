@@ -16,6 +16,19 @@ LiveNoise noise_of_world(const SimulationWorld& world) {
   return {settings.enabled, settings.gain, settings.threshold};
 }
 
+/// The inclusion of the world with the numbers that a live update changes. @throws InputError
+model::Inclusion inclusion_of(const contact::World& world, const LiveInclusion& live) {
+  const std::vector<model::Inclusion> all = world.inclusions();
+  if (live.index >= all.size()) {
+    throw InputError("inclusion " + std::to_string(live.index + 1) + ": the scene has " +
+                     std::to_string(all.size()));
+  }
+  model::Inclusion changed = all[live.index];
+  changed.centre_S = Vec3(live.centre_S[0], live.centre_S[1], live.centre_S[2]);
+  changed.ratio = live.ratio;
+  return changed;
+}
+
 std::string in_mm(double metres) { return shortest(metres / kMillimetre) + " mm"; }
 
 }  // namespace
@@ -33,7 +46,12 @@ PreparedUpdate prepare_update(const SimulationWorld& world, const ParameterUpdat
   settings.gain = values.noise.gain;
   settings.threshold = values.noise.threshold;
   noise::validate(settings, world.rate_Hz, world.limits.max_sigma());
-  return {values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
+  PreparedUpdate prepared{values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
+  if ((values.what & kInclusionChanged) != 0) {
+    prepared.inclusion = contact::placed_inclusion(world.contact, values.inclusion.index,
+                                                   inclusion_of(world.contact, values.inclusion));
+  }
+  return prepared;
 }
 
 void apply_update(const SimulationWorld& world, SimulationState& state,
@@ -48,6 +66,9 @@ void apply_update(const SimulationWorld& world, SimulationState& state,
     state.noise_crossfade = {values.noise.gain, values.noise.threshold,
                              static_cast<std::uint32_t>(std::ceil(noise::TouchNoise::kFade * world.rate_Hz))};
   }
+  if ((values.what & kInclusionChanged) != 0) {
+    contact::change_inclusion(state.contact, values.inclusion.index, change.inclusion);
+  }
   state.change = values.number;
 }
 
@@ -57,6 +78,7 @@ ParameterUpdates::ParameterUpdates(const SimulationWorld& world, const model::Ti
       warnings_(std::move(warnings)),
       tissue_(tissue),
       noise_(noise_of_world(world)),
+      inclusions_(world.contact.inclusions()),
       slots_(kMaxWaiting, prepare_update(world, parameter_update(tissue, noise_of_world(world), 0))) {}
 
 ParameterUpdates::~ParameterUpdates() = default;
@@ -90,6 +112,21 @@ ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise) {
   hand_over(parameter_update(tissue_, noise, kNoiseChanged));
   noise_ = noise;
   return {offered_, {}};
+}
+
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveInclusion& inclusion) {
+  const std::lock_guard lock(callers_);
+  const model::Inclusion changed = inclusion_of(world_.contact, inclusion);
+  ParameterUpdate update = parameter_update(tissue_, noise_, kInclusionChanged);
+  update.inclusion = inclusion;
+  hand_over(update);
+  inclusions_[inclusion.index] = changed;
+  return {offered_, {}};
+}
+
+std::vector<model::Inclusion> ParameterUpdates::inclusions() const {
+  const std::lock_guard lock(callers_);
+  return inclusions_;
 }
 
 model::TissueParameters ParameterUpdates::tissue() const {

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/contact/inclusions.h"
 #include "core/contact/tissue_laws.h"
 #include "core/haptics/simulation.h"
 #include "palpate/parameter_updates.h"
@@ -9,6 +10,7 @@ namespace palpate::haptics {
 struct PreparedUpdate {
   ParameterUpdate values;
   contact::TissueLaws laws;
+  contact::PlacedInclusion inclusion{};  // only with kInclusionChanged
 };
 
 /// [setup] Checks a parameter update and prepares it for ticks. @throws ParameterError for a bad value;

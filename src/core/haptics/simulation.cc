@@ -191,6 +191,7 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
   }
   const Pose before_W = state.organ_W;
   state.organ_W = world.organ_motion.pose_at(world.organ_W, tick_number, world.rate_Hz);
+  contact::move_inclusions(state.contact, static_cast<double>(tick_number) / world.rate_Hz);
   contact::advance(world.contact, state.organ_W, state.inputs, state.contact, state.results);
   for (std::size_t hand = 0; hand < hands; ++hand) {
     DeviceMotion organ;

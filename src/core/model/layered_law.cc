@@ -37,6 +37,7 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
     limit_[layer] = limit;
     start_depth_[layer + 1] = end_depth;
     start_force_[layer + 1] = end_force;
+    start_energy_[layer + 1] = start_energy_[layer] + (start_force_[layer] + 0.5 * slope * limit) * limit;
     past_depth_[layer + 1] = end_depth * kJointWidth;
     past_force_[layer + 1] = end_force * kJointWidth;
     springs *= kSpringsPerBar;
@@ -63,6 +64,18 @@ ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   // Never above the force at the joint, so that the inverse finds the same layer; NaN stays NaN.
   const double bounded = force > start_force_[end] ? start_force_[end] : force;
   return {bounded, slope_[end - 1], static_cast<int>(end), false};
+}
+
+double LayeredSpringLaw::energy_at(double depth) const noexcept {
+  if (depth <= 0.0) return 0.0;
+  const auto layers = static_cast<std::size_t>(layers_);
+  std::size_t end = 1;
+  for (std::size_t i = 1; i < layers; ++i) end += depth > past_depth_[i] ? 1 : 0;
+  if (depth > past_depth_[end]) {
+    return start_energy_[end] + start_force_[end] * (depth - start_depth_[end]);
+  }
+  const double in = depth - start_depth_[end - 1];
+  return start_energy_[end - 1] + (start_force_[end - 1] + 0.5 * slope_[end - 1] * in) * in;
 }
 
 LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,

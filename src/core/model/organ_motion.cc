@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/model/require_within.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -34,13 +35,6 @@ double heartbeat(double u) noexcept {
   if (u < kThird) return smooth_step(u / kThird);
   if (u < 2.0 * kThird) return smooth_step((2.0 * kThird - u) / kThird);
   return 0.0;
-}
-
-/// @param unit SI value of one unit of the field
-void require_within(const std::string& field, double value, double low, double high, double unit) {
-  if (value >= low && value <= high) return;
-  const auto rounded = [unit](double limit) { return shortest(std::round(limit / unit * 1e6) / 1e6); };
-  throw ParameterError(field, value / unit, "a number >= " + rounded(low) + " and <= " + rounded(high));
 }
 
 void require_unit(const std::string& field, const Vec3& direction) {

@@ -36,6 +36,16 @@ class Relaxation final {
   /// adhering tissue would pull the tool back; a contact that cannot pull uses 0 then.
   [[nodiscard]] double next(RelaxationState& state, double elastic) const noexcept;
 
+  /// [rt] Share g_i of term i.
+  [[nodiscard]] double share(std::size_t i) const noexcept { return terms_[i].g; }
+
+  /// [rt] v_i = F_e - q_i [N] of term i after the next sample, where the elastic force is `elastic` [N].
+  [[nodiscard]] double relaxed_after(const RelaxationState& state, std::size_t i,
+                                     double elastic) const noexcept {
+    const Term& term = terms_[i];
+    return elastic - (term.keep * state.history[i] + term.gain * (elastic - state.elastic));
+  }
+
   /// [rt] Converts the history variables of `before` to these terms. Existing terms continue; a new term
   /// begins unrelaxed. Without terms no history is kept, so the first terms treat the present force as just
   /// applied.

@@ -25,11 +25,13 @@ SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direc
       Piece& next = piece_[i + 1];
       next.depth = (i == 0 ? 0.5 * limit : piece_[i].depth) + between;
       next.force = force_in(piece_[i], next.depth);
+      next.energy = energy_in(piece_[i], next.depth);
       next.stiffness = piece_[i].stiffness * portable::exp(piece_[i].growth * (next.depth - piece_[i].depth));
     }
     limit *= tissue.q;
   }
   max_force_ = force_in(piece_[pieces_ - 1], max_depth());
+  max_energy_ = energy_in(piece_[pieces_ - 1], max_depth());
   if (!std::isfinite(max_force_)) {
     throw ParameterError("beta", tissue.beta, "large enough that the smooth law's force stays finite");
   }
@@ -39,6 +41,28 @@ double SmoothSpringLaw::force_in(const Piece& piece, double depth) const noexcep
   const double in = depth - piece.depth;
   if (piece.growth == 0.0) return piece.force + piece.stiffness * in;
   return piece.force + piece.stiffness * (portable::expm1(piece.growth * in) / piece.growth);
+}
+
+/// Integral of force_in() from the start of the piece, plus the energy there.
+double SmoothSpringLaw::energy_in(const Piece& piece, double depth) const noexcept {
+  const double in = depth - piece.depth;
+  const double by_start = piece.energy + piece.force * in;
+  if (piece.growth == 0.0) return by_start + 0.5 * piece.stiffness * in * in;
+  const double x = piece.growth * in;
+  // (e^x - 1 - x) / growth^2; by its series where the difference would cancel
+  constexpr double kSmall = 1e-2;
+  const double rest = std::abs(x) < kSmall
+                          ? x * x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x / 720.0))))
+                          : portable::expm1(x) - x;
+  return by_start + piece.stiffness * rest / (piece.growth * piece.growth);
+}
+
+double SmoothSpringLaw::energy_at(double depth) const noexcept {
+  if (depth <= 0.0) return 0.0;
+  if (depth > max_depth()) return max_energy_ + max_force_ * (depth - max_depth());
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
+  return energy_in(piece_[last], depth);
 }
 
 ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {

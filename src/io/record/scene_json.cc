@@ -63,6 +63,50 @@ model::OrganMotionParameters motion_from(const Json& json) {
   return motion;
 }
 
+Json inclusion_json(const scene::InclusionSetup& setup) {
+  const model::Inclusion& inclusion = setup.inclusion;
+  return {{"name", setup.name},
+          {"visible", setup.visible},
+          {"centre_m", vector_json(inclusion.centre_S)},
+          {"radius_m", inclusion.radius},
+          {"stiffness_ratio", inclusion.ratio},
+          {"pulse_m", inclusion.pulse},
+          {"pulse_period_s", inclusion.pulse_period}};
+}
+
+scene::InclusionSetup inclusion_from(const Json& json) {
+  scene::InclusionSetup setup;
+  setup.name = json.at("name").get<std::string>();
+  setup.visible = json.at("visible").get<bool>();
+  setup.inclusion.centre_S = vector_from(json.at("centre_m"));
+  setup.inclusion.radius = json.at("radius_m").get<double>();
+  setup.inclusion.ratio = json.at("stiffness_ratio").get<double>();
+  setup.inclusion.pulse = json.at("pulse_m").get<double>();
+  setup.inclusion.pulse_period = json.at("pulse_period_s").get<double>();
+  return setup;
+}
+
+Json stiffness_json(const std::vector<model::StiffnessPoint>& points) {
+  Json json = Json::array();
+  for (const model::StiffnessPoint& one : points) {
+    json.push_back({one.point_S.x(), one.point_S.y(), one.point_S.z(), one.factor});
+  }
+  return json;
+}
+
+std::vector<model::StiffnessPoint> stiffness_from(const Json& json) {
+  std::vector<model::StiffnessPoint> points;
+  for (const Json& one : json) {
+    const double factor = one.at(3).get<double>();
+    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
+      throw InputError("stiffness factor is " + shortest(factor) + ", want >= " +
+                       shortest(model::kSmallestFactor) + " and <= " + shortest(model::kLargestFactor));
+    }
+    points.push_back({vector_from(one), factor});
+  }
+  return points;
+}
+
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 std::optional<double> optional_from(const Json& json) {
@@ -278,6 +322,11 @@ scene::Scene setup_from(const Json& json) {
   for (const Json& motion : json.at("organ").value("motion", Json::array())) {
     setup.organ_motion.push_back(motion_from(motion));
   }
+  // Older recordings have uniform tissue.
+  for (const Json& inclusion : json.at("organ").value("inclusions", Json::array())) {
+    setup.inclusions.push_back(inclusion_from(inclusion));
+  }
+  setup.stiffness = stiffness_from(json.at("organ").value("stiffness", Json::array()));
   setup.tissue = tissue_from(json.at("tissue"));
   for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
   for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
@@ -301,6 +350,11 @@ std::string setup_to_json(const scene::Scene& setup) {
   for (const model::OrganMotionParameters& motion : setup.organ_motion) {
     json["organ"]["motion"].push_back(motion_json(motion));
   }
+  if (!setup.inclusions.empty()) json["organ"]["inclusions"] = Json::array();
+  for (const scene::InclusionSetup& one : setup.inclusions) {
+    json["organ"]["inclusions"].push_back(inclusion_json(one));
+  }
+  if (!setup.stiffness.empty()) json["organ"]["stiffness"] = stiffness_json(setup.stiffness);
   json["tools"] = Json::array();
   for (const geometry::Tool& tool : setup.tools) json["tools"].push_back(tool_json(tool));
   json["devices"] = Json::array();

@@ -15,7 +15,7 @@ using model::kTissueFields;
 
 static_assert(std::is_standard_layout_v<UpdateRow> && std::is_trivially_copyable_v<UpdateRow>);
 static_assert(sizeof(UpdateRow) ==
-                  (6 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
+                  (11 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
 constexpr std::array<const char*, kMaxRelaxationTerms> kShareColumns{
@@ -45,6 +45,11 @@ std::vector<Column> all_columns() {
   columns.push_back({"noise_enabled", ColumnType::kU64, offsetof(UpdateRow, noise_enabled)});
   add("noise_gain_N_m", offsetof(UpdateRow, noise_gain), 0);
   add("noise_threshold_m", offsetof(UpdateRow, noise_threshold), 0);
+  columns.push_back({"inclusion", ColumnType::kU64, offsetof(UpdateRow, inclusion), true});
+  add("inclusion_x_m", offsetof(UpdateRow, inclusion_centre), 0, true);
+  add("inclusion_y_m", offsetof(UpdateRow, inclusion_centre), 1, true);
+  add("inclusion_z_m", offsetof(UpdateRow, inclusion_centre), 2, true);
+  add("inclusion_stiffness_ratio", offsetof(UpdateRow, inclusion_ratio), 0, true);
   return columns;
 }
 
@@ -63,6 +68,11 @@ UpdateRow row_of(const ParameterUpdate& change) noexcept {
   row.noise_enabled = change.noise.enabled ? 1 : 0;
   row.noise_gain = change.noise.gain;
   row.noise_threshold = change.noise.threshold;
+  if ((change.what & haptics::kInclusionChanged) != 0) {
+    row.inclusion = change.inclusion.index + std::uint64_t{1};
+    row.inclusion_centre = change.inclusion.centre_S;
+    row.inclusion_ratio = change.inclusion.ratio;
+  }
   row.name = change.name;
   return row;
 }
@@ -81,6 +91,10 @@ ParameterUpdate update_of(const UpdateRow& row) {
     change.tissue.relaxation.push_back({row.share[i], row.time[i]});
   }
   change.noise = {row.noise_enabled != 0, row.noise_gain, row.noise_threshold};
+  if (row.inclusion > 0) {
+    change.inclusion = {static_cast<std::uint32_t>(row.inclusion - 1), row.inclusion_centre,
+                        row.inclusion_ratio};
+  }
   change.name = row.name;
   return change;
 }

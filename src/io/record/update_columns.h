@@ -21,6 +21,9 @@ struct UpdateRow {
   std::uint64_t noise_enabled = 0;                           // 0 or 1
   double noise_gain = 0.0;                                   // N m
   double noise_threshold = 0.0;                              // m
+  std::uint64_t inclusion = 0;                               // 0: none; otherwise its number from 1
+  std::array<double, 3> inclusion_centre{};                  // organ frame [m]
+  double inclusion_ratio = 0.0;
   std::array<char, haptics::ParameterUpdate::kNameBytes> name{};
 };
 

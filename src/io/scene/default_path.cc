@@ -207,6 +207,10 @@ std::vector<std::string> default_path_remarks(const Scene& setup) {
   return remarks;
 }
 
+Vec3 default_touch(const Scene& setup, std::size_t hand) {
+  return press_point_of(setup, hand, lowest_point(setup.tools[hand])).approach.touch;
+}
+
 ToolPath default_path(const Scene& setup, std::size_t hand) {
   const Vec3 tip = lowest_point(setup.tools[hand]);
   const PressPoint place = press_point_of(setup, hand, tip);

@@ -13,6 +13,7 @@
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/scene_keys.h"
+#include "io/scene/variation_reader.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -64,6 +65,7 @@ void override_meshes(const Overrides& request, SceneFile& scene) {
   }
   if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
   if (!request.organ_motion.empty()) scene.organ_motion = organ_motions_by_flags(request.organ_motion);
+  if (!request.inclusions.empty()) scene.inclusions = inclusions_by_flags(request.inclusions);
   if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
   if (!request.tools.empty()) {
     if (scene.tools.size() > 1) {
@@ -127,6 +129,7 @@ void require_files_below(const std::filesystem::path& folder, const SceneFile& s
   };
   add(scene.organ);
   add(scene.tissue);
+  if (scene.stiffness_map) named.push_back(&*scene.stiffness_map);
   for (const ToolTable& tool : scene.tools) {
     add(tool.mesh);
     for (const JawTable& jaw : tool.jaws) named.push_back(&jaw.mesh);
@@ -187,6 +190,14 @@ void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
                            alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
   setup.organ = geometry::make_organ(organ.value);
+}
+
+void load_stiffness_map(const LocatedString& map, Scene& setup) {
+  try {
+    setup.stiffness = read_stiffness_map(map.file());
+  } catch (const InputError& error) {
+    throw InputError(map.where + ": " + error.what());
+  }
 }
 
 /// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
@@ -310,6 +321,7 @@ void add_sources(const Overrides& request, const SceneFile& scene, Scene& setup)
   if (request.scene) setup.files.push_back({"the scene", *request.scene});
   if (scene.tissue) add_source(*scene.tissue, setup);
   if (scene.organ) add_mesh_source(*scene.organ, setup);
+  if (scene.stiffness_map) setup.files.push_back({scene.stiffness_map->where, scene.stiffness_map->file()});
   for (const ToolTable& tool : scene.tools) {
     if (tool.mesh) add_mesh_source(*tool.mesh, setup);
     for (const JawTable& jaw : tool.jaws) add_mesh_source(jaw.mesh, setup);
@@ -340,6 +352,8 @@ Scene load(const Overrides& request) {
   MeshNotes notes;
   load_hands(scene, setup, notes);
   load_organ(scene, setup, notes);
+  place_inclusions(scene.inclusions, setup);
+  if (scene.stiffness_map) load_stiffness_map(*scene.stiffness_map, setup);
   setup.repairs = std::move(notes.repairs);
   setup.remarks = std::move(notes.remarks);
   add_sources(request, scene, setup);

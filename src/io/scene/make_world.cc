@@ -65,6 +65,13 @@ std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
 
 }  // namespace
 
+model::TissueVariation variation_of(const Scene& setup) {
+  model::TissueVariation variation;
+  for (const InclusionSetup& one : setup.inclusions) variation.inclusions.push_back(one.inclusion);
+  variation.stiffness = setup.stiffness;
+  return variation;
+}
+
 model::OrganMotion organ_motion_of(const Scene& setup) {
   return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
 }
@@ -80,7 +87,7 @@ haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparati
   const haptics::GateLimits limits = gate_limits(setup);
   noise::validate(noise, setup.rate_Hz, limits.max_sigma());
   haptics::SimulationWorld world{
-      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how),
+      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how, variation_of(setup)),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
       .limits = limits,
       .mappings = mappings_of(setup),

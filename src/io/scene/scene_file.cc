@@ -79,12 +79,18 @@ class SceneReader final {
     scene.organ_location = root_.location("organ") + ": organ.mesh";
     const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
-    table->allow_only(keys_in("organ", {"pose", "motion"}));
+    table->allow_only(keys_in("organ", {"pose", "motion", "inclusion", "stiffness"}));
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
     scene.tissue = stated(*table, "tissue");
     scene.organ_pose = read_pose(*table, "pose");
     scene.organ_motion = read_organ_motions(*table);
+    scene.inclusions = read_inclusions(*table);
+    if (const std::optional<TomlTable> stiffness = table->table("stiffness")) {
+      stiffness->allow_only(keys_in("organ.stiffness"));
+      scene.stiffness_map = stated(*stiffness, "map");
+      if (!scene.stiffness_map) stiffness->fail_missing("map", "must be a CSV file (docs/lumps.md)");
+    }
   }
 
   JawTable read_jaw(const TomlTable& table) const {

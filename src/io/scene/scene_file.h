@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/scene/variation_reader.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
@@ -60,6 +61,8 @@ struct SceneFile {
   std::optional<LocatedString> tissue;
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
+  std::vector<InclusionTable> inclusions;
+  std::optional<LocatedString> stiffness_map;
   std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
   std::vector<DeviceTable> devices;

@@ -1,0 +1,151 @@
+#include "core/contact/stiffness_map.h"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/SparseCholesky>
+
+#include "core/base/index.h"
+#include "core/base/portable_math.h"
+#include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+namespace palpate::contact {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+constexpr double kFarthest = 5e-3;    // m, of a point from the surface
+constexpr double kStiffness = 10e-3;  // m, of the interpolation: nearer points are joined as by a thin plate,
+                                      // farther ones as by a membrane
+constexpr double kHeld = 1e4;         // weight of a point, in units of the membrane's
+
+double cotangent(const Vec3& a, const Vec3& b) noexcept {
+  const double sine = a.cross(b).norm();
+  return sine > 0.0 ? a.dot(b) / sine : 0.0;
+}
+
+/// The cotangent Laplacian [Pinkall, Polthier 1993], and a third of the triangles' areas around each vertex
+/// [m^2].
+std::pair<Sparse, Eigen::VectorXd> laplacian_of(const geometry::TriangleMesh& mesh) {
+  const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(count);
+  for (const geometry::Triangle& triangle : mesh.triangles) {
+    const double third = geometry::area_vector_doubled(mesh, triangle).norm() / 6.0;
+    for (std::size_t e = 0; e < 3; ++e) {
+      const std::int32_t a = triangle[e];
+      const std::int32_t b = triangle[(e + 1) % 3];
+      const Vec3& opposite = mesh.vertices[at(triangle[(e + 2) % 3])];
+      const double weight = 0.5 * cotangent(mesh.vertices[at(a)] - opposite, mesh.vertices[at(b)] - opposite);
+      entries.emplace_back(a, b, -weight);
+      entries.emplace_back(b, a, -weight);
+      entries.emplace_back(a, a, weight);
+      entries.emplace_back(b, b, weight);
+      area[a] += third;
+    }
+  }
+  Sparse laplacian(count, count);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  return {std::move(laplacian), std::move(area)};
+}
+
+struct Triangular {
+  std::array<double, 3> weight;  // barycentric coordinates
+  std::array<Vec3, 3> slope;     // their gradients [1/m]
+};
+
+Triangular triangular(const geometry::TriangleMesh& mesh, const geometry::Triangle& corners,
+                      const Vec3& point) noexcept {
+  const Vec3& a = mesh.vertices[at(corners[0])];
+  const Vec3 ab = mesh.vertices[at(corners[1])] - a;
+  const Vec3 ac = mesh.vertices[at(corners[2])] - a;
+  const Vec3 doubled = ab.cross(ac);
+  const double squared = doubled.squaredNorm();
+  Triangular made{{1.0, 0.0, 0.0}, {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}};
+  if (!(squared > 0.0)) return made;
+  made.slope[1] = ac.cross(doubled) / squared;
+  made.slope[2] = doubled.cross(ab) / squared;
+  made.slope[0] = -made.slope[1] - made.slope[2];
+  made.weight[1] = made.slope[1].dot(point - a);
+  made.weight[2] = made.slope[2].dot(point - a);
+  made.weight[0] = 1.0 - made.weight[1] - made.weight[2];
+  return made;
+}
+
+}  // namespace
+
+StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points)
+    : surface_(&surface) {
+  const geometry::TriangleMesh& mesh = surface.mesh();
+  const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
+  const auto [laplacian, area] = laplacian_of(mesh);
+  const Eigen::VectorXd inverse = area.unaryExpr([](double a) { return a > 0.0 ? 1.0 / a : 0.0; });
+  std::vector<Eigen::Triplet<double>> held;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const model::StiffnessPoint& one = points[i];
+    const geometry::NearestPoint nearest = surface.nearest(one.point_S, -1);
+    if (!(std::abs(nearest.distance) <= kFarthest)) {
+      throw InputError("point " + std::to_string(i + 1) + " of the stiffness map is " +
+                       brief(std::abs(nearest.distance) / kMillimetre, 3) +
+                       " mm from the organ's surface: must be at most " + brief(kFarthest / kMillimetre, 3) +
+                       " mm");
+    }
+    const geometry::Triangle& corners = mesh.triangles[at(nearest.triangle)];
+    const Triangular there = triangular(mesh, corners, nearest.point);
+    for (std::size_t a = 0; a < 3; ++a) {
+      right[corners[a]] += kHeld * there.weight[a] * portable::log(one.factor);
+      for (std::size_t b = 0; b < 3; ++b) {
+        held.emplace_back(corners[a], corners[b], kHeld * there.weight[a] * there.weight[b]);
+      }
+    }
+  }
+  Sparse pull(count, count);
+  pull.setFromTriplets(held.begin(), held.end());
+  const Sparse plate = laplacian.transpose() * inverse.asDiagonal() * laplacian;
+  // The last term keeps the matrix regular on a part of the surface without points.
+  Sparse unit(count, count);
+  unit.setIdentity();
+  const Sparse matrix = laplacian + kStiffness * kStiffness * plate + pull + 1e-9 * unit;
+  const Eigen::SimplicialLDLT<Sparse> solver(matrix);
+  if (solver.info() != Eigen::Success)
+    throw InputError("stiffness map: cannot be interpolated on this organ");
+  const Eigen::VectorXd logarithm = solver.solve(right);
+  values_.reserve(mesh.vertices.size());
+  for (Eigen::Index v = 0; v < count; ++v) values_.push_back(portable::exp(logarithm[v]));
+
+  gradients_.assign(mesh.vertices.size(), Vec3::Zero());
+  std::vector<double> total(mesh.vertices.size(), 0.0);
+  for (const geometry::Triangle& corners : mesh.triangles) {
+    const Triangular here = triangular(mesh, corners, mesh.vertices[at(corners[0])]);
+    const double weight = geometry::area_vector_doubled(mesh, corners).norm();
+    Vec3 gradient = Vec3::Zero();
+    for (std::size_t c = 0; c < 3; ++c) gradient += values_[at(corners[c])] * here.slope[c];
+    for (const std::int32_t corner : corners) {
+      gradients_[at(corner)] += weight * gradient;
+      total[at(corner)] += weight;
+    }
+  }
+  for (std::size_t v = 0; v < gradients_.size(); ++v) {
+    if (total[v] > 0.0) gradients_[v] /= total[v];
+  }
+}
+
+StiffnessMap::Factor StiffnessMap::factor_at(const SurfacePoint& place) const noexcept {
+  if (empty()) return {};
+  const geometry::TriangleMesh& mesh = surface_->mesh();
+  const geometry::Triangle& corners = mesh.triangles[at(place.triangle)];
+  const Triangular here = triangular(mesh, corners, place.point);
+  Factor factor{0.0, Vec3::Zero()};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t v = at(corners[c]);
+    const double linear = values_[v] + gradients_[v].dot(place.point - mesh.vertices[v]);
+    factor.value += here.weight[c] * linear;
+    factor.gradient_S += linear * here.slope[c] + here.weight[c] * gradients_[v];
+  }
+  return factor;
+}
+
+}  // namespace palpate::contact

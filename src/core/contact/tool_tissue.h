@@ -1,0 +1,53 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "core/contact/inclusions.h"
+#include "core/contact/organ_surface.h"
+#include "core/contact/stiffness_map.h"
+#include "core/contact/tissue_laws.h"
+#include "palpate/inclusion.h"
+
+namespace palpate::contact {
+
+/// The tissue as one tool meets it in this tick.
+struct ToolTissue {
+  const TissueLaws& laws;
+  std::span<const InclusionNow> inclusions;  // at most model::kMaxInclusions
+  const StiffnessMap& map;
+  double tip_radius;  // of the tool [m]
+
+  [[nodiscard]] bool uniform() const noexcept { return inclusions.empty() && map.empty(); }
+};
+
+/// The tissue at one place c of the rest surface, where it is not uniform (docs/lumps.md). Its energy is
+///
+///     U(D, c) = U_0(D) k(c) prod_j (1 + e_j(D, s_j^2)),   s_j^2 = |c - centre_j|^2 - h_j^2,
+///
+/// with k the stiffness map and e_j the inclusions' laws. (A product stays positive where several soft
+/// inclusions overlap.)
+class TissueAt final {
+ public:
+  /// [rt] @param tissue must outlive this
+  TissueAt(const ToolTissue& tissue, const SurfacePoint& place) noexcept;
+
+  struct Force {
+    double normal = 0.0;            // dU/dD [N]
+    Vec3 lateral_S = Vec3::Zero();  // -dU/dc [N]; the component along the normal has no meaning
+  };
+  /// [rt] The elastic force at a depth D [m] >= 0. @param law of this tissue, press or pull
+  [[nodiscard]] Force force_at(const model::SpringLaw& law, double depth) const noexcept;
+
+  /// [rt] Inverse of the normal force: D [m] with dU/dD = `force` [N]. @param guess a depth near it [m]
+  [[nodiscard]] double depth_under(const model::SpringLaw& law, double force, double guess) const noexcept;
+
+ private:
+  std::span<const InclusionNow> inclusions_;
+  double tip_radius_;
+  StiffnessMap::Factor factor_;
+  Vec3 place_S_;
+  std::array<double, model::kMaxInclusions> squares_;  // s_j^2 [m^2]; one an inclusion
+};
+
+}  // namespace palpate::contact

@@ -1,0 +1,34 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/scene/toml_reader.h"
+#include "palpate/scene.h"
+
+namespace palpate::scene {
+
+/// An [[organ.inclusion]] table, checked except for its place in the organ. SI units.
+struct InclusionTable {
+  InclusionSetup setup;         // its centre only with `has_centre`
+  bool has_centre = false;      // position_mm was given
+  std::optional<Vec3> under_S;  // a point on or near the surface; empty: where the default path touches
+  double depth = 0.0;           // of the centre below that place [m]
+  std::string where;            // "FILE:LINE: organ.inclusion", for errors
+};
+
+/// [setup] The inclusions of an organ's table. @throws InputError as the other readers
+[[nodiscard]] std::vector<InclusionTable> read_inclusions(const TomlTable& organ);
+
+/// [setup] An inclusion by its flag: the name of a preset. @throws InputError that lists the presets
+[[nodiscard]] std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& words);
+
+/// [setup] Finds the centres and sets the inclusions of a loaded scene.
+/// @throws InputError for an inclusion that is not inside the organ
+void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup);
+
+/// [setup] Reads a stiffness map: columns x_mm, y_mm, z_mm (organ frame) and factor.
+/// @throws InputError that names file, line, column and value
+[[nodiscard]] std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file);
+
+}  // namespace palpate::scene
