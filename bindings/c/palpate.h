@@ -173,7 +173,7 @@ typedef struct palpate_result {
   double force[3];      // N
   double torque[3];     // N m
   double tissue_force;  // N, norm before the gate
-  double noise_force;   // N, norm before the gate
+  double noise_force;   // N, signed along the normal
   double friction;      // N
   double distance;      // m, tool to organ, negative inside
   double depth;         // m, penetration depth of the contact with the largest force
