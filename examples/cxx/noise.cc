@@ -1,4 +1,4 @@
-// Touch noise: its standard deviation over distance, and single samples by their number.
+// Prints the standard deviation of the touch noise over distance, and single samples by their number.
 #include <cmath>
 #include <cstdint>
 #include <iostream>
