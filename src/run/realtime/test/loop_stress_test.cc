@@ -52,7 +52,7 @@ class HangingDevice final : public Device {
   std::atomic<std::uint64_t> stops_{0};
 };
 
-/// Everybody who looks at the loop from outside, until it is told to stop.
+/// All observers of the loop on other threads, until `over` is set.
 struct Observers final : TickObserver {
   void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
   void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
