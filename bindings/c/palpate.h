@@ -4,10 +4,11 @@
 // and receives the forces for the devices. It can read the deformed surface for display.
 //
 // Units are SI (m, N, N m, s). Quaternions are w x y z. The world frame is right-handed with z up. All
-// functions return a palpate_status, except those that return a pointer or a number. After an error,
-// palpate_last_error() returns one line with the field, its value and the accepted values. No function
-// throws, prints or installs a signal handler. The caller owns all memory, except objects from palpate_open()
-// and palpate_law_open() and the returned texts, whose lifetimes are stated below.
+// functions return a palpate_status, except those that return a pointer or a number. A null pointer or a
+// wrong struct_size gives PALPATE_ERROR_USE. After an error, palpate_last_error() returns one line with the
+// field, its value and the accepted values. No function throws, prints or installs a signal handler. The
+// caller owns all memory, except objects from palpate_open() and palpate_law_open() and the returned texts,
+// whose lifetimes are stated below.
 //
 // Threads. [setup]: may allocate, read files and take seconds; no other thread may use the same object
 // meanwhile. [rt]: never allocates, locks or calls the system, for the thread of the haptic loop; one thread
@@ -116,10 +117,12 @@ typedef struct palpate_options {
 
 /// [setup] Reads and checks the scene and its files, and prepares the organ. A fine organ takes some seconds
 /// the first time. On success, close *simulation by palpate_close(); on error it is null.
+/// @return PALPATE_ERROR_USE if two scenes are given; PALPATE_ERROR_INPUT for an invalid scene, file or
+/// option, or a recording that cannot be created
 PALPATE_API palpate_status palpate_open(const palpate_options* options, palpate_simulation** simulation);
 
-/// [setup] Closes the recording, if any, and frees everything. Null is allowed. Returns an error if the
-/// recording failed or rows are missing; everything is freed even so.
+/// [setup] Closes the recording, if any, and frees everything. Null is allowed.
+/// @return PALPATE_ERROR_INPUT if the recording failed or rows are missing; everything is freed even so
 PALPATE_API palpate_status palpate_close(palpate_simulation* simulation);
 
 typedef struct palpate_info {
@@ -199,14 +202,13 @@ typedef struct palpate_result {
 /// set the device's force to zero itself and pass the next sample with PALPATE_FAULT_STALLED_LOOP. A bad
 /// sample is not an error; it latches a fault of its hand.
 /// @param hands palpate_info.hands
-/// @return PALPATE_ERROR_USE for a null pointer, a wrong size or a wrong number of hands; then no tick was
-/// computed
+/// @return PALPATE_ERROR_USE for a wrong call; then no tick was computed
 PALPATE_API palpate_status palpate_tick(palpate_simulation* simulation, const palpate_sample* samples,
                                         palpate_result* results, size_t hands);
 
 /// [any] Clears the latched faults of some hands at the next tick. The force of a held hand starts again by a
-/// ramp, after the hand was still outside the tissue. @param hand_bits bit 0 is the first hand
-/// @return PALPATE_ERROR_USE for a null pointer
+/// ramp, after the hand was still outside the tissue.
+/// @param hand_bits bit 0 is the first hand
 PALPATE_API palpate_status palpate_reset_fault(palpate_simulation* simulation, uint32_t hand_bits);
 
 /// [setup] Resets the simulation to the state before tick 0. @return PALPATE_ERROR_USE while recording; then
@@ -216,7 +218,7 @@ PALPATE_API palpate_status palpate_restart(palpate_simulation* simulation);
 /// [rt] Sample of a scripted device at a tick, for first steps and tests without a device. It follows the
 /// scene's path or recording. Without one, the tool moves from above the middle of the organ to 12 mm of
 /// depth or pull, and back. A held hand waits one second first, until its force has started.
-/// @return PALPATE_ERROR_USE for a null pointer, a wrong size or an invalid hand
+/// @return PALPATE_ERROR_USE for an invalid hand
 PALPATE_API palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t hand,
                                                    uint64_t tick, palpate_sample* sample);
 

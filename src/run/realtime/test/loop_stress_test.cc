@@ -63,7 +63,7 @@ struct Observers final : TickObserver {
   RunControl control;
   std::uint64_t snapshots = 0;  // received by the drawing thread
   std::uint64_t torn = 0;
-  std::uint64_t heard = 0;  // faults received by the talking thread
+  std::uint64_t heard = 0;  // faults received by the reporting thread
 
   void draw(const std::atomic<bool>& over) {
     std::uint64_t last = 0;
