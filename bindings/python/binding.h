@@ -55,7 +55,7 @@ py::object vectorised(const Numbers& numbers, const Answer& answer) {
 
 /// Copies numbers to a 1-D array.
 [[nodiscard]] py::array_t<double> array_of(std::span<const double> values);
-/// Copies as x y z, or as w x y z.
+/// Copies a vector (x y z) or a quaternion (w x y z) to a 1-D array.
 [[nodiscard]] py::array_t<double> array_of(const Vec3& vector);
 [[nodiscard]] py::array_t<double> array_of(const Quat& rotation);
 
