@@ -34,7 +34,7 @@ std::atomic<bool> reset_asked{false};
 
 extern "C" void ask_for_reset(int) { reset_asked.store(true, std::memory_order_relaxed); }
 
-/// Passes a stop or a fault reset that a signal requested on to a run. It is an observer, so the run exists
+/// Stops a run, or resets its faults, after a signal requested it. It is an observer, so the run exists
 /// whenever it is called.
 class SignalRelay final : public haptics::TickObserver {
  public:

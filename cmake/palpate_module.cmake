@@ -1,7 +1,8 @@
-# palpate_module(NAME [HEADERS ...] [SUBFOLDERS ...] [DEPS ...] [PRIVATE_DEPS ...] [TEST_DEPS ...]): the library palpate_NAME (alias
-# palpate::NAME) from the *.cc files of the current folder and of its SUBFOLDERS, and one test program palpate_NAME_test from
-# test/*_test.cc. HEADERS are those in include/palpate/ that belong to it (tools/lint_modules), DEPS module names or link targets. Who links a module sees the public headers in include/ alone;
-# sources in this repository that may see src/ link palpate::private. TEST_PROPERTIES: CTest's, of each suite.
+# palpate_module(NAME [HEADERS ...] [SUBFOLDERS ...] [DEPS ...] [PRIVATE_DEPS ...] [TEST_DEPS ...]): the library palpate_NAME
+# (alias palpate::NAME) from the *.cc files of the current folder and its SUBFOLDERS, and a test program palpate_NAME_test from
+# test/*_test.cc. HEADERS: its headers in include/palpate/ (tools/lint_modules). DEPS: module names or link targets. Targets that
+# link a module see only the public headers in include/; sources of this repository that use src/ link palpate::private.
+# TEST_PROPERTIES: CTest properties of each suite.
 add_library(palpate_private INTERFACE)
 add_library(palpate::private ALIAS palpate_private)
 target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
@@ -18,7 +19,7 @@ function(palpate_module name)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
 
   file(GLOB tests CONFIGURE_DEPENDS test/*_test.cc)
-  if(PALPATE_CORE_ONLY)  # without the tests that take an organ or a file from other rooms
+  if(PALPATE_CORE_ONLY)  # without tests that need an organ or a file of other modules
     foreach(test IN LISTS tests)
       file(STRINGS ${test} others REGEX "^#include \"(palpate/(builtin|read_mesh)|io|run)/?")
       if(others)

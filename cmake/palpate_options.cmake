@@ -1,4 +1,4 @@
-# Compiler settings that every target shares.
+# Compiler options of all targets.
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
@@ -9,12 +9,12 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 
-# The same rows bit for bit at -O0 and -O2 on any x86-64: no contraction to fused multiply-add, one
-# instruction set, no vectorised Eigen paths that would depend on it (docs/decisions/0001-determinism.md).
+# Rows are equal bit for bit at -O0 and -O2 on any x86-64: no contraction to fused multiply-add, one instruction set, no
+# vectorised Eigen code that depends on it (docs/decisions/0001-determinism.md).
 add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Werror -ffp-contract=off)
 add_compile_definitions(EIGEN_DONT_VECTORIZE EIGEN_MPL2_ONLY)
-# Eigen's small functions are inlined everywhere, not where a compiler thinks it pays: a tick in contact takes 8 % less
-# time by it (docs/decisions/0007), and with the address sanitizer tests that prepare organs half to two thirds less (0014).
+# Eigen's small functions are always inlined. This makes a tick in contact 8 % faster (docs/decisions/0007), and tests that
+# prepare organs with the address sanitizer 50 to 67 % faster (0014).
 add_compile_options("-DEIGEN_STRONG_INLINE=__attribute__((always_inline)) inline")
 
 set(PALPATE_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize= (address,undefined or thread)")
@@ -28,8 +28,8 @@ if(PALPATE_FUZZ)
   if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     message(FATAL_ERROR "PALPATE_FUZZ needs clang++ (cmake --preset asan), this is ${CMAKE_CXX_COMPILER}")
   endif()
-  # Not libFuzzer's watch on every comparison (-fsanitize=fuzzer-no-link), which makes tests in the same build 2.3 times as
-  # slow. tools/check_fuzz takes words from the seeds instead.
+  # Without libFuzzer's instrumentation of comparisons (-fsanitize=fuzzer-no-link), which makes tests in the same build 2.3 times
+  # slower. tools/check_fuzz takes dictionaries from the seeds instead.
   add_compile_options(-fsanitize-coverage=inline-8bit-counters,pc-table)
 endif()
 
@@ -43,13 +43,13 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   include(palpate_suites)
 endif()
 
-# The sources of a target are compiled joined, up to a dozen at a time, so that a header is read once for all of them
-# (docs/decisions/0017-joined-sources.md). Names in unnamed namespaces are therefore unique within a target.
-# -DCMAKE_UNITY_BUILD=OFF compiles each source alone: quicker when you change one source at a time.
+# Sources of a target are compiled together, up to a dozen at a time, so that each header is read once
+# (docs/decisions/0017-joined-sources.md). Names in unnamed namespaces must therefore be unique within a target.
+# -DCMAKE_UNITY_BUILD=OFF compiles each source separately, which is faster after a change of one source.
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")
 
-# palpate_compile_quickly(TARGET): little optimised, as no hand, picture or fit waits for its code.
+# palpate_compile_quickly(TARGET): low optimisation, for code whose speed does not matter to a run, picture or fit.
 function(palpate_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()

@@ -1,9 +1,9 @@
-# palpate_add_suites(TARGET PREFIX [PROPERTY VALUE...]): one CTest test for each test suite of a GoogleTest program, named
-# PREFIX.SUITE, in a process of its own: the tests of a suite share what is slow to prepare. The tests of SUITE are those
-# of its instantiations as well (TEST_P, TYPED_TEST). The file runs itself as a script after the program is linked.
+# palpate_add_suites(TARGET PREFIX [PROPERTY VALUE...]): one CTest test per test suite of a GoogleTest program, named
+# PREFIX.SUITE, in a separate process. Tests of a suite share slow preparations. The tests of SUITE include those of its
+# instantiations (TEST_P, TYPED_TEST). This file runs itself as a script after the program is linked.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
-  # With a sanitizer these take minutes and see no code that others do not: the finest built-in shapes, fits of many
-  # curves and random pictures.
+  # With a sanitizer these suites take minutes without covering more code: the finest built-in shapes, fits of many curves and
+  # random pictures.
   set(PALPATE_LEFT_OUT "")
   if(PALPATE_SANITIZE)
     set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:FitSpecimen.OrdersRelaxation*:"
@@ -32,7 +32,7 @@ endif()
 
 execute_process(COMMAND ${program} --gtest_list_tests "--gtest_filter=-${left_out}" OUTPUT_VARIABLE listed
   TIMEOUT 60 COMMAND_ERROR_IS_FATAL ANY)
-# A suite's line is not indented and ends in a point: "Suite.", "Instance/Suite.", "Suite/0.  # TypeParam = int".
+# A suite's line is not indented and ends with a point: "Suite.", "Instance/Suite.", "Suite/0.  # TypeParam = int".
 string(REGEX MATCHALL "(^|\n)[A-Za-z_][A-Za-z_0-9/]*\\.[^\n]*" lines "${listed}")
 set(suites "")
 foreach(line IN LISTS lines)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The built-in gallbladder pressed from Python through the C interface, with ctypes and nothing else.
+"""Presses the built-in gallbladder from Python through the C interface, with ctypes alone.
 
 Usage: ctypes_press.py LIBPALPATE.so [SCENE.toml]
 """
@@ -13,7 +13,7 @@ PROGRESS = ctypes.CFUNCTYPE(None, c_double, c_char_p, c_void_p)
 
 
 def struct(name, fields):
-    """A struct of palpate.h: its own size first."""
+    """A struct of palpate.h, which begins with its size."""
     made = type(name, (ctypes.Structure,), {'_fields_': [('struct_size', c_size_t), *fields]})
     made.fresh = classmethod(lambda cls: cls(struct_size=ctypes.sizeof(cls)))
     return made
@@ -41,7 +41,7 @@ Result = struct('Result', [
 
 
 def load(path):
-    """The library, with the types of what is called here."""
+    """Loads the library and declares the types of the used functions."""
     library = ctypes.CDLL(path)
     library.palpate_version.restype = c_char_p
     library.palpate_last_error.restype = c_char_p
@@ -65,7 +65,7 @@ def main():
 
     options, simulation, info = Options.fresh(), c_void_p(), Info.fresh()
     options.scene_file = sys.argv[2].encode() if len(sys.argv) > 2 else None
-    options.no_hand = 1  # the samples come from a path
+    options.no_hand = 1  # no hand: the samples come from a path
     check(library.palpate_open(ctypes.byref(options), ctypes.byref(simulation)))
     check(library.palpate_get_info(simulation, info))
     print(f'{library.palpate_name(simulation).decode()}: {info.hands} hand(s) at {info.rate:g} Hz')

@@ -1,4 +1,4 @@
-// Files of arrays, as in the cache of prepared organs: whatever is wrong with one, it is an empty optional.
+// Array files of the organ cache. The reader returns an empty optional for every invalid file.
 #include "io/system/array_file.h"
 
 #include "fuzz/input.h"

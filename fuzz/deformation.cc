@@ -1,4 +1,4 @@
-// Measured deformations as CSV; what was read can be compared with the model.
+// Deformations from CSV. Valid ones can be compared with the model.
 #include <cmath>
 
 #include "palpate/validate.h"
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         fuzz::require(r >= last, "distances rise from 0");
         last = r;
       }
-      const double deep = 1e4;  // m: more than any displacement that is taken
+      const double deep = 1e4;  // m: more than any accepted displacement
       const auto comparison = validate::compare_deformation(deformation, {}, deep, 5e-3);
       fuzz::require(std::isfinite(comparison.errors.rms), "an error is finite");
     }

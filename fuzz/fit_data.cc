@@ -1,4 +1,4 @@
-// Measured curves as CSV; what was read can be thinned and has ranges.
+// Measured curves from CSV. Valid ones can be thinned and have ranges.
 #include <algorithm>
 #include <cmath>
 

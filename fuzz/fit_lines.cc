@@ -1,4 +1,4 @@
-// The lines that a fit of many keeps beside its results; what is read must be written as what is read again.
+// Saved lines of a fit of many specimens. A valid line can be written and read again.
 #include "science/identify/fit_record.h"
 #include "science/tasks/record.h"
 
@@ -9,7 +9,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile input(".lines");
   for (const auto& [key, line] :
        tasks::read_record(input.hold({data, size}).string(), identify::check_line)) {
-    if (line.find("points_swept") != std::string::npos) continue;  // a sweep's: check_line() has read it
+    if (line.find("points_swept") != std::string::npos)
+      continue;  // check_line() has read the line of a sweep
     const identify::SpecimenFit fit = identify::parse_record_line(line);
     const identify::Curve& curve = fit.curve;
     fuzz::require(curve.low.size() == curve.fitted.size() && curve.high.size() == curve.fitted.size(),

@@ -1,4 +1,4 @@
-// A message of Haply's service, as the first one and as the state of the devices that it lists.
+// Messages of Haply's service: the inventory, and the states of the listed devices.
 #include <cmath>
 
 #include "run/devices/haply_messages.h"

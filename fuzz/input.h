@@ -1,5 +1,5 @@
 #pragma once
-// What the fuzz targets share: the file that a reader is given, and what it may say of it.
+// Shared by the fuzz targets: an input file, and checks of a reader's errors.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -14,10 +14,10 @@
 
 namespace palpate::fuzz {
 
-/// A file in a folder of its own, written again for each input; both are gone when the process ends.
+/// A file in a temporary folder, rewritten for each input. The destructor removes both.
 class InputFile final {
  public:
-  /// @param ending with its dot, by which readers tell formats
+  /// @param ending file name extension with its dot, from which readers derive the format
   explicit InputFile(const std::string& ending) {
     folder_ = make_temporary_folder(std::filesystem::temp_directory_path() / "palpate-fuzz-");
     if (folder_.empty()) throw std::runtime_error("no temporary folder");
@@ -42,15 +42,15 @@ class InputFile final {
   std::filesystem::path file_;
 };
 
-/// Ends the process, so that the fuzzer keeps the input, when `holds` is false.
+/// Aborts the process if `holds` is false, so that the fuzzer keeps the input.
 inline void require(bool holds, const std::string& claim, const std::string& found = "") {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n%s\n", claim.c_str(), found.c_str());
   std::abort();
 }
 
-/// Runs a reader, which may end well or refuse by an InputError of one line with `name` in it. Any other
-/// exception leaves the target, which the fuzzer takes for the finding that it is.
+/// Runs a reader, which may succeed or throw an InputError of one line that contains `name`. Any other
+/// exception leaves the target and counts as a finding.
 template <typename Read>
 void read_or_refuse(const std::string& name, Read&& read) {
   try {

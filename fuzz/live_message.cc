@@ -1,4 +1,4 @@
-// A message of a client of the live interface; what is made of it is written as what is read again.
+// Messages of clients of the live interface. A tissue from a valid message can be written and read again.
 #include <nlohmann/json.hpp>
 
 #include "net/live_messages.h"

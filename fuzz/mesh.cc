@@ -1,4 +1,4 @@
-// Mesh files of the format PALPATE_FUZZ_ENDING: read, repaired to an organ, or refused in words.
+// Mesh files of the format PALPATE_FUZZ_ENDING: read and repaired to an organ, or rejected with a message.
 #include <utility>
 
 #include "io/mesh_io/repair/repair.h"
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::read_or_refuse(file.string(), [&] {
     geometry::LoadedMesh loaded = geometry::read_mesh(file, LengthUnit::kMillimetre);
     require_sound(loaded.mesh);
-    // Whatever its size, which repair_organ() judges too.
+    // repair_organ() also rejects meshes by size, so repair_surface() is called first.
     const geometry::RepairedSurface repaired = geometry::repair_surface(loaded.mesh);
     require_sound(repaired.mesh);
     loaded = geometry::repair_organ(std::move(loaded), file.string());

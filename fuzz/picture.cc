@@ -1,4 +1,4 @@
-// Photographs as PNG or JPEG: read or refused, within the limits on size.
+// Photographs as PNG or JPEG: read within the limits on size, or rejected.
 #include "science/imaging/image_file.h"
 
 #include "fuzz/input.h"

@@ -1,5 +1,5 @@
-// Recordings: read, and repaired in place. HDF5 itself has no sanitizers in it: what goes wrong inside shows
-// when it crashes or when what it returns is used.
+// Recordings: read, and repaired in place. HDF5 is built without sanitizers, so an error inside it shows only
+// by a crash or by the use of its result.
 #include "palpate/recording.h"
 
 #include "fuzz/input.h"

@@ -1,4 +1,4 @@
-// The scene inside a recording; what is read must be written as what is read again.
+// The scene inside a recording. A valid scene can be written and read again.
 #include "io/record/scene_json.h"
 
 #include "fuzz/input.h"

@@ -1,4 +1,4 @@
-// Small valid files for every fuzz target to start from: FOLDER/TARGET/NAME. Usage: palpate_fuzz_seeds FOLDER
+// Writes small valid seed files for every fuzz target: FOLDER/TARGET/NAME. Usage: palpate_fuzz_seeds FOLDER
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -34,7 +34,7 @@ const std::vector<Shape> kShapes{
      {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}},
      {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}},
     {"open", {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}},
-    {"two",  // that touch in a vertex, one of them turned inwards
+    {"two",  // touching in a vertex, one inside out
      {{0, 0, 0}, {20, 0, 0}, {0, 30, 0}, {0, 0, 40}, {-20, 0, 0}, {0, -30, 0}, {0, 0, -40}},
      {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 5, 4}, {0, 4, 6}, {4, 5, 6}, {0, 6, 5}}},
     {"cube",
@@ -60,7 +60,7 @@ std::string numbers(const std::array<float, 3>& vertex) {
   return std::to_string(vertex[0]) + ' ' + std::to_string(vertex[1]) + ' ' + std::to_string(vertex[2]);
 }
 
-/// All faces cut into fans of triangles.
+/// Splits all faces into triangle fans.
 std::vector<Face> triangles(const Shape& shape) {
   std::vector<Face> cut;
   for (const Face& face : shape.faces) {
@@ -104,7 +104,7 @@ std::string obj(const Shape& shape) {
   return text + "f -1/1/1 -2//1 -3/1\nl 1 2\n";
 }
 
-/// One line a face, its number of corners first.
+/// One line per face: its number of corners, then the corners.
 std::string face_lines(const Shape& shape) {
   std::string text;
   for (const Face& face : shape.faces) {
@@ -168,7 +168,7 @@ std::string three_ds(const Shape& shape) {
   return chunk_3ds(0x4d4d, chunk_3ds(0x3d3d, chunk_3ds(0x4000, part)));
 }
 
-/// Vertices, then triangles, as the buffer of a glTF.
+/// Vertices, then triangles, as a glTF buffer.
 std::string gltf_buffer(const Shape& shape) {
   std::string bytes;
   for (const auto& vertex : shape.vertices) {
@@ -253,7 +253,7 @@ std::string binary_vtk(const Shape& shape) {
   return bytes;
 }
 
-// A hexahedron with a tetrahedron upon it, whose faces do not meet.
+// A hexahedron and a tetrahedron on it that share no face.
 const std::vector<std::array<float, 3>> kSolidNodes{{0, 0, 0},    {20, 0, 0},  {20, 20, 0},
                                                     {0, 20, 0},   {0, 0, 20},  {20, 0, 20},
                                                     {20, 20, 20}, {0, 20, 20}, {10, 10, 40}};
@@ -279,7 +279,7 @@ std::string text_msh() {
   return text + "$EndElements\n";
 }
 
-/// Version 4.1 has blocks of nodes and elements, with counts and tags of eight bytes.
+/// Version 4.1 has blocks of nodes and elements; counts and tags have eight bytes.
 std::string binary_msh() {
   const auto wide = [](std::size_t value) { return little_endian(std::uint64_t{value}); };
   const std::size_t nodes = kSolidNodes.size();
@@ -398,14 +398,14 @@ constexpr const char* kLiveMessages[] = {
     R"({"do":"set_noise","noise":{"enabled":true,"threshold_mm":5,"user_threshold_N":0.02,
 "share_of_threshold":0.6}})"};
 
-/// 64 x 64 pixels of one bit, white above black.
+/// PNG of 64 x 64 pixels with one bit, white above black.
 constexpr char kPicture[] =
     "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x40\x00\x00\x00\x40"
     "\x01\x00\x00\x00\x00\x82\x12\x4c\x73\x00\x00\x00\x14\x49\x44\x41\x54\x78\xda\x63\xf8\x0f\x05\x0c"
     "\xa3\x0c\xac\x8c\x51\x80\x17\x00\x00\x6b\x72\xff\x01\x8d\x03\xbe\xf3\x00\x00\x00\x00\x49\x45\x4e"
     "\x44\xae\x42\x60\x82";
 
-/// A specimen's line, and one of a sweep.
+/// One line of a specimen and one of a sweep.
 std::string fit_lines() {
   identify::SpecimenFit fit;
   fit.name = "a";

@@ -1,4 +1,4 @@
-// Tissue files; what is read must be written so that it is read again.
+// Tissue files. A valid tissue can be written and read again.
 #include "palpate/scene.h"
 
 #include "fuzz/input.h"

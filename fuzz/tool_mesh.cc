@@ -1,4 +1,4 @@
-// An STL file as a tool's part: sampled into the points that touch, or refused in words.
+// STL files as a tool's part: sampled into contact points, or rejected with a message.
 #include <cmath>
 #include <utility>
 
@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
-  constexpr double kLargest = 0.05;  // m: larger tools have no other faults and take seconds
+  constexpr double kLargest = 0.05;  // m: larger tools take seconds and find nothing new
   static const fuzz::InputFile input(".stl");
   const std::filesystem::path& file = input.hold({data, size});
   fuzz::read_or_refuse(file.string(), [&] {

@@ -1,4 +1,4 @@
-// Tool paths as CSV; between and beyond its rows a path that was read is finite.
+// Tool paths from CSV. A valid path is finite at, between and beyond its rows.
 #include "palpate/tool_path.h"
 
 #include <cmath>

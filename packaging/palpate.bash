@@ -1,6 +1,6 @@
-# bash completion for palpate. Commands and flags are asked of the program itself, so they are always its own.
+# bash completion for palpate. It queries the program for commands and flags, so they always match.
 
-# The words of `palpate ... --help` that stand first on an indented line: commands, or flags.
+# First words of the indented lines of `palpate ... --help`: commands, or flags.
 _palpate_commands() {
   "$1" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z-]*\).*/\1/p'
 }
@@ -8,7 +8,7 @@ _palpate_flags() {
   "$1" "$2" --help 2>/dev/null | sed -n 's/^  \(-[a-zA-Z],\)\{0,1\}\(--[a-zA-Z][a-zA-Z-]*\).*/\2/p'
 }
 
-# What it says of a name it does not know: built-in organs.
+# Names of built-in organs, from the error message for an unknown name.
 _palpate_organs() {
   "$1" inspect ? 2>&1 | sed -n 's/.*(built in: \([^;]*\);.*/\1/p' | tr -d ','
 }
@@ -31,7 +31,7 @@ _palpate() {
       fi
       ;;
   esac
-  # Nothing of ours: a file, which is what -o default says below.
+  # No completion of our own: -o default below completes a file.
 }
 
 complete -o default -F _palpate palpate

@@ -1,5 +1,5 @@
-// `palpate bench` as its users meet it: what it refuses, the form of its output, and where it looks for
-// palpate-bench; never how long it took.
+// `palpate bench`: rejected arguments, form of the output, and search for palpate-bench. No test depends on
+// times.
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -15,12 +15,12 @@
 namespace palpate::tests {
 namespace {
 
-/// A copy of the program in a folder that is neither an installation's nor a build tree's.
+/// Copy of the program in a folder that is neither an installation nor a build tree.
 class MovedProgram : public testing::Test {
  protected:
   void SetUp() override { fs::copy_file(PALPATE_PROGRAM, folder_ / "palpate"); }
 
-  /// What `palpate bench` prints in that folder on both streams, palpate-bench being in the search path.
+  /// Both output streams of `palpate bench` in that folder, with palpate-bench in the search path.
   Outcome bench(const std::string& flags) {
     const std::string command = "cd '" + folder_.path().string() + "' && PATH=\"$PWD/on_path:$PATH\" '" +
                                 (folder_ / "palpate") + "' bench " + flags + " 2>&1";

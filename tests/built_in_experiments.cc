@@ -43,7 +43,7 @@ Rig built_in(const std::string& task) {
 bool same_bits(haptics::TickRow a, haptics::TickRow b) {
   a.tick_ns = b.tick_ns = 0;
   a.late_ns = b.late_ns = 0;
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): the bits are what is compared, -0 and NaN too
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): compares bits, with -0 and NaN
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 

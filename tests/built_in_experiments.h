@@ -18,15 +18,15 @@ struct Rig {
   haptics::SimulationWorld world;
   std::vector<std::unique_ptr<haptics::Device>> devices;
 
-  /// Ticks until the devices have nothing more to say.
+  /// Number of ticks until the paths of all devices end.
   [[nodiscard]] std::uint64_t whole_path() const;
-  /// Runs from tick 0. `options.ticks` counts.
+  /// Runs from tick 0 for `options.ticks` ticks.
   haptics::LoopReport run(const std::vector<haptics::TickObserver*>& observers,
                           const haptics::LoopOptions& options);
 };
 
-/// One of the paper's two experiments: task "press" (gallbladder) or "pull" (heart); or "moving": the press
-/// on an organ that breathes and beats at once.
+/// An experiment of the paper, "press" (gallbladder) or "pull" (heart), or "moving": the press on an organ
+/// with breathing and heartbeat.
 Rig built_in(const std::string& task);
 
 /// Keeps all rows of a run.
@@ -37,7 +37,7 @@ class RowKeeper final : public haptics::TickObserver {
   std::vector<haptics::TickRow> rows;
 };
 
-/// Bit for bit, but for the two times.
+/// Whether two rows are equal bit for bit, except the two measured times.
 bool same_bits(haptics::TickRow a, haptics::TickRow b);
 
 }  // namespace palpate::tests

@@ -1,4 +1,4 @@
-// The commands that print figures, and a fault through the whole program.
+// The commands that print numbers, and a fault in a run of the program.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -25,7 +25,7 @@ using nlohmann::json;
 using ::testing::Contains;
 using ::testing::DoubleNear;
 
-/// The tissue of docs/model.md that is worked by hand there.
+/// The tissue whose values docs/model.md computes by hand.
 const char* const kHandWorked = R"([tissue]
 name = "hand"
 k1_N_per_m = 18.0
@@ -57,7 +57,7 @@ TEST(ModelCommand, GivesTheFiguresWorkedByHand) {
   EXPECT_EQ(model(folder, "4000", "--depth-mm", "1")["layers_allowed"], 4);
 }
 
-// The tissue above with one layer a piece: worked by hand in src/core/model/test/smooth_law_test.cc.
+// The tissue above with one layer per piece. smooth_law_test.cc in src/core/model/test computes it by hand.
 TEST(ModelCommand, ComputesTheSmoothLawWhenAskedFor) {
   const Folder folder;
   std::ofstream(folder / "hand.toml") << kHandWorked;
@@ -81,7 +81,7 @@ TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
   }
 }
 
-/// 40 points to 10 mm of a spring of 20 N/m that becomes one of 200 N/m at 5 mm.
+/// 40 points to 10 mm of a spring with 20 N/m, which becomes 200 N/m at 5 mm.
 void write_curve(const Folder& folder, const std::string& name) {
   std::ofstream out(folder / name);
   out << "displacement_mm,force_N\n";
@@ -199,7 +199,7 @@ TEST(NoiseCommand, PrintsTheSameSamplesForTheSameSeedWithTheStatedSpread) {
   EXPECT_NEAR(std::sqrt(sum_of_squares / 20000.0), 5e-3, 1e-4);  // K/(d + d0); four standard errors
 }
 
-/// A recording of a hand that holds still and reads NaN at one tick.
+/// Records a hand at rest whose sample of one tick is NaN.
 void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
   const scene::Scene setup = scene::load({});
   record::Recorder recorder(file, setup, true);
@@ -224,7 +224,7 @@ TEST(RunCommand, ABrokenSampleLatchesZeroForceAndExitsThreeWithTheCauseRecorded)
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   ASSERT_EQ(run(folder, {"export", "run.h5", "--csv", "run.csv"}).exit_code, 0);
   const record::Recording recording = record::read_recording(folder / "run.h5");
-  ASSERT_EQ(recording.rows.size(), 200U);  // the run went on to its end
+  ASSERT_EQ(recording.rows.size(), 200U);  // the run continued to its end
   for (const haptics::TickRow& row : recording.rows) {
     EXPECT_EQ(row.fault != 0, row.tick >= 100) << row.tick;
     if (row.tick >= 110) {
@@ -236,7 +236,7 @@ TEST(RunCommand, ABrokenSampleLatchesZeroForceAndExitsThreeWithTheCauseRecorded)
   EXPECT_NE(text_of(folder / "run.csv").find("not-finite"), std::string::npos);
 }
 
-/// What a run says of the cache, and leaves there.
+/// Messages of a run about the cache, and the number of cached files.
 struct CacheUse {
   std::string words;
   std::size_t files = 0;

@@ -86,7 +86,7 @@ Pose shaken(const Pose& pose, std::uint64_t tick, std::size_t hand) noexcept {
   return moved;
 }
 
-/// Shifts each hand so that the contacts are close together and share tissue.
+/// Moves each hand aside, so that the contacts are close together and share the load.
 Pose beside(const Pose& pose, std::size_t hand) noexcept {
   constexpr std::array<double, 3> kAside{0.0, 6e-3, -9e-3};  // m
   constexpr std::array<double, 3> kTurned{0.0, 0.7, -1.3};   // rad about the vertical

@@ -1,4 +1,4 @@
-// `palpate devices`, and a run on a device whose library is the stand-in of src/run/devices/test/stand_in.
+// `palpate devices`, and a run with a simulated vendor library (src/run/devices/test/stand_in).
 #include <map>
 #include <string>
 
@@ -123,7 +123,7 @@ TEST(TouchRun, GoesThroughTheWholeProgramWithTheLibraryThatTheLoaderFinds) {
       folder,
       {"run", "--device", "touch", "--duration-s", "0.5", "--record", "run.h5", "--offline", "--headless"},
       environment);
-  // A computer that stood still for 5 ms makes samples old, which is a fault of the run's.
+  // A machine that halts for 5 ms makes the samples stale, which is a fault of the run.
   EXPECT_TRUE(outcome.exit_code == 0 || outcome.err.find("no new sample for 5 ms") != std::string::npos)
       << outcome.err;
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);

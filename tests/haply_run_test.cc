@@ -1,4 +1,5 @@
-// A run on Haply's service, a stand-in of ours: whatever ends it, the service's last command is zero force.
+// A run with a simulated service of Haply. However the run ends, the last command to the service is zero
+// force.
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -22,7 +23,7 @@ using devices::test::Answer;
 using devices::test::HaplyService;
 using Clock = std::chrono::steady_clock;
 
-/// The arm is still outside, then goes the way of the default press, again and again, until it breaks.
+/// The arm is at rest outside, then follows the default press, repeatedly, until it breaks.
 class PressedArm final {
  public:
   PressedArm() : path_(scene::default_path(scene::load({}), 0)) {}
@@ -47,7 +48,7 @@ class PressedArm final {
   std::atomic<Clock::time_point> begin_{Clock::now()};
 };
 
-/// Whether a process handles SIGUSR1 by now, which resets the faults of a run.
+/// Whether a process handles SIGUSR1, which resets the faults of a run.
 bool takes_resets(pid_t process) {
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   for (std::string line; std::getline(status, line);) {
@@ -57,9 +58,8 @@ bool takes_resets(pid_t process) {
   return false;
 }
 
-/// Runs until the hand has been pressed, then does `end`, and looks at what the service was left with. A
-/// computer that stands still for 5 ms makes samples old, which is a fault: it is reset, and the next press
-/// counts.
+/// Runs until the hand has pressed, then calls `end` and checks the last command to the service. A machine
+/// that halts for 5 ms makes samples stale, which is a fault. It is reset, and the next press is used.
 int exit_code_after(const std::function<void(PressedArm&, Program&, const HaplyService&)>& end) {
   PressedArm arm;
   HaplyService service(*arm().text, [&](std::size_t command) {

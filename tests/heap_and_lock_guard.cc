@@ -19,7 +19,7 @@ void count_heap() noexcept {
   if (armed) heap_count.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// The C library's own function of that name, looked up once.
+/// The C library's function with this name, looked up once.
 template <typename Function>
 Function* next(std::atomic<void*>& found, const char* name) noexcept {
   void* address = found.load(std::memory_order_acquire);
@@ -40,7 +40,7 @@ int forward_lock(std::atomic<void*>& found, const char* name, Object* object) no
 
 extern "C" {
 
-// The C library's own heap, under the names it has for it.
+// The C library's heap functions under their internal names.
 // NOLINTBEGIN(bugprone-reserved-identifier)
 void* __libc_malloc(std::size_t size) noexcept;
 void* __libc_calloc(std::size_t count, std::size_t size) noexcept;

@@ -3,12 +3,12 @@
 
 namespace palpate::tests {
 
-/// Counts what the calling thread does while armed: every use of the heap and every lock. The program's
-/// malloc and its kind, pthread_mutex_lock and its kind go through here (heap_and_lock_guard.cc).
+/// While armed, counts every heap use and every lock of the calling thread. heap_and_lock_guard.cc replaces
+/// malloc, pthread_mutex_lock and related functions of the program.
 void arm_guard() noexcept;
 void disarm_guard() noexcept;
 
-/// Since the start of the program, over all threads.
+/// Counts since the start of the program, over all threads.
 std::uint64_t heap_uses() noexcept;
 std::uint64_t lock_uses() noexcept;
 

@@ -1,4 +1,4 @@
-// `palpate run --igtl` as its users start it, with a client of the library beside it.
+// `palpate run --igtl` with a client that uses the OpenIGTLink library.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -23,10 +23,10 @@ using namespace std::chrono_literals;
 using net::test::Client;
 using net::test::Received;
 
-/// A port that was free a moment ago.
+/// A port that was free at the time of the call.
 int free_port() { return net::IgtlClients({"127.0.0.1", 0}, {}).port(); }
 
-/// Connects as soon as the program listens.
+/// Connects to the program when it listens.
 std::unique_ptr<Client> client_of(int port) {
   for (int i = 0; i < 6000; ++i) {
     try {
@@ -86,7 +86,7 @@ TEST(Igtl, WhatAClientReceivesIsWhatTheRecordingSays) {
         << "wall time, but for how late ticks were";
   }
   EXPECT_EQ(frames.rbegin()->first, 2.999) << "the last tick reaches a client that keeps up";
-  // The organ as it lay before it was touched; its far side stays where it is.
+  // The organ at rest. Its far side does not move.
   geometry::TriangleMesh rest = recording.setup.organ;
   geometry::transform(rest, recording.setup.organ_pose);
   EXPECT_NEAR(lowest, 1e3 * geometry::bounds(rest).low.z(), 1e-3) << "mm";

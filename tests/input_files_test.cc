@@ -1,4 +1,4 @@
-// Files from strangers: what the program does with files that are no regular files, or have no end.
+// Input files that are not regular files, or that never end.
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -15,7 +15,7 @@
 namespace palpate::tests {
 namespace {
 
-/// The program's outcome, if it ends by itself within 20 s; else it is killed.
+/// Outcome of the program if it ends within 20 s; otherwise it is killed.
 Outcome outcome_in_time(const Folder& folder, const std::vector<std::string>& words) {
   Program program(folder.path(), words);
   for (int i = 0; i < 2000 && !program.ended(); ++i)
@@ -24,7 +24,7 @@ Outcome outcome_in_time(const Folder& folder, const std::vector<std::string>& wo
   return program.wait();
 }
 
-/// Every command that reads a file, with that file's name for FILE.
+/// Every command that reads a file, with FILE for the file's name.
 const std::vector<std::pair<std::string, std::vector<std::string>>>& readers() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> kReaders = {
       {"toml", {"run", "FILE", "--offline"}},

@@ -1,4 +1,4 @@
-// `mpirun palpate fit` and `sweep`: the same bytes on any number of ranks, and what a lost rank loses.
+// `mpirun palpate fit` and `sweep` give the same bytes on any number of ranks, and resume after a lost rank.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,7 +21,7 @@
 namespace palpate::tests {
 namespace {
 
-/// `count` curves of 20 points, of tissues that differ.
+/// Writes `count` curves of 20 points, of different tissues.
 void write_curves(const Folder& folder, int count) {
   for (int n = 0; n < count; ++n) {
     std::ofstream file(folder / ("s" + std::to_string(n) + ".csv"));
@@ -40,7 +40,7 @@ std::string curves(int count) {
   return words;
 }
 
-/// A shell command in the folder; output to the files out and err there.
+/// Runs a shell command in the folder, with its output in the files out and err.
 int shell(const Folder& folder, const std::string& command) {
   const std::string line = "cd '" + folder.path().string() + "' && " + command + " > out 2> err";
   const int status = std::system(line.c_str());
@@ -76,16 +76,16 @@ TEST(Mpi, GivesTheSameBytesOnOneTwoAndFourRanks) {
   ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
   const std::string alone = text_of(folder / "out");
   const std::string swept = text_of(folder / "q.csv");
-  // Three values of each of two and of both together, and the fit's own with those added near it.
+  // Three values of each specimen and of both together, and the values added near the fit.
   EXPECT_GE(std::count(swept.begin(), swept.end(), '\n'), 1 + 3 * 3);
   const std::string tissue = text_of(folder / "t.toml");
-  for (const int ranks : {1, 2, 4}) {  // four ranks share each specimen's bootstrap, two share specimens
+  for (const int ranks : {1, 2, 4}) {  // four ranks share each specimen's bootstrap; two share specimens
     ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");
     EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
     EXPECT_EQ(text_of(folder / "t.toml"), tissue) << ranks << " ranks";
     EXPECT_EQ(text_of(folder / "q.csv"), swept) << ranks << " ranks";
   }
-  EXPECT_FALSE(fs::exists(folder / "t.toml.fits.jsonl"));  // done: nothing to go on from
+  EXPECT_FALSE(fs::exists(folder / "t.toml.fits.jsonl"));  // removed after success
 }
 
 TEST(Mpi, OnlyTheFirstRankTellsOfBadInput) {
@@ -106,7 +106,7 @@ TEST(Mpi, ASweepGoesOnWhereItWasBrokenOff) {
   ASSERT_EQ(shell(folder, alone + sweeps), 0) << text_of(folder / "err");
   const std::string whole = text_of(folder / "out");
   fs::create_directories(folder / "r/report.html");
-  // The page cannot be written, as a folder has its name: the results stay.
+  // The page cannot be written because a folder has its name. The results are kept.
   ASSERT_EQ(shell(folder, alone + " --sweep q=0.3:1.2:4 --report r"), 2);
   EXPECT_EQ(results_in(folder), 3U);  // the fit and both halves of the sweep
   ASSERT_EQ(shell(folder, by_mpi(2, words + sweeps)), 0) << text_of(folder / "err");

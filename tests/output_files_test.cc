@@ -1,4 +1,4 @@
-// Outputs that are inputs, or that are there and are no regular files.
+// Outputs that equal inputs, or that exist and are not regular files.
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -24,11 +24,11 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-constexpr dev_t kFullDevice = (1 << 8) | 7;  // Linux: what /dev/full is
+constexpr dev_t kFullDevice = (1 << 8) | 7;  // device number of /dev/full on Linux
 const std::string kShortScene =
     "[organ]\nmesh = \"gallbladder\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n";
 
-/// Writes a curve that stiffens.
+/// Writes a curve that becomes stiffer.
 void measure(const std::string& file) {
   std::ofstream out(file);
   out << "displacement_mm,force_N\n";
@@ -40,7 +40,7 @@ void record_short(const Folder& folder, const std::string& name) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
 }
 
-/// That the program refuses, names both flags and leaves every file as it was.
+/// Expects an error with both flags, and unchanged files.
 void expect_refused_untouched(const Folder& folder, const std::vector<std::string>& words,
                               const std::string& input, const std::string& flag, const std::string& other) {
   const std::string before = text_of(folder / input);
@@ -145,9 +145,9 @@ TEST(OutputFiles, TextAndPicturesGoStraightToADevice) {
 TEST(OutputFiles, APictureThatADeviceDoesNotTakeLeavesTheDevice) {
   const Folder folder;
   record_short(folder, "a.h5");
-  // A device of our own, where we may make one: /dev/full itself would be lost to everybody.
+  // A device file of our own, if the user may make one, because the test could damage /dev/full.
   const std::string full = folder / "full.png";
-  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // root alone can make one
+  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // only root can make one
   const Outcome outcome = run(folder, {"view", "a.h5", "--screenshot", "full.png"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(fs::is_character_file(full));
@@ -157,7 +157,7 @@ TEST(OutputFiles, AFitToADeviceKeepsNoLinesBesideIt) {
   const Folder folder;
   measure(folder / "a.csv");
   const std::string full = folder / "full.toml";
-  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // root alone can make one
+  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // only root can make one
   const Outcome outcome = run(folder, {"fit", "a.csv", "--out", "full.toml"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--out full.toml: cannot be written: No space left on device"));
@@ -173,7 +173,7 @@ TEST(OutputFiles, NoTemporaryFileHasANameThatOthersCanForesee) {
     std::vector<std::string> words = {"run", "--offline", "--duration-s", "0.05"};
     words.insert(words.end(), output.begin(), output.end());
     Program program(folder.path(), words, {{"TMPDIR", temporary.path().string()}});
-    // The names by which programs of before wrote, as long as this one still loads its scene.
+    // Temporary names of earlier versions, created while this program still loads its scene.
     const std::string id = std::to_string(program.id());
     fs::create_symlink(folder / "theirs", temporary / ("palpate-" + id + ".h5"));
     fs::create_symlink(folder / "theirs", temporary / (".palpate-" + id + ".h5." + id + ".partial"));
@@ -184,8 +184,7 @@ TEST(OutputFiles, NoTemporaryFileHasANameThatOthersCanForesee) {
   }
 }
 
-/// Files of this process and its children may grow to so many bytes while this lives: what a full disk does
-/// to one file.
+/// Limits the size of files of this process and its children, like a full disk for one file.
 class FileLimit final {
  public:
   explicit FileLimit(rlim_t bytes) {
@@ -243,7 +242,7 @@ TEST(OutputFiles, ARunThatIsStoppedByASignalGoesOnWithItsRecordingWhole) {
   EXPECT_EQ(run(folder, {"replay", "a.h5", "--verify"}).exit_code, 0);
 }
 
-/// Every command with each flag that names an output, to which the output's name is added.
+/// Every command with each flag for an output, without the output's name.
 TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothingIsLeftBehind) {
   const Folder folder;
   record_short(folder, "a.h5");
@@ -263,7 +262,7 @@ TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothi
   const std::vector<std::string> names = folder.names();
   for (std::vector<std::string> command : commands) {
     const bool makes_folder = command.back() == "--report";
-    // /proc takes no file or folder from anybody, root included; a report makes the folders on its way.
+    // Nobody can create a file or folder in /proc, not even root. A report creates the folders of its path.
     command.emplace_back(makes_folder ? "/proc/none/out" : "none/out.x");
     const std::string flag = command[command.size() - 2] + " " + command.back();
     const Outcome outcome = run(folder, command);

@@ -1,5 +1,5 @@
 #pragma once
-// The program in a child process, for tests that see it as its users do. PALPATE_PROGRAM is its path.
+// The program in a child process, for tests of its outputs. PALPATE_PROGRAM is its path.
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -26,7 +26,7 @@ inline std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// A folder of the test's own, gone at the end; its paths are words for the program.
+/// Folder of one test, removed by the destructor. Its paths can be arguments of the program.
 class Folder final : public test::TemporaryFolder {
  public:
   [[nodiscard]] std::string operator/(const std::string& name) const { return (path() / name).string(); }
@@ -44,8 +44,8 @@ struct Outcome {
   std::string err;
 };
 
-/// The program in a child process; output goes to files of a folder apart. The user's cache is off, unless a
-/// test names one of its own.
+/// The program in a child process, with its output in files of another folder. The user's cache is off unless
+/// the test sets one.
 class Program final {
  public:
   Program(const fs::path& working_folder, std::vector<std::string> words,
@@ -70,10 +70,10 @@ class Program final {
   }
   [[nodiscard]] pid_t id() const { return child_; }
   void signal(int number) const { kill(child_, number); }
-  /// What it has printed on standard output up to now.
+  /// Standard output up to now.
   [[nodiscard]] std::string out_so_far() const { return text_of(output_ / "out"); }
   [[nodiscard]] std::string err_so_far() const { return text_of(output_ / "err"); }
-  /// Whether it has ended by itself.
+  /// Whether the program has ended by itself.
   [[nodiscard]] bool ended() const {
     siginfo_t how{};
     return waitid(P_PID, static_cast<id_t>(child_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&

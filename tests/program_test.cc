@@ -1,4 +1,4 @@
-// The program as its users meet it: exit codes, words, and what is or is not written.
+// Exit codes, messages and output files of the program.
 #include "tests/program.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Waits until a file is there (a recording appears with its first tick); at most a minute.
+/// Waits at most a minute for a file. A recording appears with its first tick.
 bool appears(const std::string& file) {
   for (int i = 0; i < 6000; ++i) {
     if (fs::exists(file)) return true;
@@ -26,7 +26,7 @@ bool appears(const std::string& file) {
   return false;
 }
 
-/// The wall time that a 1 kHz recording spans: its ticks, and what late ones shifted the schedule by.
+/// Wall time of a 1 kHz recording: its ticks, and the delays that late ticks added to the schedule.
 double covered_seconds(const std::string& csv) {
   constexpr double kPeriod = 1e-3;
   std::istringstream all(csv);
@@ -87,7 +87,7 @@ TEST(Program, BadUsageAndBadInputExitTwoInOneLineAndWriteNothing) {
       {"--igtl", "-1"},
       {"--igtl", "slicer"},
       {"--igtl", "here:18944"},
-      {"--igtl", "192.0.2.1:18944"},  // set aside for documentation: no machine has it
+      {"--igtl", "192.0.2.1:18944"},  // an address for documentation, which no machine has
       {"none.toml"},
   };
   for (const auto& wrong : wrongs) {

@@ -1,4 +1,5 @@
-// What users see of real time: faults told while the run goes on, resets by a signal, the core, the doctor.
+// Runs in real time: messages about faults during the run, resets by a signal, the core, and `palpate
+// doctor`.
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -21,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A hand at rest over the gallbladder for `ticks` ticks, whose sample `broken_tick` is no number.
+/// Records a hand at rest above the gallbladder for `ticks` ticks. Its sample `broken_tick` is NaN.
 void record_broken_hand_in_real_time(const std::string& file, std::uint64_t ticks,
                                      std::uint64_t broken_tick) {
   record::Recorder recorder(file, scene::load(scene::Overrides{}), true);

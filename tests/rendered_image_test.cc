@@ -1,5 +1,5 @@
-// `palpate validate --image` on pictures of the program's own renderer: a thin slab seen from the side,
-// pressed by the ball from above, its upper edge the line to be found.
+// `palpate validate --image` with pictures of the program's renderer: a thin slab seen from the side, pressed
+// by a ball from above. Its upper edge is the surface line.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -27,12 +27,12 @@ namespace {
 constexpr int kWidth = 900;
 constexpr int kHeight = 480;
 constexpr double kPixel = 1e-4;    // m
-constexpr double kDistance = 3.0;  // m, of the camera: rays are as good as parallel
-constexpr double kTop = 0.02;      // m, of the slab
+constexpr double kDistance = 3.0;  // m, of the camera; rays are nearly parallel
+constexpr double kTop = 0.02;      // m, top of the slab
 constexpr double kBall = 5e-3;     // m
 constexpr double kDepth = 6e-3;    // m
 
-/// 140 x 2 x 40 mm of liver: so thin that every row of it moves alike.
+/// A slab of liver, 140 x 2 x 40 mm, so thin that all of its rows move equally.
 render::Subject slab() {
   render::Subject subject;
   subject.organ = geometry::make_box(Vec3(0.14, 0.002, 2.0 * kTop), 0.002);
@@ -44,7 +44,7 @@ render::Subject slab() {
   return subject;
 }
 
-/// The ball just clear of the slab, or in it.
+/// The ball just above the slab, or pressed into it.
 haptics::Snapshot snapshot_at(double depth) {
   haptics::Snapshot snapshot;
   snapshot.hands = 1;
@@ -59,7 +59,7 @@ haptics::Snapshot snapshot_at(double depth) {
   return snapshot;
 }
 
-/// Level with the slab's top, which is in the picture's middle row.
+/// A camera level with the slab's top, which is in the middle row of the picture.
 render::Camera from_the_side() {
   render::Camera camera;
   camera.eye = Vec3(0, -kDistance, kTop);
@@ -68,9 +68,9 @@ render::Camera from_the_side() {
   return camera;
 }
 
-/// What the renderer draws at a distance from the contact: u(r) with its corners rounded by a fifth of r,
-/// lowered so that it ends where it has fallen to 1.5 % of the depth (DeformedSurface), and nowhere above the
-/// ball.
+/// Displacement that the renderer draws at a distance from the contact: u(r) with corners rounded by a fifth
+/// of r, reduced so that it ends where it has fallen to 1.5 % of the depth (DeformedSurface), and never above
+/// the ball.
 double drawn_at(double r) {
   const deform::DisplacementProfile profile({}, kDepth, kBall);
   constexpr double kShare = deform::DeformedSurface::kLeastShare;
@@ -114,8 +114,8 @@ TEST_F(RenderedImage, IsMeasuredToHalfAPixel) {
   EXPECT_GT(static_cast<double>(within), 0.9 * static_cast<double>(errors.size()));
 }
 
-// u(r) holds R_1 to the ball's radius, which the picture does not (docs/validation.md): some percent of the
-// depth are left at 6 mm.
+// u(r) limits R_1 to the ball's radius, but the picture does not (docs/validation.md). At 6 mm this leaves an
+// error of some percent of the depth.
 TEST_F(RenderedImage, IsComparedByTheProgram) {
   const Outcome outcome =
       run(*folder_,
@@ -127,7 +127,7 @@ TEST_F(RenderedImage, IsComparedByTheProgram) {
   EXPECT_LT(set["nrmse"], 0.05);
 }
 
-// 3 mm instead of 6: the comparison must not call that true.
+// With 3 mm instead of 6 mm the comparison must fail.
 TEST_F(RenderedImage, AWrongDepthMissesItsGoal) {
   const Outcome outcome =
       run(*folder_,

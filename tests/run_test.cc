@@ -1,4 +1,4 @@
-// Claims about whole runs: the scene, its devices, contact, noise, gate and loop together.
+// Tests of whole runs: scene, devices, contact, noise, gate and loop together.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file that is gone at the end.
+/// A file that the destructor removes.
 class PathFile final {
  public:
   explicit PathFile(const std::string& text)
@@ -35,7 +35,7 @@ class PathFile final {
   fs::path path_;
 };
 
-/// A 3 mm ball over a block whose top is at z = 0, along a path.
+/// A 3 mm ball above a block whose top is at z = 0, moved along a path.
 scene::Scene ball_and_block(double rate_Hz, const std::string& path) {
   scene::Scene setup;
   setup.name = "ball and block";
@@ -51,7 +51,8 @@ scene::Scene ball_and_block(double rate_Hz, const std::string& path) {
 
 std::vector<haptics::TickRow> rows_of(Rig& rig, std::uint64_t ticks, bool offline = true) {
   RowKeeper keeper(ticks);
-  // Nobody holds a scripted hand, so no watchdog, as in the program: a machine that stalls is no fault here.
+  // A scripted device has no hand, so there is no watchdog, as in the program: a stall of the machine is not
+  // a fault.
   (void)rig.run({&keeper}, {.ticks = ticks, .offline = offline, .stalled_after_ns = 0});
   return std::move(keeper.rows);
 }
@@ -107,7 +108,7 @@ void expect_same_rows_in_real_time(const std::string& experiment) {
   for (std::size_t i = 0; i < ticks; ++i) ASSERT_TRUE(same_bits(offline[i], real[i])) << i;
 }
 
-// All at once: they wait for the next tick most of their 7 s.
+// Runs all at once, because they mostly wait for the next tick during their 7 s.
 TEST(BuiltInExperiment, GivesTheSameRowsOfflineAndInRealTime) {
   std::vector<std::thread> threads;
   for (const std::string experiment : {"press", "pull", "moving"}) {

@@ -1,4 +1,4 @@
-// `palpate serve` as its clients see it.
+// `palpate serve` with clients of the live interface.
 #include <chrono>
 #include <csignal>
 #include <string>
@@ -20,13 +20,13 @@ using namespace std::chrono_literals;
 using net::test::LiveClient;
 using nlohmann::json;
 
-/// The program serving at a port that the system chose, until it is ended.
+/// The serving program, at a port that the system chose.
 class Serve final {
  public:
   Serve(const Folder& folder, std::vector<std::string> words)
       : program_(folder.path(), whole(std::move(words))) {}
 
-  /// Where it listens; 0 when it has not said so within a minute.
+  /// The port, or 0 if the program has not reported it within a minute.
   [[nodiscard]] std::uint16_t port() const {
     for (int i = 0; i < 6000; ++i) {
       const std::string out = program_.out_so_far();
@@ -51,7 +51,7 @@ class Serve final {
   Program program_;
 };
 
-/// Waits until a run of that number has ticked.
+/// Waits until the run with this number has computed a tick.
 void await_tick(LiveClient& client, int run) {
   for (int i = 0; i < 6000; ++i) {
     const json state = client.ask(R"({"do": "state"})")["state"];
@@ -184,7 +184,7 @@ TEST(Serve, ASceneThatIsLoadedFollowsTheOneBeforeAndOneThatCannotBeLeavesIt) {
   json run = client.ask(R"({"do": "state"})")["run"];
   EXPECT_EQ(run["number"], 1) << "the first run goes on";
   EXPECT_EQ(run["state"], "running");
-  await_tick(client, 1);  // from there on it has a recording
+  await_tick(client, 1);  // the run has a recording after this
   const json loaded = client.ask(R"({"do": "load", "scene": "heart.toml", "device": "emulated"})");
   EXPECT_EQ(loaded["run"]["number"], 2) << loaded;
   EXPECT_EQ(loaded["run"]["scene"], "a heart");

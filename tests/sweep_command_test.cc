@@ -1,4 +1,4 @@
-// `palpate sweep` as its users see it.
+// `palpate sweep` as users call it.
 #include <fstream>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// A ball over the box, with the path that a scene has by itself.
+/// Writes a scene with a ball above the box and the default path.
 void write_scene(const Folder& folder, const std::string& more = "") {
   std::ofstream(folder / "press.toml") << "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n" << more;
 }
@@ -142,7 +142,7 @@ TEST(SweepCommand, ItsJsonHasWholeNumbersTruthsAndNulls) {
 TEST(SweepCommand, ReportsARecordThatCannotBeWrittenAnyMore) {
   const Folder folder;
   write_scene(folder);
-  // 1024 bytes: a run or two of the record
+  // 1024 bytes, enough for one or two runs of the record
   const std::string command =
       "cd '" + folder.path().string() + "' && trap '' XFSZ && ulimit -f 2 && '" + PALPATE_PROGRAM +
       "' sweep press.toml --duration-s 0.1 --set tissue.k1=10:20:5 --out d 2> err > out";

@@ -20,19 +20,19 @@
 namespace palpate::tests {
 namespace {
 
-/// Shared by child and parent.
+/// Memory shared by child and parent.
 struct Board {
   std::atomic<int> started{0};
   std::atomic<int> done{0};
   std::atomic<int> forbidden{-1};
 };
-Board* board = nullptr;  // a signal handler has no other way to reach it
+Board* board = nullptr;  // global, because a signal handler has no argument for it
 
 [[noreturn]] void leave(int code) noexcept {
   for (;;) syscall(SYS_exit_group, code);
 }
 
-/// A forbidden call: before the part is done a finding, after it the thread's own end.
+/// Handles a forbidden call. It is a finding before the part is done; afterwards it is the end of the thread.
 void on_forbidden(int, siginfo_t* info, void*) {
   if (board->done.load() == 0) board->forbidden.store(info->si_syscall);
   leave(board->done.load() == 0 ? 1 : 0);

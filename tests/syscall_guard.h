@@ -3,23 +3,24 @@
 
 namespace palpate::tests {
 
-/// What became of a program part that ran under a system-call filter.
+/// Outcome of a program part under a system-call filter.
 struct FilteredOutcome {
-  bool done = false;    // it came to its end while filtered
-  int forbidden = -1;   // number of the first system call that is not allowed, -1: none
-  int exit_status = 0;  // of the child, as waitpid gives it
+  bool done = false;    // the part ended under the filter
+  int forbidden = -1;   // number of the first forbidden system call, -1: none
+  int exit_status = 0;  // exit status of the child from waitpid
 };
 
-/// Marks that the filtered part is done; what follows (the thread's end) may call the system again.
+/// Marks the part of a program that runs under the filter.
 class FilteredPart {
  public:
   virtual ~FilteredPart() = default;
-  /// From here on the calling thread may only read clocks and sleep on them; anything else ends the child.
+  /// From now on the calling thread may only read clocks and sleep on them. Any other call ends the child.
   virtual void start() noexcept = 0;
+  /// Ends the part. Later system calls, as at the end of the thread, are no finding.
   virtual void done() noexcept = 0;
 };
 
-/// Runs `part` in a child process, so that a filter, which can never be taken off, ends with it.
+/// Runs `part` in a child process, because a filter cannot be removed.
 FilteredOutcome run_filtered(const std::function<void(FilteredPart&)>& part);
 
 }  // namespace palpate::tests

@@ -1,5 +1,5 @@
-// No heap use, no lock and no system call but the clock within a tick, over both of the paper's experiments
-// and a press on an organ that breathes and beats.
+// A tick uses no heap, no lock and no system call except the clock, in both of the paper's experiments and in
+// a press on an organ with breathing and heartbeat.
 #include <filesystem>
 #include <mutex>
 #include <new>
@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::uint64_t kTicks = 10'000;
 
-/// Something begins with the first tick and ends with the last, on the loop's own thread. The last observer
-/// of a run, so that the others' work lies between the two.
+/// Calls `begin` before the first tick and `end` after the last tick, on the loop's thread. Pass it as the
+/// last observer, so that the work of the others is in between.
 template <typename Begin, typename End>
 class Bracket final : public haptics::TickObserver {
  public:
@@ -102,7 +102,7 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
-  Rig rig = built_in(GetParam());  // before the fork, which threads at work do not survive
+  Rig rig = built_in(GetParam());  // before the fork, because running threads do not survive it
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
     haptics::SnapshotPublisher publisher;
     Bracket bracket(
@@ -113,7 +113,7 @@ TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {
   EXPECT_TRUE(outcome.done) << "child's status " << outcome.exit_status;
 }
 
-/// Of ticks in real time that a recorder takes.
+/// Expects only clock calls in ticks in real time with a recorder.
 void expect_no_system_call_but_the_clock(const char* task, haptics::Waiting waiting) {
   Rig rig = built_in(task);
   const std::filesystem::path file =
@@ -138,7 +138,7 @@ TEST_P(TickPurity, NoSystemCallButTheClockInRealTimeWithARecorder) {
 INSTANTIATE_TEST_SUITE_P(All, TickPurity, testing::Values("press", "pull", "moving"),
                          [](const auto& task) { return std::string(task.param); });
 
-// What is waited for is the same in every experiment.
+// One experiment is enough, because waiting is independent of it.
 TEST(TickPurityPolled, NoSystemCallButTheClockInRealTime) {
   expect_no_system_call_but_the_clock("press", haptics::Waiting::kPoll);
 }
@@ -148,7 +148,7 @@ TEST(Guards, TheHeapAndLockGuardSeesWhatItIsFor) {
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();
   arm_guard();
-  ::operator delete(::operator new(8));  // a new-expression might be left out by the compiler
+  ::operator delete(::operator new(8));  // called directly, because a compiler may omit a new-expression
   { const std::lock_guard lock(mutex); }
   disarm_guard();
   EXPECT_GE(heap_uses() - heap_before, 2u);

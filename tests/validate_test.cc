@@ -1,4 +1,4 @@
-// `palpate validate` as its users see it.
+// `palpate validate` as users call it.
 #include <algorithm>
 #include <fstream>
 #include <string>
@@ -19,14 +19,14 @@ namespace {
 
 using nlohmann::json;
 
-/// 31 points of the built-in gallbladder's own law to 7.5 mm: 18 N/m in its first layer of 8 mm.
+/// Writes 31 points of the built-in gallbladder's law to 7.5 mm: 18 N/m in its first layer of 8 mm.
 void write_validation_curve(const Folder& folder, const std::string& name, double factor) {
   std::ofstream out(folder / name);
   out << "displacement_mm,force_N\n";
   for (int i = 0; i <= 30; ++i) out << 0.25 * i << ',' << factor * 0.018 * 0.25 * i << '\n';
 }
 
-/// What u(r) gives for a reach, pressed by a ball of 5 mm to 1 and 4 mm.
+/// Writes u(r) for falloff ratios, under a ball of 5 mm at depths of 1 and 4 mm.
 void write_profiles(const Folder& folder, const std::string& name, const model::FalloffRatios& reach) {
   std::ofstream out(folder / name);
   out << "depth_mm,r_mm,u_mm\n";
@@ -52,8 +52,8 @@ TEST(ValidateCommand, FindsNoErrorInTheTissuesOwnForces) {
   EXPECT_EQ(set["extrapolated_points"], 0);
 }
 
-// The tool touched at 0.2 mm and the sensor shows 3 mN without load: 0.018 N/mm makes that 0.6 mN too much
-// everywhere past the contact's first 0.2 mm.
+// The tool touched at 0.2 mm and the sensor has an offset of 3 mN. With 0.018 N/mm the force is 0.6 mN too
+// large everywhere beyond the first 0.2 mm of contact.
 TEST(ValidateCommand, TellsTheErrorWithTheZerosAsGivenAndAsFitted) {
   const Folder folder;
   {
@@ -84,7 +84,7 @@ TEST(ValidateCommand, TellsTheErrorWithTheZerosAsGivenAndAsFitted) {
   EXPECT_EQ(stated["zeros_given"]["first_contact_mm"], 0.2);
 }
 
-// Forces 10 % too small: the largest error is 0.1 x 0.018 x 7.5 N.
+// Forces are 10 % too small, so the largest error is 0.1 x 0.018 x 7.5 N.
 TEST(ValidateCommand, EndsWithFourWhenAGoalIsMissed) {
   const Folder folder;
   write_validation_curve(folder, "weak.csv", 0.9);
@@ -151,7 +151,7 @@ TEST(ValidateCommand, SaysThatOneDepthLeavesTheExponentAsItWas) {
             std::string::npos);
 }
 
-// 0.09 N presses the gallbladder's first layer, 18 N/m, 5 mm in.
+// 0.09 N presses the gallbladder's first layer of 18 N/m by 5 mm.
 TEST(ValidateCommand, TakesTheDepthFromTheLoad) {
   const Folder folder;
   std::ofstream(folder / "side.csv") << "r_mm,u_mm\n0,5\n1,4.8\n3,3\n9,1\n20,0.3\n";
@@ -174,7 +174,7 @@ TEST(ValidateCommand, SaysWhichSurfaceUnderTheBallItCompared) {
   call.emplace_back("--json");
   const json set = json::parse(run(folder, call).out)["sets"][0];
   EXPECT_EQ(set["surface_radius_mm"], 3.0);
-  EXPECT_LT(set["max"], 4.0);  // was 6.2: the last point, on the far side, rose with the ball
+  EXPECT_LT(set["max"], 4.0);  // was 6.2, when the last point, on the far side, followed the ball upwards
 }
 
 TEST(ValidateCommand, RefusesBadInputInOneLineAndWritesNothing) {

@@ -1,4 +1,4 @@
-// `palpate view`, as its users see it.
+// `palpate view` as users call it.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace palpate::tests {
 namespace {
 
-/// A recording of 1.6 s of the built-in press: the tool has touched the organ.
+/// A recording of 1.6 s of the built-in press, in which the tool touches the organ.
 class View : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// The program's windows on a display of their own, used by the X server's own mouse and keyboard (xdotool).
+// The program's windows on Xvfb, used by the X server's mouse and keyboard (xdotool).
 #include <chrono>
 #include <iostream>
 #include <optional>
@@ -27,7 +27,7 @@ bool installed(const std::string& program) {
 
 class WindowProgram : public testing::Test {
  protected:
-  /// Whether there is all that this needs; else the reason is said, and the test can show nothing.
+  /// Whether Xvfb and xdotool are available. If not, prints the reason; the test must then return.
   [[nodiscard]] bool possible() const {
     if (!display_.there()) std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
     if (!installed("xdotool")) std::cerr << "not tested: there is no xdotool (Debian package xdotool)\n";
@@ -36,23 +36,23 @@ class WindowProgram : public testing::Test {
   [[nodiscard]] std::map<std::string, std::string> on_display() const {
     return {{"DISPLAY", display_.name()}, {"SDL_VIDEODRIVER", "x11"}, {"LIBGL_ALWAYS_SOFTWARE", "1"}};
   }
-  /// As a hand at mouse and keyboard.
+  /// Uses mouse and keyboard by xdotool.
   void use(const std::string& what) const {
     const std::string command = "DISPLAY=" + display_.name() + " xdotool " + what;
     EXPECT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(cert-env33-c)
   }
-  /// Waits until the recording, which is being written, says so. @return whether it did
+  /// Waits until the recording, which is being written, fulfils `done`. @return whether it did
   static bool wait_until(const std::string& file, const std::function<bool(const record::Recording&)>& done) {
     for (int i = 0; i < 300; ++i) {
       std::this_thread::sleep_for(200ms);
       try {
         if (done(record::read_recording(file))) return true;
-      } catch (const InputError&) {  // it is not there yet
+      } catch (const InputError&) {  // not created yet
       }
     }
     return false;
   }
-  /// The middle of the picture: the window is in the middle of the screen of 3840 x 2160.
+  /// Moves the mouse to the middle of the picture. The window is in the middle of the screen of 3840 x 2160.
   void mouse_to_picture() const { use("mousemove 1920 900 mousemove 1920 905"); }
 
   Folder folder_;
@@ -73,7 +73,7 @@ TEST_F(WindowProgram, IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
                   on_display());
   ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return r.rows.size() > 100; }));
   mouse_to_picture();
-  use("click --repeat 14 --delay 20 4");  // the wheel away from the user: 10 mm to the organ, and 4 mm on
+  use("click --repeat 14 --delay 20 4");  // wheel away from the user: 10 mm to the organ, then 4 mm deep
   EXPECT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return deepest(r) > 2e-3; }));
   use("key Escape");
   const Outcome outcome = program.wait();
@@ -111,7 +111,7 @@ TEST_F(WindowProgram, TheViewerShowsWhatAScreenshotOfThatMomentShows) {
       if (name.rfind("palpate-", 0) == 0) return name;
     return std::nullopt;
   };
-  for (int i = 0; i < 60 && !saved(); ++i) {  // a key that comes before the window is heard by nobody
+  for (int i = 0; i < 60 && !saved(); ++i) {  // a key before the window opens is lost
     std::this_thread::sleep_for(1s);
     if (i == 0) mouse_to_picture();
     use("key ctrl+p");
@@ -124,7 +124,7 @@ TEST_F(WindowProgram, TheViewerShowsWhatAScreenshotOfThatMomentShows) {
   EXPECT_EQ(program.wait().exit_code, 0);
   ASSERT_TRUE(saved());
   const std::string picture = text_of(folder_ / *saved());
-  const auto side = [&picture](std::size_t at) {  // of a PNG's header, big end first
+  const auto side = [&picture](std::size_t at) {  // of a PNG header, big-endian
     unsigned value = 0;
     for (std::size_t i = at; i < at + 4; ++i) value = value << 8U | static_cast<unsigned char>(picture.at(i));
     return std::to_string(value);

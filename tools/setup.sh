@@ -1,9 +1,9 @@
-# Sourced by ./run, ./test and .ci/run: installs what is missing and builds Release in build/release.
-# The sourcing script has set -euo pipefail and stands in the repository's root.
+# Sourced by ./run, ./test and .ci/run: installs missing packages and builds Release in build/release. The calling script must
+# have set -euo pipefail and be in the root of the repository.
 
 say() { printf '\n== %s\n' "$*"; }
 
-# Names of the packages in the given sections of tools/packages.txt.
+# Package names of the given sections of tools/packages.txt.
 packages_in() {
   local section="" line name wanted
   while IFS= read -r line; do
@@ -17,7 +17,7 @@ packages_in() {
   done <tools/packages.txt
 }
 
-# Those of the given packages that are not installed.
+# The given packages that are not installed.
 missing_of() {
   local name
   for name in "$@"; do
@@ -25,7 +25,7 @@ missing_of() {
   done
 }
 
-# install_missing SECTION...: apt only when something is missing; as root, or by sudo where it is there.
+# install_missing SECTION...: calls apt only if a package is missing, as root or with sudo if it exists.
 install_missing() {
   local -a wanted missing as_root=()
   mapfile -t wanted < <(packages_in "$@")
@@ -44,12 +44,12 @@ install_missing() {
     fi
     as_root=(sudo)
   fi
-  # Neither a question nor a stale list may stop it.
+  # Neither a question nor an outdated package list may stop the installation.
   "${as_root[@]}" apt-get update -q
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
 }
 
-# build_release [TARGET...]: configures once, then builds what changed.
+# build_release [TARGET...]: configures once, then builds changed targets.
 build_release() {
   local -a launcher=()
   [[ -f build/release/build.ninja ]] || {

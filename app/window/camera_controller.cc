@@ -6,10 +6,10 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kTurn = 0.008;    // rad a unit of mouse way
-constexpr double kKeyTurn = 0.06;  // rad a press
-constexpr double kKeyMove = 0.03;  // of the picture's height
-constexpr double kNearer = 0.88;   // a notch
+constexpr double kTurn = 0.008;    // rad per window unit of mouse motion
+constexpr double kKeyTurn = 0.06;  // rad per key press
+constexpr double kKeyMove = 0.03;  // fraction of the picture's height per key press
+constexpr double kNearer = 0.88;   // factor per notch
 
 }  // namespace
 

@@ -7,21 +7,23 @@
 
 namespace palpate::app {
 
-/// What mouse and keys do to the view. All members: [setup], the window's thread.
+/// Moves the camera by mouse and keys. All members: [setup], the window's thread.
 class CameraController final {
  public:
   explicit CameraController(OrbitCamera& camera) : camera_(camera) {}
 
-  /// A button pressed over the picture, or released anywhere: with the right one, and the left one where
-  /// `left_turns`, the mouse turns the view, with the middle one it moves it in its plane.
+  /// A mouse button was pressed over the picture, or released anywhere. The right button rotates the view,
+  /// the middle button pans it. The left button rotates it too if `left_turns`.
   void button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept;
   [[nodiscard]] bool busy() const noexcept { return turns_ || moves_; }
-  /// A way of the mouse over a picture so high [window units both]. @return whether it was the view's
+  /// The mouse moved by `way` over a picture of this height [window units]. @return whether that moved the
+  /// view
   bool mouse_moved(std::pair<int, int> way, double picture_height);
-  /// Nearer by the wheel's notches.
+  /// Zooms in by this number of wheel notches.
   void wheel_turned(double notches);
-  /// Arrows go round, with Shift they move; + and - come nearer and go back.
+  /// Arrow keys rotate the view; with Shift they pan it.
   void arrow_key(const SDL_KeyboardEvent& key);
+  /// The + and - keys zoom in and out.
   void zoom_key(SDL_Keycode key);
 
  private:
@@ -30,7 +32,7 @@ class CameraController final {
   bool moves_ = false;
 };
 
-/// [any] 1, -1 or 0 for a pair of keys.
+/// [any] 1 for the key `positive`, -1 for `negative`, 0 for any other.
 [[nodiscard]] int sign_of(SDL_Keycode key, SDL_Keycode positive, SDL_Keycode negative) noexcept;
 
 }  // namespace palpate::app

@@ -1,4 +1,4 @@
-// What holds the tools, whether they are safe, and how the loop keeps time.
+// The panels "Device and safety" and "Timing".
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@
 namespace palpate::app {
 namespace {
 
-/// A bar of the force that goes to a hand, against the most that the gate lets through.
+/// Draws a bar of a hand's force, relative to the largest force.
 void force_bar(double force, double most) {
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, colour::kForce);
   const std::string text = formatted("%.2f N", force) + formatted(" of %.0f N", most);
@@ -79,7 +79,7 @@ std::string microseconds(std::int64_t ns) {
   return formatted("%.1f \u00b5s", static_cast<double>(ns) * 1e-3);
 }
 
-/// How many ticks took how long: bars of half-octaves from 1 us to 16 ms.
+/// Draws a histogram of times in bars of half an octave, from 1 us to 16 ms.
 void histogram(const haptics::Histogram& times, const char* title, const ImVec4& bar_colour,
                double period_ns) {
   constexpr double kFirst = 1e3;  // ns
@@ -99,7 +99,7 @@ void histogram(const haptics::Histogram& times, const char* title, const ImVec4&
   const Plot plot(list, low, ImVec2(high.x, high.y - 1.25F * text), {0.0, 14.0, "", false},
                   {0.0, 8.0, title, false});
   plot.bars(bars, 0.5, packed(bar_colour));
-  // The times under the axis, a power of four apart.
+  // Labels of the time axis, a factor of sixteen apart.
   const std::array<const char*, 4> names = {"1 \u00b5s", "16 \u00b5s", "0.25 ms", "4 ms"};
   for (std::size_t i = 0; i < names.size(); ++i) {
     const float x = low.x + static_cast<float>(i) * 4.0F / 14.0F * (high.x - low.x);

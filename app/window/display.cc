@@ -12,7 +12,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr int kWantedVersion = 33;  // OpenGL 3.3, as epoxy counts
+constexpr int kWantedVersion = 33;  // OpenGL 3.3, in epoxy's notation
 constexpr int kSmallestSide = 1;
 
 bool names_something(const char* variable) {
@@ -20,29 +20,30 @@ bool names_something(const char* variable) {
   return value != nullptr && *value != '\0';
 }
 
-/// A program has one display, and X tells a function without an object that it is gone.
+/// Global because X calls the handlers below without a pointer to the object.
 std::atomic<bool> display_is_lost{false};
 
 constexpr const char* kGone = "the display is gone";
 
-/// X would end the program at once, with the device's force as it is. The exception goes through X, SDL and
-/// Mesa, which are C with unwind tables; none of them is called again.
+/// Handles a lost connection. X would exit the process at once and leave the device at its last force. The
+/// exception passes through X, SDL and Mesa; they are C code with unwind tables, and none of them is called
+/// afterwards.
 extern "C" int x_connection_is_lost(void* /*display*/) {
   display_is_lost = true;
   throw DisplayLost(kGone);
 }
 
-/// A request that X refuses (a window that another program has destroyed, memory that ran out) would end the
-/// program, too. What it was for is not seen; the run goes on.
+/// Ignores requests that X refuses, for example for a window that another program has destroyed. X would exit
+/// the process. The run continues without the requested drawing.
 extern "C" int x_request_is_refused(void* /*display*/, void* /*event*/) { return 0; }
 
-/// X is loaded by SDL, if it is at all.
+/// Installs the handlers if SDL has loaded X.
 void hear_of_lost_display() {
   using LossHandler = int (*)(void*);
   using ErrorHandler = int (*)(void*, void*);
   display_is_lost = false;
   const char* driver = SDL_GetCurrentVideoDriver();
-  if (driver == nullptr || std::string(driver) != "x11") return;  // Wayland's loss is told by SDL_QUIT
+  if (driver == nullptr || std::string(driver) != "x11") return;  // Wayland sends SDL_QUIT instead
   void* library = dlopen("libX11.so.6", RTLD_NOW | RTLD_NOLOAD);
   if (library == nullptr) return;
   const auto of_loss = reinterpret_cast<LossHandler (*)(LossHandler)>(dlsym(library, "XSetIOErrorHandler"));
@@ -56,10 +57,10 @@ void hear_of_lost_display() {
 bool display_there() { return names_something("DISPLAY") || names_something("WAYLAND_DISPLAY"); }
 
 Display::Display(const std::string& title, Size size) {
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C stays the program's
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // the program handles Ctrl-C itself
   SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
   SDL_SetHint(SDL_HINT_MOUSE_FOCUS_CLICKTHROUGH, "1");
-  // Without a display SDL would pick a driver that shows nothing.
+  // Without a display SDL would choose a driver that shows nothing.
   if (!names_something("SDL_VIDEODRIVER") && !names_something("WAYLAND_DISPLAY")) {
     SDL_SetHint(SDL_HINT_VIDEODRIVER, "x11");
   }
@@ -71,14 +72,14 @@ Display::Display(const std::string& title, Size size) {
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_DOUBLEBUFFER, 1);
-  // Where the driver can say that it lost everything, it shall: else its calls would do nothing, in silence.
+  // Ask the driver to report lost memory. Otherwise its calls would silently do nothing.
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_FLAGS, SDL_GL_CONTEXT_ROBUST_ACCESS_FLAG);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_LOSE_CONTEXT);
   window_ =
       SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, size.width, size.height,
                        SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
   if (window_ != nullptr) context_ = SDL_GL_CreateContext(window_);
-  if (window_ != nullptr && context_ == nullptr) {  // a driver without robust contexts
+  if (window_ != nullptr && context_ == nullptr) {  // the driver has no robust contexts
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_FLAGS, 0);
     SDL_GL_SetAttribute(SDL_GL_CONTEXT_RESET_NOTIFICATION, SDL_GL_CONTEXT_RESET_NO_NOTIFICATION);
     context_ = SDL_GL_CreateContext(window_);
@@ -122,11 +123,11 @@ Display::Size Display::pixels() const {
 }
 
 float Display::scale() const {
-  constexpr float kPlain = 96.0F;  // dots an inch
+  constexpr float kPlain = 96.0F;  // dots per inch
   float dots = kPlain;
   const int where = SDL_GetWindowDisplayIndex(window_);
   if (where < 0 || SDL_GetDisplayDPI(where, nullptr, &dots, nullptr) != 0) dots = kPlain;
-  // Where the system itself enlarges the window, its units are larger than pixels already.
+  // If the window system already enlarges the window, its units are larger than pixels.
   const Size units = size();
   const float enlarged =
       units.width > 0 ? static_cast<float>(pixels().width) / static_cast<float>(units.width) : 1.0F;

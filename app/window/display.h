@@ -6,24 +6,24 @@ struct SDL_Window;
 
 namespace palpate::app {
 
-/// [any] Whether this program could show a window: DISPLAY or WAYLAND_DISPLAY is set.
+/// [any] Whether DISPLAY or WAYLAND_DISPLAY is set, so that this program might open a window.
 [[nodiscard]] bool display_there();
 
-/// There can be no window; the words say why.
+/// No window can be opened; the message gives the reason.
 class NoWindow final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The display has gone while there was a window on it (its server ended, its cable of a network was cut), or
-/// the graphics card lost what was on it. Nothing can be drawn any more; everything else goes on.
+/// The window lost its display (the X server ended, a network connection was cut) or the graphics card lost
+/// its memory. Nothing can be drawn any more. The simulation continues.
 class DisplayLost final : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The program's one window with an OpenGL 3.3 core context, current on the thread that made it. All members:
-/// [setup], that thread.
+/// The program's one window, with an OpenGL 3.3 core context that is current on the constructing thread. All
+/// members: [setup], that thread.
 class Display final {
  public:
   struct Size {
@@ -31,8 +31,8 @@ class Display final {
     int height = 0;
   };
 
-  /// From here on every member throws DisplayLost when the display goes, instead of ending the program as X
-  /// would. @param size in the window system's units @throws NoWindow
+  /// Opens the window. When the display is lost later, every member throws DisplayLost instead of letting X
+  /// end the program. @param size in window units of the window system @throws NoWindow
   Display(const std::string& title, Size size);
   ~Display();
   Display(const Display&) = delete;
@@ -40,17 +40,17 @@ class Display final {
 
   [[nodiscard]] SDL_Window* window() const noexcept { return window_; }
   [[nodiscard]] void* context() const noexcept { return context_; }
-  /// In the window system's units, which events use too.
+  /// In window units of the window system, the units of mouse events.
   [[nodiscard]] Size size() const;
   /// In pixels.
   [[nodiscard]] Size pixels() const;
-  /// How much larger than at 96 dots an inch things are to be drawn, 1 to 3.
+  /// Scale of text and panels, 1 to 3; 1 is for 96 dots per inch.
   [[nodiscard]] float scale() const;
   void set_title(const std::string& title);
   void toggle_full_screen();
-  /// Whether the display has gone; then nothing here may be called any more, and its end touches nothing.
+  /// Whether the display is lost. Then no other member may be called, and the destructor touches nothing.
   [[nodiscard]] bool lost() const noexcept;
-  /// The graphics card has lost what was on it, so that the display is as good as gone. @throws DisplayLost
+  /// Reports that the graphics card has lost its memory, and marks the display as lost. @throws DisplayLost
   [[noreturn]] void give_up() const;
   /// Shows what was drawn.
   void swap();

@@ -75,7 +75,7 @@ std::optional<FileUse> use_of_file(const fs::path& file) {
       if (line.rfind("[tissue]", 0) == 0) return FileUse::kTissue;
       if (line.rfind("[organ]", 0) == 0) return FileUse::kScene;
     }
-  } catch (const InputError&) {  // whoever reads it as a scene says what is wrong
+  } catch (const InputError&) {  // reading it as a scene gives the error message
   }
   return FileUse::kScene;
 }

@@ -7,7 +7,7 @@
 
 namespace palpate::app {
 
-/// What a file that the user names is for.
+/// Purpose of a file that the user chooses.
 enum class FileUse { kOrgan, kTool, kFurtherJaw, kTissue, kScene, kToolPath, kRecording, kSaveTissue };
 
 /// A file that the user has chosen.
@@ -17,20 +17,20 @@ struct ChosenFile {
   std::string unit;  // of a mesh: mm, cm, m or in
 };
 
-/// [setup] What a file dropped on the window would be for, by its ending and for .toml by what stands in it;
-/// nothing when palpate reads no such file.
+/// [setup] Purpose of a file dropped on the window, from its file name extension and, for .toml, its content;
+/// nothing if Palpate does not read such files.
 [[nodiscard]] std::optional<FileUse> use_of_file(const std::filesystem::path& file);
 
-/// A dialog in which a file is chosen, by mouse or keyboard. For a mesh it asks for the unit, which is never
+/// Dialog that chooses a file, by mouse or keyboard. The user must select a mesh's unit; it is never
 /// guessed. All members: [setup], the window's thread, between ImGui's NewFrame and Render.
 class FileChooser final {
  public:
-  /// Opens the dialog. @param file where it begins: a folder, or a file that is chosen already
+  /// Opens the dialog. @param file folder where it starts, or a file that is selected at first
   void open(FileUse use, const std::filesystem::path& file);
   [[nodiscard]] bool is_open() const noexcept { return open_; }
-  /// As if the user had chosen it for a mesh: mm, cm, m or in.
+  /// Selects the unit of a mesh as the user would: mm, cm, m or in.
   void choose_unit(std::string unit) { unit_ = std::move(unit); }
-  /// Draws the dialog while it is open. @return what was chosen in this frame
+  /// Draws the dialog while it is open. @return the file chosen in this frame
   [[nodiscard]] std::optional<ChosenFile> draw();
 
  private:

@@ -21,11 +21,11 @@ PixelRectangle in_pixels(const Rectangle& place, const Viewport& viewport) {
 }
 
 void LivePicture::take(const render::Subject& subject) {
-  renderer_.reset();       // the old one's memory goes before the new one's comes
-  drawn_size_ = {60, 44};  // no powers of two, for which Mesa's software renderer has shaders of their own
+  renderer_.reset();       // frees its memory before the new renderer allocates
+  drawn_size_ = {60, 44};  // not powers of two, for which Mesa's software renderer has separate shaders
   renderer_ = std::make_unique<render::OffscreenRenderer>(subject, drawn_size_.width, drawn_size_.height,
                                                           render::OffscreenRenderer::InCurrentContext{});
-  renderer_->show_at(0, 0, 96, 96);  // a driver prepares for stretching when it first stretches
+  renderer_->show_at(0, 0, 96, 96);  // drivers prepare scaled copies at the first one
   if (held_) renderer_->hold_quality(render::Quality::kFull);
   if (!resolution_.all()) renderer_->limit_quality(render::Quality::kFast);
   renderer_->set_map_range(map_range_);
@@ -61,7 +61,7 @@ void LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& 
   glViewport(0, 0, pixels.width, pixels.height);
 }
 
-/// The renderer's pictures are as large as the picture is shown, or smaller where that takes too long.
+/// Sizes the renderer's pictures: the shown size, or a smaller one if that takes too long.
 void LivePicture::fit(int width, int height) {
   const auto drawn = [this](int side) {
     return std::clamp(static_cast<int>(std::lround(resolution_.now() * side)), 1, render::kLargestSide);
@@ -79,8 +79,7 @@ bool LivePicture::settle(double frame_time) {
   return follow(frame_time, ResolutionChoice::kFew);
 }
 
-/// The picture's resolution follows what the machine can draw in time, once the renderer itself has done what
-/// it can; it is also what comes back first.
+/// Chooses quality and resolution. The resolution falls after the renderer's quality and rises before it.
 bool LivePicture::follow(double frame_time, std::size_t judged) {
   if (held_) return true;
   if (!std::exchange(drew_, false)) return false;

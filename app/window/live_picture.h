@@ -9,33 +9,33 @@
 
 namespace palpate::app {
 
-/// The picture of organ and tools in a window. Its quality and then its resolution follow what the machine
-/// can draw in time; a picture that would be the same is not drawn again. All members: [setup], the thread
-/// whose OpenGL context is current.
+/// The picture of organ and tools in a window. It lowers its quality, then its resolution, when frames take
+/// too long. An unchanged picture is not drawn again. All members: [setup], the thread whose OpenGL context
+/// is current.
 class LivePicture final {
  public:
-  /// From here on pictures of this subject.
+  /// Draws this subject from now on.
   void take(const render::Subject& subject);
-  /// What is to be shown has changed although the camera has not.
+  /// Requests a new picture although the camera has not moved.
   void refresh() noexcept { stale_ = true; }
-  /// Forgets how long pictures took.
+  /// Discards the frame times measured so far.
   void forget_times() noexcept { resolution_.forget_times(); }
-  /// From here on every pixel is drawn at full quality, however long a frame takes.
+  /// Draws every pixel at full quality from now on, whatever a frame takes.
   void hold_full_quality();
-  /// Colours the organ by how far it has moved, up to `range` [m]; 0: its own colours.
+  /// Colours the organ by its displacement, from 0 to `range` [m]; 0: its own colours.
   void set_map_range(double range);
 
-  /// Draws what is to be drawn and puts it into its place.
+  /// Draws the picture if it has changed, and copies it to `place` in the window.
   void show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
             const Viewport& viewport);
-  /// Once a frame: how long the whole of it took [s].
+  /// Adapts quality and resolution. Call once per frame with the time of the whole frame [s].
   void adapt(double frame_time);
-  /// The same before anything moves, after a few frames already; the next one draws again. @return whether
-  /// the picture suits the machine
+  /// Adapts before the run starts: judges fewer frames than adapt(), and draws every frame again. @return
+  /// whether frames stay within their time
   [[nodiscard]] bool settle(double frame_time);
-  /// The memory for pictures ran out: smaller ones. @return whether there are any
+  /// Lowers the resolution because memory for pictures ran out. @return false at the lowest resolution
   bool shrink();
-  /// The display is gone: what was on it is left as it is.
+  /// Releases the picture without any OpenGL call, after the display was lost.
   void abandon() noexcept { (void)renderer_.release(); }
 
  private:
@@ -43,19 +43,19 @@ class LivePicture final {
   bool follow(double frame_time, std::size_t judged);
 
   std::unique_ptr<render::OffscreenRenderer> renderer_;
-  Display::Size drawn_size_;  // of the renderer's pictures
+  Display::Size drawn_size_;  // size of the renderer's pictures
   ResolutionChoice resolution_;
   bool held_ = false;
   double map_range_ = 0.0;  // m
-  bool stale_ = true;       // what the renderer keeps is not what is to be shown
-  bool drew_ = false;       // since the last frame that was judged
+  bool stale_ = true;       // the renderer's picture is out of date
+  bool drew_ = false;       // a picture was drawn since the last judged frame
   render::Camera drawn_camera_;
 };
 
-/// [any] Whether two cameras see the same.
+/// [any] Whether two cameras are equal.
 [[nodiscard]] bool same(const render::Camera& a, const render::Camera& b);
 
-/// A rectangle of the window in pixels, y up from its lower edge, as OpenGL counts.
+/// Rectangle of the window in pixels. As in OpenGL, y counts upwards from the lower edge.
 struct PixelRectangle {
   int x = 0;
   int y = 0;

@@ -24,9 +24,10 @@ void Observers::open(const std::filesystem::path& program, const std::filesystem
   const std::array<char*, 4> words = {name.data(), command.data(), file.data(), nullptr};
   posix_spawn_file_actions_t actions{};
   posix_spawn_file_actions_init(&actions);
-  // Not the devices, and not the recording's own lock, which would outlive its writer.
+  // The viewer must not inherit device handles, nor the lock on the recording, which would outlive the
+  // writer.
   posix_spawn_file_actions_addclosefrom_np(&actions, 3);
-  // Ctrl-C in the terminal ends the run, not who looks at its recording.
+  // Ctrl-C in the terminal ends the run, not the viewer.
   posix_spawnattr_t apart{};
   posix_spawnattr_init(&apart);
   posix_spawnattr_setpgroup(&apart, 0);

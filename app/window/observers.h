@@ -6,8 +6,8 @@
 
 namespace palpate::app {
 
-/// Viewers of recordings that a window has opened, each a program of its own: nothing they do can hold up a
-/// haptic loop, and they stay when the window goes. All members: [setup], one thread.
+/// Viewers of recordings opened from a window. Each is a separate process, so it cannot delay a haptic loop,
+/// and it continues after the window closes. All members: [setup], one thread.
 class Observers final {
  public:
   Observers() = default;
@@ -15,10 +15,10 @@ class Observers final {
   Observers(const Observers&) = delete;
   Observers& operator=(const Observers&) = delete;
 
-  /// Starts `program view recording`. @throws InputError naming the file when it is not there or the program
-  /// does not start.
+  /// Runs `program view recording`. @throws InputError naming the file if it is missing or the program does
+  /// not start
   void open(const std::filesystem::path& program, const std::filesystem::path& recording);
-  /// How many are open. Takes leave of those that have ended.
+  /// Number of viewers that still run.
   [[nodiscard]] std::size_t count_running();
 
  private:

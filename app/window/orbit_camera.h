@@ -5,34 +5,35 @@
 
 namespace palpate::app {
 
-/// A camera that goes round a point, upright. All members: [any], one thread.
+/// Upright camera that orbits a target point. All members: [any], one thread.
 class OrbitCamera final {
  public:
-  /// What another camera sees, as far as a camera with z up can.
-  /// @param aspect width over height of the picture: a narrow one is seen from farther away
+  /// Takes the view of another camera, except that up is always z.
+  /// @param aspect width over height of the picture; for a narrow picture the camera moves back
   void look_as(const render::Camera& camera, double aspect);
-  /// What another camera sees, its own up and all; until it is moved, camera() is that camera bit for bit.
+  /// Takes the view of another camera with its up direction. Until it is moved, camera() returns that camera
+  /// bit for bit.
   void look_exactly_as(const render::Camera& camera);
 
-  /// Round the point [rad]: to the right, upwards. The eye stays off the poles.
+  /// Orbits the target by these angles [rad], to the right and upwards. The eye stays off the poles.
   void orbit(double right, double up);
-  /// Moves point and eye in the picture's plane, by shares of the picture's height.
+  /// Moves target and eye in the picture's plane by fractions of the picture's height.
   void pan(double right, double up);
-  /// Nearer (factor < 1) or farther; from 20 mm to 3 m.
+  /// Multiplies the distance to the target, within 20 mm to 3 m; a factor below 1 zooms in.
   void zoom(double factor);
 
   [[nodiscard]] render::Camera camera() const;
-  /// In the picture: unit vectors to the right and upwards. World frame.
+  /// Unit vectors of the picture to the right and upwards, in the world frame.
   [[nodiscard]] Vec3 right() const;
   [[nodiscard]] Vec3 up() const;
-  /// Height of the picture at the point's distance [m].
+  /// Height of the visible area at the target's distance [m].
   [[nodiscard]] double height_at_target() const;
 
  private:
   [[nodiscard]] Vec3 to_eye() const;
   void look(const render::Camera& camera, const Quat& world_P);
 
-  Quat world_P_ = Quat::Identity();  // from the pole's frame, in which up is z
+  Quat world_P_ = Quat::Identity();  // world frame from the pole frame, whose z axis is up
   std::optional<render::Camera> exact_;
   Vec3 target_ = Vec3::Zero();
   double azimuth_ = -1.2;  // rad

@@ -5,7 +5,7 @@
 namespace palpate::app {
 namespace {
 
-/// A short run has fewer ticks than columns: what a tick had lasts until the next one's column.
+/// Fills the columns up to `column` with the last one, because a short run has fewer ticks than columns.
 void last_until(std::vector<PlotColumn>& depth, std::size_t column, double column_width) {
   while (!depth.empty() && depth.size() < column) {
     depth.push_back(

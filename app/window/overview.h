@@ -8,9 +8,9 @@
 
 namespace palpate::app {
 
-/// One hand's whole run at a glance.
+/// Summary of one hand's whole run.
 struct HandOverview {
-  /// From tick `first` to `last`, both in it.
+  /// Contact from tick `first` to `last`, both included.
   struct Contact {
     std::uint64_t first = 0;
     std::uint64_t last = 0;
@@ -18,26 +18,26 @@ struct HandOverview {
   std::vector<PlotColumn> depth;  // [mm] over time [s], Overview::kColumns of equal width
   double deepest_mm = 0.0;
   std::vector<Contact> contacts;
-  std::uint64_t deepest = 0;          // tick
-  std::vector<std::uint64_t> faults;  // ticks at which one was latched
+  std::uint64_t deepest = 0;          // tick of the largest depth
+  std::vector<std::uint64_t> faults;  // ticks at which a fault was latched
 };
 
-/// A whole recording at a glance, for its timeline and for jumps.
+/// Summary of a whole recording, for the timeline and its navigation.
 struct Overview {
   static constexpr std::size_t kColumns = 1024;
 
   std::vector<HandOverview> hands;
-  std::vector<std::uint64_t> changes;  // ticks from which tissue or noise were others
+  std::vector<std::uint64_t> changes;  // ticks at which tissue or noise parameters change
   double column_width = 0.0;           // s
 };
 
-/// [setup] Looks once at every row.
+/// [setup] Reads every row once.
 [[nodiscard]] Overview overview_of(RecordedView& seen);
 
-/// [any] The fault after a tick, or the first when there is none after it; nothing: there is none.
+/// [any] First fault after a tick; if none follows, the first of the run; nothing without any fault.
 [[nodiscard]] std::optional<std::uint64_t> next_fault(const HandOverview& hand, std::uint64_t after);
 
-/// [setup] Tissue in force at a tick, and noise.
+/// [setup] Tissue and noise parameters in force at a tick.
 struct ActiveParameters {
   model::TissueParameters tissue;
   haptics::LiveNoise noise;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kSideWidth = 318.0F;  // at scale 1
 constexpr float kPlotsHeight = 290.0F;
-constexpr float kLeastPicture = 240.0F;  // a side
+constexpr float kLeastPicture = 240.0F;  // width and height
 
 bool is_open(const PanelState& state, Panel panel) { return state.open[static_cast<std::size_t>(panel)]; }
 

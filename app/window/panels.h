@@ -24,120 +24,121 @@ namespace palpate::app {
 enum class Panel { kScene, kTissue, kNoise, kDevice, kTiming, kPlots };
 inline constexpr std::size_t kPanels = 6;
 
-/// One hand's state in words, for the panels.
+/// One hand's state as text, for the panels.
 struct HandStatus {
   std::string device;       // kind and path
   std::string state;        // "pressing, 4.2 mm deep"
   std::string fault;        // empty: none
   std::string advice;       // what to do about it
-  bool limited = false;     // the gate shortened a force in the last moments
-  double engagement = 1.0;  // share of the force that is let through
+  bool limited = false;     // the force was limited in the last moments
+  double engagement = 1.0;  // gain of the force ramp, 0 to 1
 };
 
-/// What the panels show in one frame; valid for that frame.
+/// Values that the panels show in one frame; valid for that frame.
 struct PanelModel {
   const scene::Scene& setup;
   const scene::Overrides& request;
   const Traces& traces;
   const haptics::Snapshot& snapshot;
-  const model::TissueParameters& tissue;  // as felt
-  const noise::NoiseSettings& noise;      // as felt
+  const model::TissueParameters& tissue;  // in force
+  const noise::NoiseSettings& noise;      // in force
   std::vector<HandStatus> hands;
   std::string recording{};  // file being written; empty: none
-  std::string looked_at{};  // file that could be looked at: the same, or the last one; empty: none
-  bool ended = false;       // the run has
-  bool paused = false;      // the picture is
-  bool pausing = false;     // the run is: no time passes
-  bool may_pause = true;    // no hand holds a device
-  bool preparing = false;   // the next session is being
+  std::string looked_at{};  // file that the viewer could open: this one, or the previous one; empty: none
+  bool ended = false;       // the run has ended
+  bool paused = false;      // the picture is held, the run continues
+  bool pausing = false;     // the run is paused: its time stands still
+  bool may_pause = true;    // false while a hand holds a device
+  bool preparing = false;   // the next session is being prepared
   double frames_a_second = 0.0;
-  double frame_time = 0.0;   // s, of the window's own work
-  double age = 0.0;          // s, of what is shown, when it is shown
-  double largest_age = 0.0;  // s, in the last seconds
+  double frame_time = 0.0;   // s, work of the window
+  double age = 0.0;          // s, age of the snapshot when it is shown
+  double largest_age = 0.0;  // s, within the last seconds
   std::uint64_t rows_left_out = 0;
-  std::string tissue_note{};  // why the last change was refused, or what to mind; empty: nothing
+  std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
 };
 
-/// What the user has asked for in one frame, by panel or key.
+/// The user's commands of one frame, by panel or key.
 struct Commands {
   std::optional<model::TissueParameters> tissue;
   std::optional<noise::NoiseSettings> noise;
-  std::optional<scene::Overrides> request;  // another session; tissue and noise as that says
+  std::optional<scene::Overrides> request;  // start another session with its own tissue and noise
   std::optional<ChosenFile> file;
-  bool again = false;  // start the session again with the same tissue and noise
+  bool again = false;  // restart the session with the same tissue and noise
   std::optional<bool> record;
-  bool pause = false;      // the picture, or go on
-  bool pause_run = false;  // the run, or go on
+  bool pause = false;      // hold the picture, or release it
+  bool pause_run = false;  // pause the run, or resume it
   bool screenshot = false;
   bool reset_faults = false;
   bool full_screen = false;
-  bool home = false;  // the camera
-  bool look = false;  // at the recording, in a window of its own
+  bool home = false;  // restore the first view
+  bool look = false;  // open the recording in a viewer
   bool leave = false;
 };
 
-/// Which panels are seen, and what the user is typing.
+/// Visibility of the panels, and the state of their input fields.
 struct PanelState {
   std::array<bool, kPanels> open{true, true, true, true, true, true};
-  bool hidden = false;  // all of them
+  bool hidden = false;  // all panels
   bool help = false;
-  double user_threshold = 20e-3;  // N
-  double noise_share = 0.6;
+  double user_threshold = 20e-3;  // N, touch threshold of the user
+  double noise_share = 0.6;       // fraction of the threshold
   FileChooser files;
 };
 
-/// How the window is shared out: the panels are beside the picture, never on it.
+/// Layout of the window. The panels are beside the picture, never on it.
 struct Layout {
   Rectangle picture;
-  Rectangle left;    // scene, tissue, noise; width 0: not seen
+  Rectangle left;    // scene, tissue, noise; width 0: hidden
   Rectangle right;   // device and safety, timing
   Rectangle bottom;  // plots
 };
 
-/// [any] @param scale of all things. A window too small for panels and picture has the picture alone.
+/// [any] Lays the window out. If there is too little space for panels and picture, the picture fills it.
+/// @param scale of text and panels
 [[nodiscard]] Layout lay_out(float width, float height, float scale, const PanelState& state);
 
-/// What the plots show of a run.
+/// Data of the plots.
 struct Plotted {
   struct Hand {
-    const std::deque<haptics::TickRow>& rows;  // of the time shown
-    haptics::TickRow now;                      // the newest, or where the cursor is
+    const std::deque<haptics::TickRow>& rows;  // within the plotted time
+    haptics::TickRow now;                      // newest row, or the row at the cursor
   };
-  const model::TissueParameters& tissue;  // whose law is drawn
+  const model::TissueParameters& tissue;  // the plotted law
   model::Direction direction = model::Direction::kPress;
   double rate_Hz = 1000.0;
   std::vector<Hand> hands{};
-  std::size_t strong = 0;  // the hand whose lines are drawn strongly
-  double from = 0.0;       // s
+  std::size_t strong = 0;  // hand with the stronger lines
+  double from = 0.0;       // s, start of the plotted time
   double to = 8.0;
-  std::optional<double> cursor{};  // s: what comes after it is drawn faintly over depth
+  std::optional<double> cursor{};  // s; force over depth is drawn faintly after it
 };
 
-// Each draws one panel (between ImGui's NewFrame and Render) and notes what is asked for.
+// Each function draws one panel (between ImGui's NewFrame and Render) and adds the user's commands.
 void draw_left(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
 [[nodiscard]] Plotted plotted(const PanelModel& shown);
 
-/// [any] The words for a moment of one hand, with so many decimals: "pressing, 4.2 mm deep".
+/// [any] A hand's contact as text with this number of decimals: "pressing, 4.2 mm deep".
 [[nodiscard]] std::string moment_text(const haptics::TickRow& row, int decimals);
 
-/// A key and what it does.
+/// A key and its effect.
 struct KeyLine {
   const char* keys;
   const char* what;
 };
-/// A window "Keys" in the middle, while `open`; `more` draws below the lines.
+/// Draws the window "Keys" while `open`; `more` draws below the lines.
 void draw_keys(bool& open, std::span<const KeyLine> lines, const std::function<void()>& more);
-/// Lines of keys, as a table.
+/// Draws a table of keys.
 void draw_key_lines(const char* name, std::span<const KeyLine> lines);
-/// A heading that opens and closes its panel. @return whether it is open
+/// Draws the heading that opens and closes a panel. @return whether the panel is open
 [[nodiscard]] bool panel_heading(const char* text, bool& open);
 /// Begins the ImGui window of a column of panels.
 void begin_column(const char* name, const Rectangle& place);
 
-// The parts of the above that have a file of their own.
+// Single panels, each in a source file of its own.
 void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void noise_panel(const PanelModel& shown, PanelState& state, Commands& commands);

@@ -4,35 +4,35 @@
 
 namespace palpate::app {
 
-/// Where a viewer is in a recording, and how fast it goes on. All members: [any], one thread.
+/// Playback position and speed in a recording. All members: [any], one thread.
 class Playback final {
  public:
-  /// Times the recording's own speed.
+  /// Multiples of the recording's own speed.
   static constexpr std::array<double, 5> kSpeeds = {0.1, 0.25, 0.5, 1.0, 2.0};
-  /// Pictures a second of the viewer's time, for steps of a picture.
+  /// Pictures per second of playback, for steps by one picture.
   static constexpr double kPicturesASecond = 30.0;
 
-  /// @param ticks of the recording, at least one @param rate_Hz of its ticks
+  /// @param ticks number of ticks in the recording, at least one @param rate_Hz ticks per second
   Playback(std::uint64_t ticks, double rate_Hz) : last_(static_cast<double>(ticks - 1)), rate_Hz_(rate_Hz) {}
 
-  /// Plays, or stops; at the end it plays from the beginning.
+  /// Plays or stops. At the end of the recording it plays from the beginning.
   void toggle();
   void stop() noexcept { playing_ = false; }
-  /// Once a frame, while what was asked for is there: so much time has passed for who looks on [s].
+  /// Advances by this elapsed time [s]. Call once per frame when the requested tick has been reached.
   void advance(double seconds);
 
-  /// To a tick, or the last one.
+  /// Moves to a tick, at most the last one.
   void go_to(std::uint64_t tick);
-  /// So many ticks on, or back; stops.
+  /// Moves by this number of ticks, forwards or backwards, and stops.
   void step_ticks(std::int64_t ticks);
-  /// As far as so many pictures at this speed are apart, a tick at least; stops.
+  /// Moves by this number of pictures at the current speed, at least one tick each, and stops.
   void step_pictures(std::int64_t pictures);
-  /// So many seconds of the recording on, or back; goes on playing if it does.
+  /// Moves by this recording time [s], forwards or backwards. Playing continues.
   void skip(double seconds);
 
-  /// One of kSpeeds, by its place.
+  /// Selects a speed by its index in kSpeeds.
   void choose_speed(std::size_t which);
-  /// The next one up or down.
+  /// Selects a faster or slower speed, by steps in kSpeeds.
   void change_speed(int by);
 
   [[nodiscard]] bool playing() const noexcept { return playing_; }
@@ -45,7 +45,7 @@ class Playback final {
 
   double last_;  // ticks
   double rate_Hz_;
-  double place_ = 0.0;  // ticks, with what is left of one
+  double place_ = 0.0;  // ticks, with a fraction
   std::size_t speed_ = 3;
   bool playing_ = false;
 };

@@ -11,11 +11,11 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kTickSpacingX = 80.0;  // window units at least, times the font's share
+constexpr double kTickSpacingX = 80.0;  // window units, smallest spacing at the usual font size
 constexpr double kTickSpacingY = 19.0;
-constexpr float kLineThickness = 1.6F;  // window units, of a level line of columns
+constexpr float kLineThickness = 1.6F;  // window units, of columns without height
 
-/// The places of ticks of an axis that is `length` long.
+/// Tick positions of an axis of this length.
 std::vector<double> ticks(const Axis& axis, double length, double spacing) {
   const double range = axis.high - axis.low;
   if (!(range > 0.0) || !(length > 0.0)) return {};
@@ -28,7 +28,7 @@ std::vector<double> ticks(const Axis& axis, double length, double spacing) {
 }
 
 std::string number(double value, double step) {
-  int digits = 0;  // as many as the step has
+  int digits = 0;  // decimals of the step
   for (double whole = step; digits < 6 && std::abs(whole - std::round(whole)) > 1e-6 * whole; whole *= 10.0)
     ++digits;
   char text[32];

@@ -6,7 +6,7 @@
 
 namespace palpate::app {
 
-/// What an axis shows.
+/// Range and labels of an axis.
 struct Axis {
   double low = 0.0;
   double high = 1.0;
@@ -19,27 +19,27 @@ struct PlotPoint {
   double y = 0.0;
 };
 
-/// What a column of a plot holds of a quantity: from its least to its greatest value.
+/// Range of a quantity within one column of a plot.
 struct PlotColumn {
-  double x = 0.0;  // its left side
+  double x = 0.0;  // left edge
   double least = 0.0;
   double most = 0.0;
 };
 
-/// A plot in a window's draw list: a frame, a grid with numbers at round places, lines. All members: [setup].
+/// Plot in a window's draw list: frame, grid with round numbers, lines. All members: [setup].
 class Plot final {
  public:
-  /// Draws frame, grid, numbers and titles within a rectangle [window units]; the y title stands above the
-  /// frame, at its left.
+  /// Draws frame, grid, numbers and titles within a rectangle [window units]. The y title is above the frame,
+  /// on the left.
   Plot(ImDrawList& list, const ImVec2& low, const ImVec2& high, const Axis& x, const Axis& y);
 
   void line(std::span<const PlotPoint> points, ImU32 colour, float thickness) const;
-  /// Columns side by side, each `width` wide: a line of many more rows than there are pixels.
+  /// Draws adjacent columns, each `width` wide. They show a line with many more rows than pixels.
   void columns(std::span<const PlotColumn> columns, double width, ImU32 colour) const;
   void dot(const PlotPoint& point, ImU32 colour, float radius) const;
-  /// Bars from the x axis, each as wide as to the next point's x.
+  /// Draws bars on the x axis, each `width` wide in the units of x.
   void bars(std::span<const PlotPoint> tops, double width, ImU32 colour) const;
-  /// Words at the upper right, in the frame.
+  /// Text at the upper right inside the frame.
   void note(const std::string& text, ImU32 colour, int line = 0) const;
 
  private:
@@ -47,16 +47,17 @@ class Plot final {
   void grid() const;
 
   ImDrawList& list_;
-  ImVec2 low_;   // of the frame, upper left
-  ImVec2 high_;  // lower right
+  ImVec2 low_;   // upper left corner of the frame
+  ImVec2 high_;  // lower right corner
   Axis x_;
   Axis y_;
 };
 
-/// [any] The least of 1, 2, 2.5, 5 times a power of ten that is at least `value` (> 0): for the steps of an
-/// axis.
+/// [any] Step of an axis: the smallest of 1, 2, 2.5 and 5 times a power of ten that is at least `value` (>
+/// 0).
 [[nodiscard]] double round_step(double value);
-/// [any] The same of some more numbers: for the end of an axis.
+/// [any] End of an axis: the smallest of 1, 1.2, 1.6, 2, 2.5, 3, 4, 5, 6 and 8 times a power of ten that is
+/// at least `value` (> 0).
 [[nodiscard]] double round_end(double value);
 
 }  // namespace palpate::app

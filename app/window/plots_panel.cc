@@ -1,4 +1,4 @@
-// Force, depth and noise over the last seconds, and force over depth with the law behind it.
+// Plots: force, depth and noise over the last seconds, and force over depth with the force law.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,8 +19,8 @@ namespace {
 
 using Quantity = std::function<double(const haptics::TickRow&)>;
 
-/// The rows of the time shown, a column each `width` [s]; every column reaches to where the one before ended,
-/// so that they make one line.
+/// Ranges of a quantity in columns of `width` [s]. Each column also covers the last value of the previous
+/// one, so that the columns form a line.
 std::vector<PlotColumn> in_columns(const std::deque<haptics::TickRow>& rows, const Quantity& quantity,
                                    double from, double width) {
   std::vector<PlotColumn> columns;
@@ -90,7 +90,7 @@ void strips(const ImVec2& low, const ImVec2& high, const Plotted& shown) {
   }
 }
 
-/// The law as felt, in N over mm.
+/// The force law in force, in N over mm.
 std::vector<PlotPoint> law_curve(const Plotted& shown, double deepest_mm) {
   constexpr int kPoints = 120;
   const model::SpringLaw law(shown.tissue, shown.direction, 1.0 / shown.rate_Hz);
@@ -102,7 +102,7 @@ std::vector<PlotPoint> law_curve(const Plotted& shown, double deepest_mm) {
   return points;
 }
 
-/// What was felt, as a line: 200 points a second, of the rows before a time or from it on.
+/// Tissue force over depth at 200 points per second, between two times [s].
 std::vector<PlotPoint> felt(const std::deque<haptics::TickRow>& rows, double rate_Hz, double from,
                             double to) {
   std::vector<PlotPoint> path;

@@ -5,7 +5,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::uint64_t kTicksAtOnce = 1000;  // some milliseconds: then it asks again what is wanted
+constexpr std::uint64_t kTicksAtOnce = 1000;  // some milliseconds, then it reads the requested tick again
 
 }  // namespace
 
@@ -66,7 +66,7 @@ void ReplayThread::work() {
   }
 }
 
-/// A piece of the way, and what is there when it has come to its end.
+/// Replays the next ticks towards `tick`, and publishes the snapshot when it is reached.
 void ReplayThread::go_to(std::uint64_t tick) {
   if (!frames_.approach(tick, kTicksAtOnce)) return;
   const haptics::Snapshot snapshot = frames_.at(tick);

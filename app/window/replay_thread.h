@@ -10,23 +10,23 @@
 
 namespace palpate::app {
 
-/// Runs a recording's ticks again on a thread of its own, towards whatever tick is wanted last, so that a
-/// window stays fluid on a long way. All members: [any], one thread.
+/// Replays a recording on a separate thread, towards the latest requested tick, so that the window stays
+/// responsive. All members: [any], one thread.
 class ReplayThread final {
  public:
-  /// @param frames are this thread's alone until its end
+  /// @param frames used only by this thread until the destructor returns
   explicit ReplayThread(record::RecordingFrames& frames);
   ~ReplayThread();
   ReplayThread(const ReplayThread&) = delete;
   ReplayThread& operator=(const ReplayThread&) = delete;
 
-  /// From here on it goes towards this tick.
+  /// Requests this tick.
   void want(std::uint64_t tick);
-  /// The snapshot that was reached last. @return whether there is one that was not taken yet
+  /// Takes the latest snapshot. @return whether it is new
   [[nodiscard]] bool take(haptics::Snapshot& snapshot);
-  /// Whether the tick that was wanted last has been reached (or never will be: failure()).
+  /// Whether the requested tick has been reached or has failed (failure()).
   [[nodiscard]] bool there();
-  /// Why that tick cannot be reached, in words; empty: it can.
+  /// Why the requested tick cannot be reached; empty: no failure.
   [[nodiscard]] std::string failure();
 
  private:
@@ -35,7 +35,7 @@ class ReplayThread final {
   [[nodiscard]] bool is_there() const { return !failure_.empty() || (reached_any_ && reached_ == wanted_); }
 
   record::RecordingFrames& frames_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable news_;
   std::uint64_t wanted_ = 0;
   std::uint64_t reached_ = 0;
@@ -43,7 +43,7 @@ class ReplayThread final {
   bool taken_ = true;
   bool ending_ = false;
   haptics::Snapshot newest_;
-  std::string failure_;  // of the tick that is wanted
+  std::string failure_;  // at the requested tick
   std::thread thread_;
 };
 

@@ -8,8 +8,8 @@ namespace palpate::app {
 namespace {
 
 constexpr std::array<double, 5> kLevels = {1.0, 0.8, 0.65, 0.5, 0.4};
-constexpr double kRoom = 0.75;     // of the budget: frames so quick leave room for more pixels
-constexpr double kVerySlow = 3.0;  // budgets
+constexpr double kRoom = 0.75;     // fraction of the budget below which the resolution rises
+constexpr double kVerySlow = 3.0;  // multiple of the budget
 constexpr std::size_t kLongestWait = 32 * ResolutionChoice::kFirstWait;
 
 }  // namespace

@@ -8,13 +8,13 @@
 
 namespace palpate::app {
 
-/// [any] Norm of what went to the device [N].
+/// [any] Norm of the device's force [N].
 [[nodiscard]] inline double device_force(const haptics::TickRow& row) noexcept {
   return std::hypot(row.force[0], row.force[1], row.force[2]);
 }
 
-/// Lets a window see the rows of a running loop. When the window does not keep up, rows are left out and
-/// counted: the loop never waits.
+/// Passes the rows of a running loop to a window. When the window is too slow, rows are dropped and counted;
+/// the loop never waits.
 class RowObserver final : public haptics::TickObserver {
  public:
   /// [setup]
@@ -23,9 +23,9 @@ class RowObserver final : public haptics::TickObserver {
     if (!ring_.push(row)) left_out_.fetch_add(1, std::memory_order_relaxed);
   }
 
-  /// [any] One thread. The oldest row not yet taken. @return false when there is none
+  /// [any] One thread. Takes the oldest row. @return false when no row is waiting
   [[nodiscard]] bool take(haptics::TickRow& row) noexcept { return ring_.pop(row); }
-  /// [any] Rows that found no room.
+  /// [any] Number of rows dropped because the queue was full.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_.load(std::memory_order_relaxed); }
 
  private:

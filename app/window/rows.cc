@@ -49,7 +49,7 @@ bool Rows::number(const char* text, double& value, double per_unit, double speed
 
 std::string formatted(const char* format, double value) {
   std::array<char, 64> text{};
-  // The formats are literals of the callers.
+  // The callers' formats are literals.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wformat-nonliteral"
   (void)std::snprintf(text.data(), text.size(), format, value);

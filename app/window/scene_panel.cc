@@ -1,4 +1,4 @@
-// What is touched, with what, and what is kept of it.
+// The panel "Scene": organ, tool, task and recording.
 #include <algorithm>
 
 #include <imgui.h>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The last part of a path, or the name itself.
+/// The file name of a path, or the name itself.
 std::string short_name(const std::string& name) {
   const std::string file = fs::path(name).filename().string();
   return file.empty() ? name : file;
@@ -27,7 +27,7 @@ void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands
     scene::Overrides request = shown.request;
     request.organ = name;
     request.organ_unit.reset();
-    request.tissue.reset();  // the organ's own
+    request.tissue.reset();  // the tissue of the new organ
     commands.request = std::move(request);
   }
   ImGui::Separator();
@@ -66,7 +66,7 @@ void choose_task(const PanelModel& shown, Commands& commands) {
   if (ImGui::RadioButton("pull", pull) && !pull) want("pull");
 }
 
-/// A button of half the width that says more when the mouse is over it. @return whether it was pressed
+/// Draws a button of half the panel's width with a tooltip. @return whether it was pressed
 bool half_button(const char* text, bool enabled, const std::string& explanation) {
   const float half = 0.5F * (ImGui::GetWindowContentRegionMax().x - ImGui::GetWindowContentRegionMin().x -
                              ImGui::GetStyle().ItemSpacing.x);

@@ -6,9 +6,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kDeadZone = 0.15;  // of a stick's way
+constexpr double kDeadZone = 0.15;  // fraction of a stick's range
 
-/// In the plane across the tool: to the right and away from the viewer, as the camera sees it.
+/// Plane across the tool axis. `right` and `away` are the camera's right and up in it.
 struct Plane {
   Vec3 right;
   Vec3 away;
@@ -97,7 +97,7 @@ void Steering::gamepad_event(const SDL_Event& event) {
     if (controller == nullptr) return;
     const SDL_JoystickID id = SDL_JoystickInstanceID(SDL_GameControllerGetJoystick(controller));
     if (std::find(ids_.begin(), ids_.end(), id) != ids_.end()) {
-      SDL_GameControllerClose(controller);  // SDL counts how often it was opened
+      SDL_GameControllerClose(controller);  // already open; SDL counts how often it is opened
       return;
     }
     controllers_.push_back(controller);
@@ -116,6 +116,7 @@ void Steering::gamepad_event(const SDL_Event& event) {
 void Steering::update_devices(const OrbitCamera& camera) {
   for (Mouse& mouse : mice_) {
     const Vec3 way = mouse.target_D - mouse.device->start();
+    // A target out of range waits at the limit, so that it reacts at once when the motion reverses.
     const double far =
         way.norm();  // beyond reach the target waits at its edge, so that it turns round at once
     if (far > devices::TargetFollower::kMaxDistance) {
@@ -150,9 +151,9 @@ void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const Or
 }
 
 void Steering::rumble(double tissue_force, double noise) {
-  constexpr double kAllForce = 5.0;    // N at which the slow motor runs at its strongest
-  constexpr double kAllNoise = 30e-3;  // N, root mean square
-  constexpr Uint32 kLasting = 150;     // ms: goes on until the next frame says more
+  constexpr double kAllForce = 5.0;    // N, tissue force for the slow motor's maximum
+  constexpr double kAllNoise = 30e-3;  // N, root mean square of the noise for the fast motor's maximum
+  constexpr Uint32 kLasting = 150;     // ms; the next frame renews it earlier
   const auto strength = [](double share) {
     return static_cast<Uint16>(65535.0 * std::clamp(share, 0.0, 1.0));
   };

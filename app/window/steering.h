@@ -13,53 +13,53 @@
 
 namespace palpate::app {
 
-/// Feeds a session's mouse and gamepad devices from the window's events. All members: [setup], the window's
+/// Sends the window's mouse and gamepad events to the session's devices. All members: [setup], the window's
 /// thread.
 class Steering final {
  public:
-  static constexpr double kNotch = 1e-3;          // m, one notch of the wheel
-  static constexpr double kFine = 0.2;            // with Shift held
-  static constexpr double kStickSpeed = 0.04;     // m/s, a stick all the way
-  static constexpr double kTriggerReach = 25e-3;  // m, the trigger all the way
+  static constexpr double kNotch = 1e-3;          // m per notch of the wheel
+  static constexpr double kFine = 0.2;            // factor while Shift is held
+  static constexpr double kStickSpeed = 0.04;     // m/s at full deflection of a stick
+  static constexpr double kTriggerReach = 25e-3;  // m at full press of the trigger
 
   Steering() = default;
   ~Steering();
   Steering(const Steering&) = delete;
   Steering& operator=(const Steering&) = delete;
 
-  /// Looks for what there is to be fed; forgets the session before.
+  /// Uses the mouse and gamepad devices of this session instead of the previous one's.
   void take(const Session& session);
-  /// Before the session's end: its devices are not fed any more.
+  /// Stops using the session's devices. Call before the session ends.
   void drop();
 
   [[nodiscard]] bool mouse_steers() const noexcept { return !mice_.empty(); }
   [[nodiscard]] bool gamepad_steers() const noexcept { return !pads_.empty(); }
 
-  /// The mouse has moved over the picture, by shares of the picture's height.
+  /// Moves the target across the tool axis, by fractions of the picture's height.
   void mouse_moved(double right, double up, const OrbitCamera& camera, bool fine);
-  /// The wheel was turned by so many notches; away from the user presses.
+  /// Moves the target along the tool axis, by notches of the wheel; positive presses.
   void wheel_turned(double notches, bool fine);
-  /// The left button is held (jaws closed), or let go.
+  /// Closes the jaws while the left button is held, and releases them.
   void grip(bool closed);
-  /// Opens jaws that are closed when no button is held, and the other way round.
+  /// Opens the jaws if they are closed while no button is held, and the reverse.
   void toggle_rest_of_jaws();
-  /// Which of the hands that a mouse can move it moves, from 0.
+  /// Selects the hand that the mouse moves, counted from 0 among those with a mouse device.
   void choose_hand(std::size_t which);
-  /// A gamepad came or went. SDL_CONTROLLERDEVICEADDED or REMOVED.
+  /// Adds or removes a gamepad (SDL_CONTROLLERDEVICEADDED or REMOVED).
   void gamepad_event(const SDL_Event& event);
-  /// Once a frame: says all this to the devices.
+  /// Sends targets and inputs to the devices. Call once per frame.
   void update_devices(const OrbitCamera& camera);
-  /// Makes the gamepads rumble: slow motor by the tissue's force [N], quick one by the noise [N].
+  /// Sets the gamepads' vibration: slow motor from the tissue force [N], fast motor from the noise [N].
   void rumble(double tissue_force, double noise);
 
  private:
   struct Mouse {
     devices::MouseDevice* device = nullptr;
-    Quat world_D;        // from the device's axes to the world's
-    double scale = 1.0;  // of its translation
-    Vec3 axis_W;         // where the tool points
+    Quat world_D;        // from the device frame to the world frame
+    double scale = 1.0;  // workspace scale
+    Vec3 axis_W;         // direction of the tool
     Vec3 target_D;
-    double rest = 0.0;  // gripper while no button is held
+    double rest = 0.0;  // opening of the gripper while no button is held
     bool held = false;
   };
   struct Pad {

@@ -6,9 +6,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr float kFontHeight = 15.0F;  // units at scale 1
+constexpr float kFontHeight = 15.0F;  // window units at scale 1
 
-/// Letters that the panels use: Latin, Greek, and a few signs.
+/// Unicode ranges of the panels' text: Latin, Greek and a few symbols.
 constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026, 0x2070,
                                 0x209F, 0x2190, 0x21FF, 0x25A0, 0x25FF, 0};
 

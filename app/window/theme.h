@@ -3,7 +3,7 @@
 
 namespace palpate::app {
 
-/// A calm dark look, nearly without colour, so that the tissue's is seen.
+/// Dark colours with little saturation, so that they do not compete with the tissue's colour.
 namespace colour {
 inline const ImVec4 kBackground{0.100F, 0.105F, 0.115F, 1.0F};
 inline const ImVec4 kText{0.88F, 0.89F, 0.90F, 1.0F};
@@ -19,11 +19,11 @@ inline const ImVec4 kGood{0.52F, 0.80F, 0.56F, 1.0F};
 inline const ImVec4 kNotice{0.20F, 0.24F, 0.30F, 1.0F};
 }  // namespace colour
 
-/// [setup] As draw lists want it. @param opacity 0 to 1, times the colour's own
+/// [setup] Colour as draw lists need it. @param opacity 0 to 1, multiplies the colour's own
 [[nodiscard]] ImU32 packed(const ImVec4& colour, float opacity = 1.0F);
 
-/// [setup] Style and fonts of the current ImGui context. @param scale of everything; @param pixels_per_unit
-/// of the window, where the system enlarges it
+/// [setup] Sets style and fonts of the current ImGui context. @param scale of text and panels @param
+/// pixels_per_unit pixels per window unit
 void set_theme(float scale, float pixels_per_unit);
 
 }  // namespace palpate::app

@@ -1,4 +1,4 @@
-// The viewer's timeline: a whole run at a glance, with what plays it.
+// The viewer's timeline: an overview of the run, and the playback controls.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<const char*, Playback::kSpeeds.size()> kSpeedNames = {"1/10", "1/4", "1/2", "1\u00d7",
                                                                            "2\u00d7"};
 
-/// A button of the row; the next one stands beside it. @return whether it was pressed
+/// Draws a button; the next one is drawn beside it. @return whether it was pressed
 bool button(const char* text, const char* explanation, float width = 0.0F) {
   const bool pressed = ImGui::Button(text, ImVec2(width * ImGui::GetFontSize(), 0.0F));
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", explanation);
@@ -57,7 +57,7 @@ void jump_buttons(const ViewerModel& seen, const HandOverview& hand, ViewerComma
   ImGui::EndDisabled();
 }
 
-/// Where times are in the strip.
+/// Maps times to positions in the strip.
 struct TimelineStrip {
   ImVec2 low;
   ImVec2 high;
@@ -71,7 +71,7 @@ struct TimelineStrip {
   }
 };
 
-/// Contact, depth, faults and changes of the whole run.
+/// Draws contacts, depth, faults and parameter updates of the whole run.
 void draw_run(const TimelineStrip& strip, const ViewerModel& seen, const HandOverview& hand) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const RecordedView& view = seen.view;
@@ -86,8 +86,8 @@ void draw_run(const TimelineStrip& strip, const ViewerModel& seen, const HandOve
   const auto height = [&](double depth_mm) {
     return strip.low.y + 2.0F + static_cast<float>(depth_mm / most) * (strip.high.y - strip.low.y - 4.0F);
   };
-  for (const PlotColumn& column : hand.depth) {        // downwards, as the tool goes
-    const float left = std::floor(strip.x(column.x));  // whole pixels: what overlaps is seen as stripes
+  for (const PlotColumn& column : hand.depth) {        // downwards, as the tool moves
+    const float left = std::floor(strip.x(column.x));  // whole pixels: overlaps would show as stripes
     const float right = std::floor(strip.x(column.x + seen.overview.column_width));
     if (right <= left) continue;
     list.AddRectFilled(ImVec2(left, height(0.0)), ImVec2(right, height(column.most)),
@@ -108,7 +108,7 @@ void draw_run(const TimelineStrip& strip, const ViewerModel& seen, const HandOve
   }
 }
 
-/// Where the picture is, and where playback goes to when that is farther.
+/// Draws the shown tick, and the requested tick if it differs.
 void draw_cursor(const TimelineStrip& strip, const ViewerModel& seen) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float text = ImGui::GetFontSize();
@@ -126,7 +126,7 @@ void draw_cursor(const TimelineStrip& strip, const ViewerModel& seen) {
                          ImVec2(x, strip.low.y + 0.15F * text), packed(colour::kText));
 }
 
-/// Numbers of the time under the strip.
+/// Draws the times below the strip.
 void draw_times(const TimelineStrip& strip) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float text = ImGui::GetFontSize();

@@ -1,4 +1,4 @@
-// The tissue and the touch noise, changed while they are felt.
+// The panels "Tissue" and "Touch noise", which change parameters of the running session.
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,7 +29,7 @@ bool law_row(model::TissueParameters& tissue) {
   return changed;
 }
 
-/// The numbers of [tissue] itself or of a table below it.
+/// Draws the numbers of [tissue] or of one of its tables.
 bool numbers(std::string_view section, model::TissueNumbers& tissue) {
   const Rows rows(section.empty() ? "numbers" : section.data());
   bool changed = false;

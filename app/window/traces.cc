@@ -11,7 +11,7 @@ void Traces::take(RowObserver& observer, bool keep) {
     if (sample.hand >= kept_.size()) continue;
     newest_[sample.hand] = sample;
     newest_time_ = sample.time;
-    if (sample.hand == 0) {  // a tick's times are the same in the rows of all hands
+    if (sample.hand == 0) {  // the rows of all hands carry the times of their tick
       tick_time_.add(sample.tick_ns);
       lateness_.add(sample.late_ns);
       if (static_cast<double>(sample.late_ns) >= period_ns_) ++missed_;

@@ -10,23 +10,22 @@
 
 namespace palpate::app {
 
-/// What the window remembers of a run's rows: the last seconds, each hand's newest row, and the account of
-/// the timing so far. All members: [setup], the window's thread.
+/// The window's copy of a run's rows: the last seconds, each hand's newest row, and statistics of the timing.
+/// All members: [setup], the window's thread.
 class Traces final {
  public:
   static constexpr double kKept = 8.0;  // s
 
   explicit Traces(double rate_Hz) : period_ns_(1e9 / rate_Hz) {}
 
-  /// Takes all rows that have come. @param keep false: the traces stay as they are (the picture is paused);
-  /// the accounts go on.
+  /// Takes all new rows. @param keep false while the picture is held: then only the statistics are updated
   void take(RowObserver& observer, bool keep);
 
-  /// The last seconds of one hand, oldest first.
+  /// Rows of one hand in the last kKept seconds, oldest first.
   [[nodiscard]] const std::deque<haptics::TickRow>& of_hand(std::uint32_t hand) const { return kept_[hand]; }
   [[nodiscard]] const haptics::TickRow& newest(std::uint32_t hand) const { return newest_[hand]; }
   [[nodiscard]] double newest_time() const noexcept { return newest_time_; }
-  /// Sums since the last call: root mean square of the noise [N] and the largest tissue force [N].
+  /// Since the last call: root mean square of the noise [N] and largest tissue force [N].
   struct NoiseStatistics {
     double noise = 0.0;
     double tissue = 0.0;

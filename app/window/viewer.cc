@@ -22,10 +22,10 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::int64_t kViewerFrameNs = 16'000'000;  // no more than 62 frames a second
+constexpr std::int64_t kViewerFrameNs = 16'000'000;  // at most 62 frames per second
 constexpr std::int64_t kStillAfterNs =
-    250'000'000;                       // without movement: then the picture is drawn as a file's
-constexpr double kLongestFrame = 0.1;  // s that playback goes on in a frame, at most
+    250'000'000;                       // without motion, before the picture is drawn at full quality
+constexpr double kLongestFrame = 0.1;  // s, longest playback step of a frame
 constexpr double kPlotted = 8.0;       // s
 
 }  // namespace
@@ -107,7 +107,7 @@ bool Viewer::frame() {
   take_events();
   poll_opening();
   if (leaving_) return false;
-  // Playback waits for what it has asked for, so that nothing is left out on a slow machine.
+  // Playback waits until the requested tick is reached, so that a slow machine skips nothing.
   const double passed = before == 0 ? 0.0 : 1e-9 * static_cast<double>(frame_began_ns_ - before);
   if (there_) playback_->advance(std::min(passed, kLongestFrame));
   ticks_->want(playback_->tick());
@@ -126,7 +126,7 @@ bool Viewer::frame() {
   return true;
 }
 
-/// The graphics card's memory ran out.
+/// Frees graphics memory after it ran out.
 void Viewer::save_memory() {
   if (still_ != nullptr) {
     still_.reset();
@@ -137,7 +137,7 @@ void Viewer::save_memory() {
   }
 }
 
-/// Takes the moment that the replay has come to.
+/// Takes the latest snapshot of the replay.
 void Viewer::go_on() {
   there_ = ticks_->there();
   if (!ticks_->take(shown_)) return;
@@ -147,7 +147,7 @@ void Viewer::go_on() {
   live_.refresh();
 }
 
-/// The rows of the time plotted: 8 s around the moment shown.
+/// Copies the rows of the plotted time, 8 s around the shown tick.
 void Viewer::gather_rows() {
   const double whole = view().duration_s();
   const double from =
@@ -208,7 +208,7 @@ std::string Viewer::banner_text() const {
   return {};
 }
 
-/// Title, banner, scale of the map and message over the picture.
+/// Draws title, banner, colour scale and message over the picture.
 void Viewer::draw_overlay() {
   banner_ = banner_text();
   std::vector<Banner> banners = {{banner_, true}};
@@ -241,7 +241,7 @@ void Viewer::draw_picture() {
   }
 }
 
-/// As `palpate view --screenshot` draws it, bit for bit: by a renderer that has drawn nothing else.
+/// Draws the picture bit for bit as `palpate view --screenshot`, with a renderer that has drawn nothing else.
 void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camera) {
   const double map = state_.map ? state_.map_range : 0.0;
   const bool same_moment = still_ != nullptr && still_tick_ == shown_.tick;

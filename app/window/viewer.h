@@ -24,31 +24,31 @@
 
 namespace palpate::app {
 
-/// A recording with all that a viewer needs of it, worked out once.
+/// Recording with the derived data of a viewer.
 struct OpenRecording {
-  /// [setup] Any thread. @throws InputError as RecordedView.
+  /// [setup] Any thread. @throws InputError as RecordedView does
   OpenRecording(const std::filesystem::path& file, bool no_cache);
   explicit OpenRecording(std::unique_ptr<RecordedView> seen);
 
   std::unique_ptr<RecordedView> view;
   Overview overview;
-  std::vector<render::Camera> whole;     // a hand each
-  std::vector<render::Camera> close_up;  // a hand each
+  std::vector<render::Camera> whole;     // one per hand
+  std::vector<render::Camera> close_up;  // one per hand
 };
 
-/// How a viewer is opened.
+/// Options of a viewer.
 struct ViewerOptions {
-  std::optional<double> at_s;  // where it begins; nothing: at the beginning
-  double map_range = 0.0;      // m; 0: no map
+  std::optional<double> at_s;  // start time; nothing: 0
+  double map_range = 0.0;      // m, largest displacement in the map; 0: no map
   bool close_up = false;
   bool no_cache = false;
-  const std::atomic<bool>* stop = nullptr;  // Ctrl-C
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C
   Display::Size size{1440, 900};
-  std::optional<float> scale;  // of letters and panels; nothing: as the display says
+  std::optional<float> scale;  // of text and panels; nothing: from the display
 };
 
-/// The window of `palpate view`: a recording's picture, plots and numbers at any moment. All members:
-/// [setup], one thread, the one that made it.
+/// The window of `palpate view`: picture, plots and numbers of a recording at any time. All members: [setup],
+/// the constructing thread.
 class Viewer final {
  public:
   /// @throws NoWindow
@@ -57,12 +57,12 @@ class Viewer final {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// One frame. @return false when the window is to close @throws DisplayLost
+  /// Runs one frame. @return false when the window is to close @throws DisplayLost
   bool frame();
 
-  // What the window shows, for tests and for pictures of it:
+  // State of the window, for tests and screenshots:
   [[nodiscard]] render::Image picture() const { return viewport_.picture(); }
-  /// Organ and tool alone at the moment shown: what `palpate view --screenshot` draws.
+  /// Organ and tool at the shown tick, as drawn by `palpate view --screenshot`.
   [[nodiscard]] render::Image still_picture();
   [[nodiscard]] const RecordedView& view() const noexcept { return *open_->view; }
   [[nodiscard]] const Overview& overview() const noexcept { return open_->overview; }
@@ -73,9 +73,9 @@ class Viewer final {
   [[nodiscard]] Viewport& viewport() noexcept { return viewport_; }
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
   [[nodiscard]] const std::string& message() const noexcept { return viewport_.message(); }
-  /// Whether the picture shows where playback is.
+  /// Whether the shown tick is the requested one.
   [[nodiscard]] bool there() const noexcept { return there_; }
-  /// Whether the picture is of full quality, as a file's.
+  /// Whether the picture is drawn at full quality, as in a file.
   [[nodiscard]] bool still() const noexcept { return still_shown_; }
 
  private:
@@ -106,34 +106,34 @@ class Viewer final {
   ViewerOptions options_;
   Viewport viewport_;
   LivePicture live_;
-  bool live_knows_ = false;  // what is open now
+  bool live_knows_ = false;  // live_ draws the open recording
   std::unique_ptr<OpenRecording> open_;
-  std::unique_ptr<ReplayThread> ticks_;  // goes before open_
+  std::unique_ptr<ReplayThread> ticks_;  // destroyed before open_
   std::optional<Playback> playback_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
   bool there_ = false;
   ActiveParameters active_parameters_;
-  std::vector<std::deque<haptics::TickRow>> rows_;               // of the time plotted, a hand each
-  std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last of rows_
+  std::vector<std::deque<haptics::TickRow>> rows_;               // per hand, within the plotted time
+  std::pair<std::uint64_t, std::uint64_t> ticks_plotted_{1, 0};  // first and last tick of rows_
   OrbitCamera camera_;
   CameraController camera_controller_{camera_};
   ViewerState state_;
-  ViewerCommands commands_;  // of the keys, until the panels have added theirs
+  ViewerCommands commands_;  // of the keys; the panels add theirs
   ViewerLayout layout_;
 
-  // The picture of full quality, while nothing moves:
+  // Picture at full quality, drawn while nothing moves:
   std::unique_ptr<render::OffscreenRenderer> still_;
-  bool stills_fit_ = true;  // into the graphics card's memory
+  bool stills_fit_ = true;  // a second renderer fits in the graphics card's memory
   std::uint64_t still_tick_ = 0;
   render::Camera still_camera_;
   Display::Size still_size_;
   double still_map_ = 0.0;
   bool still_shown_ = false;
-  std::int64_t moved_ns_ = 0;  // when something last did
+  std::int64_t moved_ns_ = 0;  // time of the last motion
   render::Camera last_camera_;
 
-  // A recording that is being opened:
+  // Recording that is being opened:
   std::future<std::unique_ptr<OpenRecording>> next_;
   std::string next_name_;
 
@@ -142,7 +142,7 @@ class Viewer final {
   std::int64_t frame_began_ns_ = 0;
 };
 
-/// [setup] Opens a window on a recording, until the user leaves. @throws NoWindow
+/// [setup] Shows a recording in a window until the user closes it. @throws NoWindow
 void view_in_window(std::unique_ptr<RecordedView> seen, const ViewerOptions& options);
 
 }  // namespace palpate::app

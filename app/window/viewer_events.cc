@@ -1,4 +1,4 @@
-// What mouse, keyboard and dropped files ask of a viewer.
+// Mouse, keyboard and dropped files of a viewer.
 #include <utility>
 
 #include <imgui.h>
@@ -52,7 +52,7 @@ void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
 void Viewer::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
   if (down && !Viewport::over(layout_.picture, button.x, button.y)) return;
-  if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  if (down) ImGui::SetWindowFocus(nullptr);  // returns the keyboard to the picture
   camera_controller_.button(button, true);
 }
 
@@ -73,7 +73,7 @@ void Viewer::key_down(const SDL_KeyboardEvent& key) {
   }
   if (control && which == SDLK_p) commands_.save_picture = true;
   if (!control) letter_key(which);
-  if (ImGui::GetIO().NavVisible) return;  // arrows and Space are the panels'
+  if (ImGui::GetIO().NavVisible) return;  // the panels use arrows and Space
   if ((key.keysym.mod & KMOD_ALT) != 0) {
     camera_controller_.arrow_key(key);
   } else {
@@ -146,7 +146,7 @@ void Viewer::grant(const ViewerCommands& commands) {
     if (there_) {
       viewport_.save(still_picture());
     } else {
-      commands_.save_picture = true;  // of the moment that was asked for: when it is there
+      commands_.save_picture = true;  // saved when the requested tick is shown
     }
   }
   if (commands.open) begin_to_open(*commands.open);

@@ -1,4 +1,4 @@
-// What a recording is, what happens at the moment that is shown, and how its picture is wanted.
+// The viewer's panels: recording, shown tick, and settings of the picture.
 #include "app/window/viewer_panels.h"
 
 #include <algorithm>
@@ -20,10 +20,10 @@ namespace {
 
 constexpr float kViewerSideWidth = 318.0F;  // at scale 1
 constexpr float kTimelineHeight = 128.0F;
-constexpr float kNarrowTimelineHeight = 158.0F;  // its buttons in two rows
+constexpr float kNarrowTimelineHeight = 158.0F;  // with buttons in two rows
 constexpr float kNarrow = 930.0F;
 constexpr float kViewerPlotsHeight = 250.0F;
-constexpr float kLeastViewerPicture = 240.0F;  // a side
+constexpr float kLeastViewerPicture = 240.0F;  // width and height
 
 std::string begun(std::int64_t unix_ns) {
   if (unix_ns == 0) return "not known";

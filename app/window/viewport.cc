@@ -23,7 +23,7 @@
 namespace palpate::app {
 namespace {
 
-/// ImGui's number of a mouse button; -1: none.
+/// ImGui's index of a mouse button, or -1.
 int imgui_button(Uint8 button) {
   if (button == SDL_BUTTON_LEFT) return 0;
   if (button == SDL_BUTTON_RIGHT) return 1;
@@ -80,7 +80,7 @@ Viewport::Viewport(const std::string& title, Display::Size size, std::optional<f
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // nothing is written that nobody asked for
+  io.IniFilename = nullptr;  // do not write imgui.ini
   ImGui_ImplSDL2_InitForOpenGL(display_.window(), display_.context());
   ImGui_ImplOpenGL3_Init("#version 330 core");
   scale_ = asked_.value_or(display_.scale());
@@ -89,7 +89,7 @@ Viewport::Viewport(const std::string& title, Display::Size size, std::optional<f
 }
 
 Viewport::~Viewport() {
-  if (display_.lost()) return;  // every call would speak to a display that is not there
+  if (display_.lost()) return;  // no call may use the lost display
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplSDL2_Shutdown();
   ImGui::DestroyContext();
@@ -120,14 +120,14 @@ void Viewport::take(const SDL_Event& event) {
   if (event.type == SDL_KEYDOWN) take_key(event.key.keysym);
   if (event.type == SDL_MOUSEBUTTONDOWN) keys_in_panels_ = false;
   if (event.type != SDL_WINDOWEVENT) return;
-  // Onto a display of other dots an inch, or the system's own scale has changed.
+  // The window may have moved to a display with another resolution, or the system's scale has changed.
   if (event.window.event == SDL_WINDOWEVENT_DISPLAY_CHANGED ||
       event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)
     scale_may_differ_ = true;
 }
 
-/// Keys are the picture's, also after a click on a panel, until Ctrl + Tab goes into the panels and Esc, or
-/// the mouse, comes out again.
+/// Keys belong to the picture, even after a click on a panel. Ctrl + Tab gives them to the panels; Esc or a
+/// mouse button returns them.
 void Viewport::take_key(const SDL_Keysym& key) {
   if (key.sym == SDLK_TAB && (key.mod & KMOD_CTRL) != 0) keys_in_panels_ = true;
   if (key.sym == SDLK_ESCAPE) keys_in_panels_ = false;
@@ -167,7 +167,7 @@ void Viewport::begin_panels() {
   look_at_scale();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplSDL2_NewFrame();
-  // The mouse as its events say, not as the system does: the two differ when events come from elsewhere.
+  // Use the mouse position of the events. It differs from the system's when a test sends events.
   ImGuiIO& io = ImGui::GetIO();
   io.MousePos = ImVec2(static_cast<float>(mouse_at_.first), static_cast<float>(mouse_at_.second));
   for (std::uint32_t button = 0; button < 3; ++button) {
@@ -210,7 +210,7 @@ bool Viewport::graphics_lost() const {
 
 bool Viewport::out_of_memory() {
   bool ran_out = false;
-  for (int i = 0; i < 16; ++i) {  // a lost context may say errors without end
+  for (int i = 0; i < 16; ++i) {  // bounded, because a lost context may report errors forever
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;
     ran_out = ran_out || error == GL_OUT_OF_MEMORY;

@@ -19,9 +19,9 @@
 namespace palpate::app {
 namespace {
 
-constexpr std::int64_t kFrameNs = 16'000'000;  // no more than 62 frames a second
+constexpr std::int64_t kFrameNs = 16'000'000;  // at most 62 frames per second
 constexpr std::int64_t kAgesKeptNs = 3'000'000'000;
-constexpr std::int64_t kSettlingNs = 1'000'000'000;  // at most, before a run begins
+constexpr std::int64_t kSettlingNs = 1'000'000'000;  // longest settling before a run
 
 std::string advice_on(haptics::Fault fault) {
   switch (fault) {
@@ -47,7 +47,7 @@ Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowO
     : request_(std::move(request)),
       options_(std::move(options)),
       viewport_("Palpate", options_.size, options_.scale) {
-  SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there are no gamepads, no more
+  SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it the window has no gamepads
   SDL_PumpEvents();
   take(std::move(first), options_.recording);
 }
@@ -95,8 +95,8 @@ void Window::draw_frame() {
   viewport_.show();
 }
 
-/// Shows the organ at rest until the picture suits the machine: before the run begins, so that a hand does
-/// not see old pictures meanwhile.
+/// Draws the organ at rest until resolution and quality fit the machine. This happens before the run, so that
+/// the user does not see outdated pictures during contact.
 void Window::settle_picture() {
   shown_ = {};
   shown_.organ_W = run_->session().setup().organ_pose;
@@ -111,7 +111,7 @@ void Window::settle_picture() {
   snapshot_there_ = false;
 }
 
-/// The age of what this frame has shown of a run.
+/// Records the age of the snapshot that this frame has shown.
 void Window::note_age() {
   if (!snapshot_there_ || paused_ || run_->ended() || run_->pausing()) return;
   const std::int64_t now = monotonic_ns();
@@ -128,7 +128,7 @@ void Window::take_newest() {
   live_.refresh();
 }
 
-/// Less memory for the picture when it ran out; the end of the window when the graphics card lost it.
+/// Reduces the picture after memory ran out; closes the window if the graphics card has lost its memory.
 void Window::mind_graphics() {
   if (Viewport::out_of_memory()) {
     const bool smaller = live_.shrink();
@@ -148,7 +148,7 @@ void Window::draw_picture() {
     camera_.look_as(render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
                     static_cast<double>(place.width) / place.height);
     camera_set_ = true;
-    take_newest();  // finding the view of a large organ has taken a while
+    take_newest();  // choosing the view of a large organ takes time
   }
   live_.show(shown_, camera_.camera(), place, viewport_);
 }
@@ -227,7 +227,7 @@ void Window::compose() {
   Viewport::end_panels();
 }
 
-/// Title, banner and message over the picture.
+/// Draws title, banner and message over the picture.
 void Window::draw_overlay() {
   bool fault = false;
   banner_ = banner_text(fault);
@@ -236,7 +236,7 @@ void Window::draw_overlay() {
 }
 
 WindowOutcome Window::finish() {
-  if (!run_->started()) run_->start();  // there is no account of a run that never was
+  if (!run_->started()) run_->start();  // an unstarted run has no result
   run_->stop();
   next_.reset();
   if (first_ended_) {

@@ -28,57 +28,57 @@
 
 namespace palpate::app {
 
-/// How a window is opened, and what it does with its first session.
+/// Options of the window and of its sessions.
 struct WindowOptions {
-  std::filesystem::path recording;   // of the first session; empty: none
-  haptics::LoopThread thread;        // of every session's loop
+  std::filesystem::path recording;   // of the first session; empty: not recorded
+  haptics::LoopThread thread;        // thread settings of every session's loop
   std::optional<double> duration_s;  // of every session
   bool no_cache = false;
-  bool stays = true;                        // when the run has ended, until the user leaves
-  const std::atomic<bool>* stop = nullptr;  // Ctrl-C
-  net::IgtlServer* igtl = nullptr;          // shows all runs to other programs; outlives the window
+  bool stays = true;                        // the window stays open after the run
+  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C
+  net::IgtlServer* igtl = nullptr;          // sends all runs to other programs; outlives the window
   Display::Size size{1440, 900};
-  std::optional<float> scale;                       // of letters and panels; nothing: as the display says
-  std::filesystem::path viewer = "/proc/self/exe";  // the program whose `view` looks at a recording
+  std::optional<float> scale;                       // of text and panels; nothing: from the display
+  std::filesystem::path viewer = "/proc/self/exe";  // program whose `view` command opens a recording
 };
 
-/// How it went.
+/// Result of a window's sessions.
 struct WindowOutcome {
-  RunResult result;             // of the first session
-  std::uint64_t more_runs = 0;  // begun in the window
-  bool later_fault = false;     // one of those met a fault
-  std::uint64_t frames = 0;     // that showed a running session
-  double median_age = 0.0;      // s, of what they showed when they were shown
+  RunResult result;             // result of the first session
+  std::uint64_t more_runs = 0;  // sessions started in the window
+  bool later_fault = false;     // one of those had a fault
+  std::uint64_t frames = 0;     // frames that showed a running session
+  double median_age = 0.0;      // s, age of the shown snapshots
   double largest_age = 0.0;     // s
-  bool display_lost = false;    // the window ended because its display did
+  bool display_lost = false;    // the window ended because the display was lost
 };
 
-/// The window of `palpate run`: the picture, the panels beside it, and the session that plays meanwhile on
-/// threads of its own. All members: [setup], one thread, the one that made it.
+/// The window of `palpate run`: picture and panels. The session runs on other threads. All members: [setup],
+/// the constructing thread.
 class Window final {
  public:
-  /// Opens the window; the first frame begins to play. @param request what `first` was made from
-  /// @throws NoWindow
+  /// Opens the window; the first frame starts the run. @param request the overrides that `first` was made
+  /// from @throws NoWindow
   Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// One frame: events, what they ask for, the picture. @return false when the window is to close
-  /// @throws DisplayLost; finish() is to be called then, too.
+  /// Runs one frame: events, commands, drawing. @return false when the window is to close
+  /// @throws DisplayLost; call finish() in that case, too
   bool frame();
-  /// After the last frame: ends what still plays (zero force, recording closed) and says how it went.
-  /// @throws InputError when the first session's recording could not be written.
+  /// Ends a running session (zero force, recording closed). Call after the last frame. @throws InputError
+  /// when the first session's recording could not be written
   [[nodiscard]] WindowOutcome finish();
 
-  // What the window shows, for tests and for pictures of it:
-  /// All of it, as last drawn.
+  // State of the window, for tests and screenshots:
+  /// The whole window as last drawn.
   [[nodiscard]] render::Image picture() const { return viewport_.picture(); }
-  /// From here on every pixel is drawn, however long a frame takes.
+  /// Draws every pixel from now on, whatever a frame takes.
   void hold_full_quality() { live_.hold_full_quality(); }
-  /// The words across the top of the picture; empty: none.
+  /// Text at the top of the picture; empty: none.
   [[nodiscard]] const std::string& banner() const noexcept { return banner_; }
-  /// The words at its lower edge; empty: none.
+  /// Message at the picture's lower edge; empty: none.
   [[nodiscard]] const std::string& message() const noexcept { return viewport_.message(); }
   [[nodiscard]] const haptics::Snapshot& snapshot() const noexcept { return shown_; }
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
@@ -139,7 +139,7 @@ class Window final {
   Viewport viewport_;
   LivePicture live_;
   Observers observers_;
-  bool reach_changed_ = false;  // of the dent; the renderer does not know yet
+  bool reach_changed_ = false;  // the falloff ratios changed; the renderer has the old ones
   OrbitCamera camera_;
   CameraController camera_controller_{camera_};
   bool camera_set_ = false;
@@ -149,17 +149,17 @@ class Window final {
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
-  model::TissueParameters tissue_;  // as felt
+  model::TissueParameters tissue_;  // in force
   noise::NoiseSettings noise_;
   std::string tissue_note_;
-  bool tissue_waits_ = false;  // for the run to go on
+  bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;
   PanelState panels_;
-  Commands commands_;  // of the keys, until the panels have added theirs
+  Commands commands_;  // of the keys; the panels add theirs
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;
-  bool mouse_over_ = false;  // the picture, at its last motion
+  bool mouse_over_ = false;  // the last mouse event was over the picture
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;
   double frame_time_ = 0.0;
@@ -174,8 +174,7 @@ class Window final {
   bool later_fault_ = false;
 };
 
-/// [setup] Opens a window, plays the session in it and whatever the user begins there, until the user leaves.
-/// @throws as Window and finish().
+/// [setup] Opens a window and runs its sessions until the user closes it. @throws as Window and finish() do
 [[nodiscard]] WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Overrides& request,
                                           const WindowOptions& options);
 

@@ -1,4 +1,4 @@
-// What mouse, keyboard, gamepads and dropped files ask of the window.
+// Mouse, keyboard, gamepads and dropped files of the window.
 #include <algorithm>
 #include <utility>
 
@@ -50,7 +50,7 @@ void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
 void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
   if (down && !over_picture(button.x, button.y)) return;
-  if (down) ImGui::SetWindowFocus(nullptr);  // keys go to the picture again
+  if (down) ImGui::SetWindowFocus(nullptr);  // returns the keyboard to the picture
   if (button.button == SDL_BUTTON_LEFT) steering_.grip(down);
   camera_controller_.button(button, !steering_.mouse_steers());
 }
@@ -61,7 +61,7 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int
   const bool was_over = mouse_over_;
   mouse_over_ = over_picture(motion.x, motion.y);
   if (camera_controller_.mouse_moved(way, height)) return;
-  if (was_over && mouse_over_) {  // coming in from a panel it does not carry the tool along
+  if (was_over && mouse_over_) {  // a motion that starts on a panel must not move the tool
     const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
     steering_.mouse_moved(right / height, -down / height, camera_, fine);
   }
@@ -98,7 +98,7 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
   }
   if ((key.keysym.mod & KMOD_CTRL) != 0) {
     control_key(which);
-  } else if (!ImGui::GetIO().NavVisible) {  // else arrows, Space and Enter are the panels'
+  } else if (!ImGui::GetIO().NavVisible) {  // otherwise the panels use arrows, Space and Enter
     view_key(key);
     letter_key(which);
   } else {
@@ -145,7 +145,7 @@ void Window::file_dropped(const std::filesystem::path& file) {
         file.filename().string() +
         ": palpate reads meshes, scenes and tissues (.toml), tool paths (.csv) and recordings (.h5)");
   } else if (*use == FileUse::kOrgan) {
-    panels_.files.open(*use, file);  // its unit is to be asked for
+    panels_.files.open(*use, file);  // the dialog asks for its unit
   } else {
     commands_.file = ChosenFile{*use, file, ""};
   }

@@ -1,4 +1,4 @@
-// The sessions that a window plays, one after the other.
+// Sessions of a window, one after the other.
 #include <exception>
 #include <fstream>
 #include <utility>
@@ -12,7 +12,7 @@
 namespace palpate::app {
 namespace fs = std::filesystem;
 
-/// The window is for this run from here on; it begins with the next frame.
+/// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
@@ -38,8 +38,8 @@ void Window::begin() {
   run_->start();
 }
 
-/// The renderer of the session's organ, which gives way as the tissue does that is felt now, in the colours
-/// of the tissue that the session began with.
+/// Makes the renderer of the session's organ. Its surface deforms as the current tissue; its colours are
+/// those of the session's first tissue.
 void Window::make_renderer() {
   live_.take(subject());
   reach_changed_ = false;
@@ -50,7 +50,7 @@ render::Subject Window::subject() const {
   return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
 }
 
-/// Zero force, recording closed, devices free for the next session.
+/// Ends the run: zero force, recording closed, devices free for the next session.
 void Window::end_run() {
   run_->stop();
   traces_->take(run_->observer(), !paused_);
@@ -110,8 +110,8 @@ void Window::restart(scene::Overrides request, bool keep_edits, fs::path recordi
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
 
-/// In a program of its own, so that the loop that still plays is not held up. What is being written is seen
-/// as far as it has come.
+/// Opens a recording in a separate process, which cannot delay the running loop. The viewer shows the rows
+/// that have been written so far.
 void Window::look_at(const fs::path& recording) {
   try {
     observers_.open(options_.viewer, recording);
@@ -121,8 +121,7 @@ void Window::look_at(const fs::path& recording) {
   }
 }
 
-/// While a run goes on the loop takes the change at one of its next ticks; afterwards the next run begins
-/// with it.
+/// Changes the tissue at one of the next ticks of the loop, or for the next run when none is running.
 void Window::apply_tissue(const model::TissueParameters& tissue) {
   try {
     model::validate(tissue);
@@ -158,7 +157,7 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
   }
 }
 
-/// A loop that is paused takes no changes: they wait here, the newest of each kind.
+/// Pauses or resumes the run. Parameter updates wait until it resumes; only the latest of each kind is kept.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
     viewport_.show_message("a hand holds the device: its run is never paused; Space holds the picture");

@@ -10,7 +10,7 @@
 namespace palpate::c_interface {
 namespace {
 
-/// A fixed size, so that telling an error needs no memory that could be missing.
+/// Fixed size, so that an error is reported even when no memory is left.
 thread_local std::array<char, 1024> last_error{};
 
 }  // namespace

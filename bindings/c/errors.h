@@ -1,5 +1,5 @@
 #pragma once
-// How the C interface tells what went wrong: nothing is thrown across it.
+// Error handling of the C interface: no exception leaves it.
 #include <exception>
 #include <stdexcept>
 #include <string>
@@ -10,16 +10,17 @@
 
 namespace palpate::c_interface {
 
-/// A call that the interface does not allow.
+/// Invalid use of the interface.
 class UseError final : public std::logic_error {
  public:
   using std::logic_error::logic_error;
 };
 
-/// [any] Keeps the message for palpate_last_error() of this thread, cut to what fits. @return `status`
+/// [any] Stores the message, truncated if necessary, for palpate_last_error() of this thread.
+/// @return `status`
 palpate_status refuse(palpate_status status, const char* message) noexcept;
 
-/// [setup] Runs a step; what it throws becomes a status and a message.
+/// [setup] Runs a step and converts its exceptions to a status and a message.
 template <typename Step>
 palpate_status guarded(const Step& step) noexcept {
   try {
@@ -36,10 +37,10 @@ palpate_status guarded(const Step& step) noexcept {
   }
 }
 
-/// [setup] @throws UseError naming the argument when it is null.
+/// [setup] @throws UseError naming the argument if it is null.
 void require_given(const void* pointer, const char* name);
 
-/// [setup] @throws UseError naming the struct when its size is not this library's.
+/// [setup] @throws UseError naming the struct if its size differs from the library's.
 void require_size(std::size_t given, std::size_t right, const char* name);
 
 }  // namespace palpate::c_interface

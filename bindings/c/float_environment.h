@@ -3,8 +3,8 @@
 
 namespace palpate::c_interface {
 
-/// Rounding to nearest and full denormal numbers while this lives, whatever the program around has set (game
-/// engines flush denormals to zero): the same samples give the same results bit for bit in every program.
+/// Sets rounding to nearest and gradual underflow for its lifetime. The calling program may have changed them
+/// (game engines flush denormal numbers to zero), but equal samples must give the same results bit for bit.
 class DefaultFloatEnvironment final {
  public:
   /// [rt]

@@ -40,7 +40,7 @@ contact::Preparation preparation_of(const palpate_options& options) {
   return how;
 }
 
-/// What the hand's device would give if nobody held it.
+/// Source of palpate_scripted_sample(): a replay, the scene's path, or the default path.
 std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& setup, std::size_t hand) {
   const scene::DeviceSetup& device = setup.devices[hand];
   if (device.kind == "replay") return devices::open_device(setup, hand);
@@ -68,7 +68,7 @@ Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand) {
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     scripted.push_back(scripted_device(setup, hand));
   }
-  // The recording and its replay must know whether a hand holds the device: the tick goes by that.
+  // The tick, the recording and its replay depend on whether a hand holds the device.
   for (scene::DeviceSetup& device : setup.devices) {
     if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }

@@ -1,25 +1,27 @@
 #pragma once
-// Palpate's C interface (C99): an organ and instruments are loaded, the program around it ticks at its own
-// rate with samples of its own device and gets back what the device is to give; the deformed surface is read
-// back for the picture. One shared library, libpalpate.so.
+// Palpate's C interface (C99), in one shared library, libpalpate.so. Your program opens a scene with an organ
+// and instruments. It calls one function per haptic tick, at its own rate, with samples of its own devices,
+// and receives the forces for the devices. It can read the deformed surface for display.
 //
-// Units are SI (m, N, N m, s), quaternions are w x y z, the world is right-handed with z up. Every function
-// but those that return a pointer or a number returns a palpate_status; what is wrong is then told by
-// palpate_last_error(), one line that names the field, its value and what would be right. Nothing is thrown,
-// no signal handler is set, nothing is printed. All memory that a caller sees is the caller's, but for what
-// palpate_open() and palpate_law_open() make and texts, which live as said.
+// Units are SI (m, N, N m, s). Quaternions are w x y z. The world frame is right-handed with z up. All
+// functions return a palpate_status, except those that return a pointer or a number. A null pointer or a
+// wrong struct_size gives PALPATE_ERROR_USE. After an error, palpate_last_error() returns one line with the
+// field, its value and the accepted values. No function throws, prints or installs a signal handler. The
+// caller owns all memory, except objects from palpate_open() and palpate_law_open() and the returned texts,
+// whose lifetimes are stated below.
 //
-// Who may call: [setup] may allocate, read files and take seconds; not while another thread is inside any
-// function for the same object. [rt] never allocates, locks or calls the system: for the thread of the haptic
-// loop, one thread at a time for one simulation. [picture] for one further thread, which may run beside [rt].
-// [any] from any thread at any time. Different simulations know nothing of one another.
+// Threads. [setup]: may allocate, read files and take seconds; no other thread may use the same object
+// meanwhile. [rt]: never allocates, locks or calls the system, for the thread of the haptic loop; one thread
+// at a time per simulation. [picture]: for one further thread, which may run beside [rt]. [any]: from any
+// thread at any time. Different simulations are independent.
 //
-// Every struct that crosses begins with its own size: set all to zero, then struct_size = sizeof it. A size
-// that is not this library's is refused, so a program that was compiled with another header finds out.
+// Every struct that the caller passes begins with its size. Set the struct to zero, then struct_size to
+// sizeof the struct. A function rejects a size that differs from the library's, so a program compiled with
+// another version of this header gets PALPATE_ERROR_USE.
 #include <stddef.h>
 #include <stdint.h>
 
-/// The version of this interface: it changes when a program must be recompiled, and is the library's
+/// Version of the binary interface. It changes when programs must be recompiled, and is part of the library's
 /// SONAME (libpalpate.so.0).
 #define PALPATE_ABI_VERSION 0
 
@@ -33,120 +35,123 @@
 extern "C" {
 #endif
 
-/// How a call went.
+/// Result of a call.
 typedef int32_t palpate_status;
 #define PALPATE_OK 0
-#define PALPATE_ERROR_USE 1    // called wrongly: a null pointer, a wrong size, out of order
-#define PALPATE_ERROR_INPUT 2  // a scene, a file or a number is bad
-#define PALPATE_ERROR_OTHER 3  // no memory, and what else the system refuses
+#define PALPATE_ERROR_USE 1    // invalid call: a null pointer, a wrong size, a wrong order
+#define PALPATE_ERROR_INPUT 2  // invalid scene, file or number
+#define PALPATE_ERROR_OTHER 3  // no memory, or another failure of the system
 
 #define PALPATE_MAX_HANDS 4
 
-/// What palpate_result.phase says.
+/// Values of palpate_result.phase.
 #define PALPATE_APPROACH 0
 #define PALPATE_PRESS 1
 #define PALPATE_PULL 2
 
-/// Why a hand's force is zero: palpate_result.fault. A fault latches until palpate_reset_fault(). The same
-/// numbers are for palpate_sample.fault: what the program knows to be wrong with its device.
+/// Cause of a hand's zero force (palpate_result.fault). A fault latches until palpate_reset_fault(). In
+/// palpate_sample.fault the program reports faults of its device with the same values.
 #define PALPATE_FAULT_NONE 0
 #define PALPATE_FAULT_NOT_FINITE 1    // a sample or a force was not finite
 #define PALPATE_FAULT_DEVICE 2        // the device could not be read, or refused a command
 #define PALPATE_FAULT_STALE_SAMPLE 3  // the sample was older than 5 ms
-#define PALPATE_FAULT_STALLED_LOOP 4  // the program's loop stood still
+#define PALPATE_FAULT_STALLED_LOOP 4  // the program's loop stalled
 #define PALPATE_FAULT_FORCE_OFF 5     // the device switched its force off
 
 /// Bits of palpate_result.status.
 #define PALPATE_STARTED_INSIDE (UINT32_C(1) << 0)  // no force until the tool has been outside the organ
-#define PALPATE_CONTACTS_FULL (UINT32_C(1) << 1)   // more than four contacts wanted on one part of a tool
-#define PALPATE_GRIP_RELEASED (UINT32_C(1) << 2)   // past the grip's limit: it has let go
-#define PALPATE_JUMP (UINT32_C(1) << 3)            // moved faster than any hand: contacts are reset
-#define PALPATE_FORCE_CLAMPED (UINT32_C(1) << 8)   // the gate held the force at its largest
-#define PALPATE_FORCE_SLEWED (UINT32_C(1) << 9)    // the gate held back its change
+#define PALPATE_CONTACTS_FULL (UINT32_C(1) << 1)   // a part of the tool has more than four contacts
+#define PALPATE_GRIP_RELEASED (UINT32_C(1) << 2)   // the force exceeded the grip limit, the grasp let go
+#define PALPATE_JUMP (UINT32_C(1) << 3)            // the tool moved faster than any hand: contacts reset
+#define PALPATE_FORCE_CLAMPED (UINT32_C(1) << 8)   // limited to palpate_info.max_force
+#define PALPATE_FORCE_SLEWED (UINT32_C(1) << 9)    // its change per tick was limited
 #define PALPATE_TORQUE_CLAMPED (UINT32_C(1) << 10)
 #define PALPATE_TORQUE_SLEWED (UINT32_C(1) << 11)
 #define PALPATE_ENERGY_DAMPED (UINT32_C(1) << 12)  // the passivity controller acted
-#define PALPATE_DUTY_HIGH (UINT32_C(1) << 13)  // RMS force over 10 s above what the device gives without end
-#define PALPATE_DUTY_LIMITED (UINT32_C(1) << 14)  // the force was lowered: that over 60 s, or warm motors
+#define PALPATE_DUTY_HIGH (UINT32_C(1) << 13)     // RMS force over 10 s exceeds the device's continuous force
+#define PALPATE_DUTY_LIMITED (UINT32_C(1) << 14)  // force lowered: RMS over 60 s too high, or warm motors
 
 // ---- The library
 
-/// [any] PALPATE_ABI_VERSION of the library that was found at run time. A program compares it with its own.
+/// [any] PALPATE_ABI_VERSION of the loaded library. Compare it with the header's.
 PALPATE_API uint32_t palpate_abi_version(void);
 
-/// [any] "0.2.0". Lives for ever.
+/// [any] The library's version, for example "0.2.0". Valid forever.
 PALPATE_API const char* palpate_version(void);
 
-/// [any] What was wrong with the calling thread's last call that did not return PALPATE_OK; "" before. Lives
-/// until that thread's next such call. A call that goes well leaves it.
+/// [any] The message of the calling thread's last call that did not return PALPATE_OK; "" before any.
+/// Valid until the thread's next failing call. A successful call does not change it.
 PALPATE_API const char* palpate_last_error(void);
 
-/// [any] A fault for people: "the device could not be read, or refused a command". Lives for ever.
+/// [any] The description of a fault: "the device could not be read, or refused a command". Valid forever.
 PALPATE_API const char* palpate_fault_words(uint32_t fault);
 
-// ---- A simulation: one organ, its instruments, one a hand
+// ---- A simulation: one organ, one instrument per hand
 
 typedef struct palpate_simulation palpate_simulation;
 
 typedef struct palpate_options {
   size_t struct_size;
-  // The scene, at most one of the two; neither: the gallbladder press (task "pull": the heart).
+  // At most one of scene_file and scene_text. Without both: the built-in gallbladder press (task "pull": the
+  // heart).
   const char* scene_file;    // TOML (docs/file-formats.md)
-  const char* scene_text;    // the same as a text
-  const char* scene_folder;  // that relative paths in scene_text start from; null: the working folder
-  const char* task;          // "press" or "pull", over the scene's; null: the scene's
-  const char* record_file;   // every tick goes to this HDF5 file; null: none
-  // 0: a recording that cannot keep up loses rows, and palpate_close() says so. 1: palpate_tick() waits for
-  // the disk instead, and is not [rt].
+  const char* scene_text;    // TOML text
+  const char* scene_folder;  // folder of relative paths in scene_text; null: the working folder
+  const char* task;          // "press" or "pull"; null: the scene's task
+  const char* record_file;   // HDF5 file for every tick; null: no recording
+  // 0: a recording that is too slow loses rows, which palpate_close() reports. 1: palpate_tick() waits for
+  // the disk and is not [rt].
   int32_t record_waits;
-  // 0: a hand holds the devices. The force then waits until the hand has been still outside the tissue and
-  // rises by a ramp, and the passivity controller acts. 1: nobody does, samples come from a path or a
-  // recording, and all force is there at once. Never 1 with a device that can push. A device that the scene
-  // says is held (emulated, haply ...) stays so.
+  // 0: a hand holds the device. The force starts by a ramp after the hand was still outside the tissue, and
+  // the passivity controller acts. 1: no hand, samples come from a path or a recording, and the full force
+  // applies at once. Use 1 only if no device can push. Device kinds that a hand always holds (emulated, haply
+  // ...) ignore it.
   int32_t no_hand;
-  int32_t no_cache;     // 1: the prepared organ is neither taken from the user's cache nor put there
+  int32_t no_cache;     // 1: the user's cache of prepared organs is neither read nor written
   int32_t reserved;     // 0
-  double surface_edge;  // m: the visible surface is divided until no edge is longer; 0: as the organ's mesh
-  // Told now and then how far palpate_open() is, 0..1, on the calling thread; may be null.
+  double surface_edge;  // m, longest edge of the visible surface, 1e-4 to 1; 0: edges of the organ's mesh
+  // Reports the progress of palpate_open(), 0 to 1, on the calling thread; may be null.
   void (*progress)(double share, const char* what, void* user);
   void* progress_user;
 } palpate_options;
 
-/// [setup] Reads and checks the scene and all it names, and prepares the organ: some seconds for a fine organ
-/// the first time. On success *simulation is to be closed by palpate_close(), else it is null.
+/// [setup] Reads and checks the scene and its files, and prepares the organ. A fine organ takes some seconds
+/// the first time. On success, close *simulation by palpate_close(); on error it is null.
+/// @return PALPATE_ERROR_USE if two scenes are given; PALPATE_ERROR_INPUT for an invalid scene, file or
+/// option, or a recording that cannot be created
 PALPATE_API palpate_status palpate_open(const palpate_options* options, palpate_simulation** simulation);
 
-/// [setup] Ends the recording, if there is one, and frees all. Null is allowed. When the recording failed or
-/// rows are missing from it the return says so; all is freed nevertheless.
+/// [setup] Closes the recording, if any, and frees everything. Null is allowed.
+/// @return PALPATE_ERROR_INPUT if the recording failed or rows are missing; everything is freed even so
 PALPATE_API palpate_status palpate_close(palpate_simulation* simulation);
 
 typedef struct palpate_info {
   size_t struct_size;
   uint32_t hands;           // 1 .. PALPATE_MAX_HANDS
-  uint32_t held;            // a bit a hand: a hand holds its device
-  double rate;              // Hz, ticks a second: the program has to tick at it
-  double max_force;         // N, no larger one is ever given
+  uint32_t held;            // bit per hand: a hand holds its device
+  double rate;              // Hz, ticks per second that the program must keep
+  double max_force;         // N, largest force of a result
   double max_torque;        // N m
   uint64_t seed;            // of the touch noise
-  uint64_t scripted_ticks;  // until palpate_scripted_sample() has nothing more to say
+  uint64_t scripted_ticks;  // number of ticks with a scripted motion
   size_t vertices;          // of the visible surface
   size_t triangles;
-  size_t remarks;                          // for palpate_remark()
-  uint32_t tool_parts[PALPATE_MAX_HANDS];  // rigid parts of each hand's instrument
+  size_t remarks;                          // number of remarks for palpate_remark()
+  uint32_t tool_parts[PALPATE_MAX_HANDS];  // number of rigid parts of each hand's instrument
 } palpate_info;
 
-/// [any] What was loaded.
+/// [any] Describes the loaded scene.
 PALPATE_API palpate_status palpate_get_info(const palpate_simulation* simulation, palpate_info* info);
 
-/// [any] The scene's name. Lives as long as the simulation.
+/// [any] The scene's name. Valid as long as the simulation.
 PALPATE_API const char* palpate_name(const palpate_simulation* simulation);
 
-/// [any] What a user should be told of the scene (repairs to meshes, warnings); one line each, null past the
-/// last. Lives as long as the simulation.
+/// [any] A remark on the scene for the user (mesh repair or warning), one line; null past the last. Valid as
+/// long as the simulation.
 PALPATE_API const char* palpate_remark(const palpate_simulation* simulation, size_t index);
 
-/// One reading of one device, taken at one moment, in the device's own frame (the scene's [device] maps it
-/// into the world: base and workspace_scale).
+/// One sample of one device, in the device frame. The scene's [device] maps it to the world frame (base and
+/// workspace_scale).
 typedef struct palpate_sample {
   size_t struct_size;
   double position[3];     // m
@@ -154,68 +159,72 @@ typedef struct palpate_sample {
   double velocity[3];     // m/s
   double gripper;         // 0 closed .. 1 open
   double age;             // s since the device took the sample; over 5 ms is a fault
-  uint32_t buttons;       // a bit a button
+  uint32_t buttons;       // bit per button
   uint32_t fault;         // PALPATE_FAULT_...; a sample with a fault needs no pose
 } palpate_sample;
 
-/// What one hand gets at one tick, and why.
+/// Result of one hand at one tick.
 typedef struct palpate_result {
   size_t struct_size;
   uint64_t tick;
   double time;  // s, tick / rate
-  // After the gate, in the device's own frame: what the program writes to the device, as it is.
+  // Output of the gate in the device frame. Write it to the device unchanged.
   double device_force[3];   // N, on the hand
   double device_torque[3];  // N m, about the handle's origin
   double gripper_force;     // N
-  // The same in the world, and what contact found there.
+  // Force and contact in the world frame:
   double force[3];      // N
   double torque[3];     // N m
   double tissue_force;  // N, norm before the gate
   double noise_force;   // N, signed along the normal
   double friction;      // N
   double distance;      // m, tool to organ, negative inside
-  double depth;         // m, of the contact with the largest force
+  double depth;         // m, penetration depth of the contact with the largest force
   double contact[3];    // m, on the rest surface; without contact the nearest point
   double normal[3];
   double tool_position[3];     // m, of the handle
   double tool_orientation[4];  // w x y z
   double gripper;
-  // J that hand and organ's own motion have put into the tissue's force so far and not got back
+  // J, work of the hand and of the organ motion on the tissue force that was not returned so far
   double energy;
-  double engagement;      // share of force and noise that is let through, 0 .. 1
+  double engagement;      // gain of force and noise (force ramp), 0 .. 1
   uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS or PALPATE_PULL
-  uint32_t cutoff_layer;  // of the layered law; 0 without contact
-  uint32_t saturated;     // 1: past the last layer, the force holds
+  uint32_t cutoff_layer;  // layer of the layered law; 0 without contact
+  uint32_t saturated;     // 1: past the last layer, the force stays constant
   uint32_t status;        // bits, PALPATE_STARTED_INSIDE ...
-  uint32_t fault;         // PALPATE_FAULT_... that is latched
+  uint32_t fault;         // latched PALPATE_FAULT_...
   uint32_t reserved;
 } palpate_result;
 
-/// [rt] The next haptic tick: one sample of every hand in, one result of every hand out; `hands` is
-/// palpate_info.hands. Ticks count from 0; the same samples give the same results bit for bit. It reads no
-/// clock: the program keeps palpate_info.rate. It has no watchdog either: when the program's loop stood still
-/// for 20 ms or more, the program has to take the force from the device itself, and to give the next sample
-/// with PALPATE_FAULT_STALLED_LOOP. A bad sample is no error but a fault of its hand. On an error no tick was
-/// made.
+/// [rt] Computes the next haptic tick from one sample per hand, and writes one result per hand. Ticks count
+/// from 0. The same samples give the same results bit for bit. It reads no clock: the program must call it at
+/// palpate_info.rate. It has no watchdog: if the program's loop stalled for 20 ms or more, the program must
+/// set the device's force to zero itself and pass the next sample with PALPATE_FAULT_STALLED_LOOP. A bad
+/// sample is not an error; it latches a fault of its hand.
+/// @param hands palpate_info.hands
+/// @return PALPATE_ERROR_USE for a wrong call; then no tick was computed
 PALPATE_API palpate_status palpate_tick(palpate_simulation* simulation, const palpate_sample* samples,
                                         palpate_result* results, size_t hands);
 
-/// [any] Clears the latched faults of the hands in `hand_bits` (bit 0 the first) at the next tick. Held hands
-/// get force again after they have been still outside the tissue.
+/// [any] Clears the latched faults of some hands at the next tick. The force of a held hand starts again by a
+/// ramp, after the hand was still outside the tissue.
+/// @param hand_bits bit 0 is the first hand
 PALPATE_API palpate_status palpate_reset_fault(palpate_simulation* simulation, uint32_t hand_bits);
 
-/// [setup] Back to before tick 0. Refused while recording: close it and open it again.
+/// [setup] Resets the simulation to the state before tick 0. @return PALPATE_ERROR_USE while recording; then
+/// close and open the simulation instead
 PALPATE_API palpate_status palpate_restart(palpate_simulation* simulation);
 
-/// [rt] What a scripted device would give at a tick: the scene's own path or recording, else from above the
-/// organ's middle to 12 mm of depth or pull, and back. For first steps and tests without a device. Held hands
-/// wait a second before they go, so that they are let through to the force.
+/// [rt] Sample of a scripted device at a tick, for first steps and tests without a device. It follows the
+/// scene's path or recording. Without one, the tool moves from above the middle of the organ to 12 mm of
+/// depth or pull, and back. A held hand waits one second first, until its force has started.
+/// @return PALPATE_ERROR_USE for an invalid hand
 PALPATE_API palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t hand,
                                                    uint64_t tick, palpate_sample* sample);
 
 // ---- The picture
 
-/// Where all things were at the tick that the surface belongs to. World frame.
+/// Poses at the tick of the surface, in the world frame.
 typedef struct palpate_picture {
   size_t struct_size;
   uint64_t tick;
@@ -226,87 +235,106 @@ typedef struct palpate_picture {
   double gripper[PALPATE_MAX_HANDS];              // 0 closed .. 1 open
 } palpate_picture;
 
-/// [picture] Takes the newest tick and moves the visible surface by it (before the first tick: at rest).
-/// Allocates. Contact is always solved against the rest surface: this is for the eye.
+/// [picture] Deforms the visible surface as at the newest tick (at rest before the first tick). Allocates.
+/// The surface is only for display: contact is always computed on the rest surface.
+/// @return PALPATE_ERROR_OTHER without memory
 PALPATE_API palpate_status palpate_surface_update(palpate_simulation* simulation, palpate_picture* picture);
 
-/// [picture] The surface's vertices as of palpate_surface_update(), x y z in turn [m], in the organ's frame
-/// (place them by palpate_picture's organ pose). @param capacity vertices that fit, >= palpate_info.vertices
+/// [picture] Vertices of the surface of the last palpate_surface_update(), x y z in turn [m], in the organ
+/// frame. The organ's pose is in palpate_picture.
+/// @param capacity vertices that fit in xyz, >= palpate_info.vertices
+/// @return PALPATE_ERROR_USE if the capacity is too small
 PALPATE_API palpate_status palpate_surface_vertices(const palpate_simulation* simulation, double* xyz,
                                                     size_t capacity);
 
-/// [any] Its triangles: three vertex indices each, counter-clockwise from outside. They never change.
-/// @param capacity triangles that fit, >= palpate_info.triangles
+/// [any] Triangles of the surface: three vertex indices each, counter-clockwise from outside. They never
+/// change.
+/// @param capacity triangles that fit in corners, >= palpate_info.triangles
+/// @return PALPATE_ERROR_USE if the capacity is too small
 PALPATE_API palpate_status palpate_surface_triangles(const palpate_simulation* simulation, int32_t* corners,
                                                      size_t capacity);
 
-// ---- The instruments, for whoever draws them: rigid parts, which do not change
+// ---- The instruments, for display: rigid parts with constant meshes
 
 typedef struct palpate_part {
   size_t struct_size;
-  const char* name;  // "left"; lives as long as the simulation
+  const char* name;  // "left"; valid as long as the simulation
   size_t vertices;
   size_t triangles;
-  int32_t is_jaw;  // 1: it turns with the gripper
+  int32_t is_jaw;  // 1: it rotates with the gripper
   int32_t reserved;
 } palpate_part;
 
-/// [any] What one part of a hand's instrument is. @param part less than palpate_info.tool_parts[hand]
+/// [any] Describes one part of a hand's instrument. @param part less than palpate_info.tool_parts[hand]
+/// @return PALPATE_ERROR_USE for a hand or part that does not exist
 PALPATE_API palpate_status palpate_tool_part(const palpate_simulation* simulation, uint32_t hand,
                                              uint32_t part, palpate_part* info);
 
-/// [any] Its vertices, x y z in turn [m], in the handle's frame with the jaws closed.
-/// @param capacity vertices that fit, >= palpate_part.vertices
+/// [any] Vertices of a part, x y z in turn [m], in the handle frame with closed jaws.
+/// @param capacity vertices that fit in xyz, >= palpate_part.vertices
+/// @return PALPATE_ERROR_USE for an invalid part or if the capacity is too small
 PALPATE_API palpate_status palpate_part_vertices(const palpate_simulation* simulation, uint32_t hand,
                                                  uint32_t part, double* xyz, size_t capacity);
 
-/// [any] Its triangles, as palpate_surface_triangles(). The mesh may be open.
+/// [any] Triangles of a part: three vertex indices each, counter-clockwise from outside. The mesh may be
+/// open.
+/// @param capacity triangles that fit in corners, >= palpate_part.triangles
+/// @return PALPATE_ERROR_USE for an invalid part or if the capacity is too small
 PALPATE_API palpate_status palpate_part_triangles(const palpate_simulation* simulation, uint32_t hand,
                                                   uint32_t part, int32_t* corners, size_t capacity);
 
-/// [any] Where the part stands in the handle's frame when the gripper is that far open (0 closed .. 1 open):
-/// position [m] and orientation, w x y z. In the world: palpate_picture's tool pose times this.
+/// [any] Pose of a part in the handle frame: position [m] and orientation w x y z. Its pose in the world
+/// frame is the tool pose of palpate_picture times this pose.
+/// @param gripper 0 closed .. 1 open
+/// @return PALPATE_ERROR_USE for an invalid part, PALPATE_ERROR_INPUT for an invalid gripper
 PALPATE_API palpate_status palpate_part_pose(const palpate_simulation* simulation, uint32_t hand,
                                              uint32_t part, double gripper, double position[3],
                                              double orientation[4]);
 
-// ---- The law alone
+// ---- The force law alone
 
 typedef struct palpate_law palpate_law;
 
 typedef struct palpate_response {
   size_t struct_size;
-  double depth;          // m, what the layers give way by
-  double force;          // N, what they carry; less than asked for when saturated
-  double stiffness;      // N/m, dF/dD; of the layer below at a joint
-  int32_t cutoff_layer;  // 1-based
-  int32_t saturated;     // 1: past the last layer
+  double depth;          // m, sum of the layers' deformations
+  double force;          // N, carried by the layers; less than the given force when saturated
+  double stiffness;      // N/m, dF/dD; at the end of a layer that of this layer
+  int32_t cutoff_layer;  // cut-off layer, 1-based
+  int32_t saturated;     // 1: beyond the last layer
 } palpate_response;
 
-/// [setup] The law of a tissue, layered or smooth as the tissue says. @param tissue a built-in name or a
-/// tissue file @param direction "press" or "pull" @param rate Hz, which decides how many layers move On
-/// success *law is to be closed by palpate_law_close(), else it is null.
+/// [setup] Force law of a tissue; the tissue selects the layered or the smooth law. On success, close *law by
+/// palpate_law_close(); on error it is null.
+/// @param tissue name of a built-in tissue or a tissue file
+/// @param direction "press" or "pull"
+/// @param rate Hz, loop rate; it limits the number of layers
+/// @return PALPATE_ERROR_INPUT for an unknown tissue, direction or invalid rate
 PALPATE_API palpate_status palpate_law_open(const char* tissue, const char* direction, double rate,
                                             palpate_law** law);
 
-/// [setup] Null is allowed.
+/// [setup] Frees a law. Null is allowed.
 PALPATE_API void palpate_law_close(palpate_law* law);
 
-/// [rt] Force and stiffness at a depth [m]; from any number of threads at once. A depth that is negative or
-/// not finite is refused.
+/// [rt] Force and stiffness at a depth [m]. Several threads may use one law at a time.
+/// @return PALPATE_ERROR_INPUT for a depth that is negative or not finite
 PALPATE_API palpate_status palpate_law_force_at(const palpate_law* law, double depth,
                                                 palpate_response* response);
 
-/// [rt] The inverse: depth and stiffness under a force [N], in the same way.
+/// [rt] Depth and stiffness under a force [N], the inverse of palpate_law_force_at(). Several threads may use
+/// one law at a time. @return PALPATE_ERROR_INPUT for a force that is negative or not finite
 PALPATE_API palpate_status palpate_law_depth_under(const palpate_law* law, double force,
                                                    palpate_response* response);
 
 // ---- The touch noise alone
 
-/// [rt] Sample number `tick` of a hand's steady noise [N], signed: standard deviation gain / (distance +
-/// threshold), gain / threshold at distance 0; bounded at six of those. The same numbers give the same
-/// sample.
-/// @param gain N m @param threshold m, > 0 @param distance m, >= 0
+/// [rt] Sample number `tick` of a hand's touch noise [N], signed, in the steady state. The standard deviation
+/// is gain / (distance + threshold); samples are bounded at six standard deviations. Equal arguments give the
+/// same sample.
+/// @param gain N m
+/// @param threshold m, > 0
+/// @param distance m, >= 0; 0 in contact
+/// @return PALPATE_ERROR_INPUT for an invalid gain, threshold or distance
 PALPATE_API palpate_status palpate_noise_sample(double gain, double threshold, uint64_t seed, uint32_t hand,
                                                 uint64_t tick, double distance, double* force);
 

@@ -1,4 +1,4 @@
-// The functions of palpate.h that concern the law alone and the noise alone.
+// Functions of palpate.h for the force law and the touch noise.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 #include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"
 
-/// A tissue's law in one direction.
+/// Force law of a tissue in one direction.
 struct palpate_law {
   std::variant<palpate::model::LayeredSpringLaw, palpate::model::SmoothSpringLaw> law;
 };
@@ -44,7 +44,7 @@ std::unique_ptr<palpate_law> make_law(const char* tissue_name, const char* direc
   return std::make_unique<palpate_law>(palpate_law{LayeredSpringLaw(tissue, direction, 1.0 / rate)});
 }
 
-/// Asks a law and fills the response; `ask` takes either law.
+/// Evaluates a law and fills the response; `ask` must accept both laws.
 template <typename Ask>
 palpate_status answer(const palpate_law* law, double asked, palpate_response* response,
                       const Ask& ask) noexcept {

@@ -1,4 +1,4 @@
-// The functions of palpate.h that concern the picture: the organ's surface and the instruments.
+// Functions of palpate.h for display: the organ's surface and the instruments.
 #include <cstddef>
 #include <span>
 #include <string>
@@ -15,7 +15,7 @@ using palpate::c_interface::UseError;
 
 namespace {
 
-/// @throws UseError when a caller's array cannot take `wanted` entries.
+/// @throws UseError if a caller's array has no space for `wanted` entries.
 void require_capacity(std::size_t capacity, std::size_t wanted, const char* what) {
   if (capacity >= wanted) return;
   throw UseError("capacity = " + std::to_string(capacity) + ": must be at least the " +
@@ -41,7 +41,7 @@ void copy_triangles(std::span<const palpate::geometry::Triangle> triangles, std:
   }
 }
 
-/// @throws UseError when there is no such part.
+/// @throws UseError if the part does not exist.
 const palpate::geometry::ToolPart& part_of(const palpate_simulation* simulation, std::uint32_t hand,
                                            std::uint32_t part) {
   require_given(simulation, "simulation");

@@ -1,4 +1,4 @@
-// The functions of palpate.h that concern a simulation.
+// Functions of palpate.h for a simulation.
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -24,7 +24,7 @@ static_assert(PALPATE_DUTY_HIGH == palpate::haptics::kDutyHigh);
 static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
 
-/// Whether every hand's sample and result has this library's size.
+/// Whether every sample and result has the library's size.
 bool sizes_are_right(const palpate_sample* samples, const palpate_result* results,
                      std::size_t hands) noexcept {
   for (std::size_t hand = 0; hand < hands; ++hand) {

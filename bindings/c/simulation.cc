@@ -15,7 +15,7 @@ namespace {
 
 using haptics::Fault;
 
-/// A held hand's scripted path begins so much later [s]: 0.25 s still, 0.5 s of ramp, and some more.
+/// Delay [s] of a held hand's scripted path: 0.25 s at rest and 0.5 s of force ramp, with a margin.
 constexpr double kSettle = 1.0;
 
 Vec3 vector_of(const double (&values)[3]) noexcept { return {values[0], values[1], values[2]}; }
@@ -38,7 +38,7 @@ void put(const std::array<double, kSize>& from, double (&to)[kSize]) noexcept {
   std::copy(from.begin(), from.end(), to);
 }
 
-/// A number that no fault has counts as a device that could not be read.
+/// An unknown number becomes the fault of a device that could not be read.
 Fault fault_of(std::uint32_t number) noexcept {
   return number <= PALPATE_FAULT_FORCE_OFF ? static_cast<Fault>(number) : Fault::kDevice;
 }

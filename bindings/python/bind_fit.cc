@@ -1,4 +1,4 @@
-// Fitting a tissue's parameters to measured force over displacement.
+// Fits of tissue parameters to measured force over displacement.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -38,7 +38,7 @@ Specimen make_specimen(std::string name, const Numbers& displacement, const Numb
   return specimen;
 }
 
-/// Name -> (value, low, high) in the unit of the name.
+/// Maps each name to (value, low, high) in the unit that the name states.
 py::dict parameters_of(const std::vector<identify::Estimate>& estimates, std::size_t terms) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
   py::dict parameters;
@@ -79,7 +79,7 @@ py::dict dictionary_of(const identify::PooledFit& pooled) {
   result["points"] = pooled.points;
   result["warnings"] = pooled.warnings;
   model::TissueParameters tissue = pooled.tissue;
-  if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file has to have a name
+  if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file needs a name
   result["tissue"] = tissue;
   return result;
 }
@@ -133,13 +133,15 @@ void bind_fit(py::module_& module) {
       .def_property_readonly(
           "time", [](const Specimen& one) { return array_of(one.time); }, doc("Specimen::time"));
   module.def("read_specimens", &identify::read_specimens, py::arg("file"), doc("read_specimens"));
-  module.def("fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
-             py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
-             py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
-             "Fits each specimen and all together, as `palpate fit` does. Returns a dictionary: `specimens`, "
-             "one a specimen with `parameters` (name to value, low and high end of the 95 % interval, in the "
-             "unit of the name), rms_N, nrmse, leave_out_nrmse, points, warnings and the fitted curve in SI; "
-             "and `pooled`, with `tissue`, named fitted. Raises InputError.");
+  module.def(
+      "fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
+      py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
+      py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
+      "Fits each specimen and all specimens together, as `palpate fit` does. Returns a dictionary. "
+      "`specimens` is a list with one dictionary per specimen: `parameters` (name to value, low and "
+      "high end of the 95 % interval, in the unit of the name), rms_N, nrmse, leave_out_nrmse, points, "
+      "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `tissue` is "
+      "named fitted. Raises InputError.");
 }
 
 }  // namespace palpate::python

@@ -1,4 +1,4 @@
-// Meshes: reading, looking at, the built-in organs and instruments.
+// Meshes, built-in organs and instruments.
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -67,7 +67,7 @@ TriangleMesh mesh_of(const Numbers& vertices, const Indices& triangles) {
   return mesh;
 }
 
-/// The importer behind read_mesh() cannot be entered twice at once.
+/// Serializes read_mesh(), because the importer is not reentrant.
 geometry::LoadedMesh read_alone(const std::filesystem::path& file, const std::optional<std::string>& unit) {
   static std::mutex one_at_a_time;
   std::optional<LengthUnit> length;
@@ -95,7 +95,7 @@ void bind_geometry(py::module_& module) {
   bind_findings(module);
   py::class_<TriangleMesh>(module, "Mesh", doc("TriangleMesh"))
       .def(py::init(&mesh_of), py::arg("vertices"), py::arg("triangles"))
-      .def_property_readonly("vertices", &vertices_of, "n x 3, metres; a copy.")
+      .def_property_readonly("vertices", &vertices_of, "n x 3 coordinates in metres; a copy.")
       .def_property_readonly("triangles", &triangles_of,
                              "n x 3 vertex indices, counter-clockwise seen from outside; a copy.")
       .def(
@@ -112,7 +112,8 @@ void bind_geometry(py::module_& module) {
         return std::pair(std::move(loaded.mesh), std::move(loaded.findings));
       },
       py::arg("file"), py::arg("unit"),
-      (std::string(doc("read_mesh")) + " From Python it may be: calls wait for one another.").c_str());
+      (std::string(doc("read_mesh")) + " In Python, calls from several threads wait for each other.")
+          .c_str());
   module.def("make_organ", &geometry::make_organ, py::arg("name"), others_may_run, doc("make_organ"));
   module.def("make_ball", &geometry::make_ball, py::arg("radius"), py::arg("triangles") = 1280,
              others_may_run, doc("make_ball"));

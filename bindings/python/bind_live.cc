@@ -1,4 +1,4 @@
-// A simulation that runs in real time while Python looks on.
+// Simulations in real time.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -35,7 +35,7 @@ struct HandState {
   std::string fault;
 };
 
-/// A simulation at its newest tick.
+/// State of a simulation at its newest tick.
 struct NewestState {
   std::uint64_t change = 0;
   bool running = false;
@@ -51,13 +51,14 @@ Live open(const SceneArguments& arguments, std::optional<double> duration_s, std
       LiveSimulation::Options{duration_s, std::move(record), {core, waiting}, keep_s, surface_edge, cache});
 }
 
-/// Tells once, after the end, why a run broke off or its recording is not whole.
+/// After the end, throws once if the run failed or its recording is incomplete.
 void raise_failure(LiveSimulation& live) {
   const std::string failure = live.take_failure();
   if (!failure.empty()) throw InputError(failure);
 }
 
-/// Begins; from then on the end of the program ends it too, wherever this object is then kept.
+/// Starts the run, and registers a finalizer that stops it when the program exits, even if a reference cycle
+/// keeps the object.
 void start(const py::object& self) {
   const Live live = self.cast<Live>();
   {
@@ -79,7 +80,7 @@ void stop(LiveSimulation& live) {
   raise_failure(live);
 }
 
-/// Waits in short turns, so that Ctrl-C is seen.
+/// Waits in short intervals, so that Ctrl-C is handled.
 bool wait(LiveSimulation& live, std::optional<double> timeout_s) {
   if (timeout_s && !(*timeout_s >= 0.0)) throw ParameterError("timeout_s", *timeout_s, ">= 0");
   using Clock = std::chrono::steady_clock;
@@ -88,7 +89,7 @@ bool wait(LiveSimulation& live, std::optional<double> timeout_s) {
   for (;;) {
     const std::chrono::duration<double> waited = Clock::now() - begun;
     const double left = timeout_s ? *timeout_s - waited.count() : 1.0;
-    const bool running = live.running();  // before the look at its end: a run that ends in between has ended
+    const bool running = live.running();  // read before the wait: a run that ends meanwhile counts as ended
     bool ended = false;
     {
       const py::gil_scoped_release others_may_run;
@@ -111,7 +112,7 @@ void leave(LiveSimulation& live, const py::object& type, const py::object& /*val
     const py::gil_scoped_release others_may_run;
     live.stop();
   }
-  if (type.is_none()) raise_failure(live);  // what the block raised goes before
+  if (type.is_none()) raise_failure(live);  // an exception from the block has priority
 }
 
 std::optional<NewestState> state_of(LiveSimulation& live) {
@@ -189,7 +190,7 @@ std::string phase_of(const HandState& hand) {
   return kWords[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
 
-/// A value of a hand's row: a number, or an array of its components, which are doubles.
+/// A value of a hand's row: a number, or an array of its components. All components are doubles.
 py::object value_of(const HandState& hand, const haptics::TickField& field) {
   if (field.size() == 1) {
     return with_number(hand.row, field.type, field.offset,
@@ -203,7 +204,7 @@ py::object value_of(const HandState& hand, const haptics::TickField& field) {
 
 void bind_hand_state(py::module_& module) {
   py::class_<HandState> state(module, "HandState",
-                              "One hand at one tick: its row of the recording, SI, world frame.");
+                              "One hand at one tick: its row of a recording in SI units, world frame.");
   for (const haptics::TickField& field : haptics::kTickFields) {
     if (field.attribute == nullptr) continue;
     state.def_property_readonly(
@@ -212,22 +213,22 @@ void bind_hand_state(py::module_& module) {
   state.def_property_readonly("phase", &phase_of, "approach, press or pull.")
       .def_property_readonly(
           "saturated", [](const HandState& hand) { return hand.row.saturated != 0; },
-          "Past the last layer: the force holds.")
-      .def_readonly(
-          "fault", &HandState::fault,
-          "Why the hand's force is zero, in words, with what the device says of it; empty: no fault.");
+          "Whether the tool is past the last layer, where the force stays constant.")
+      .def_readonly("fault", &HandState::fault,
+                    "Why the hand's force is zero, with the device's own message; empty: no fault.");
 }
 
 void bind_state(py::module_& module) {
-  py::class_<NewestState>(module, "State", "A running simulation at its newest tick.")
+  py::class_<NewestState>(module, "State", "State of a simulation at its newest tick.")
       .def_property_readonly(
-          "tick", [](const NewestState& state) { return state.hands.front().row.tick; }, "Counted from 0.")
+          "tick", [](const NewestState& state) { return state.hands.front().row.tick; },
+          "Number of the tick, from 0.")
       .def_property_readonly(
           "time", [](const NewestState& state) { return state.hands.front().row.time; }, "s, tick / rate.")
       .def_readonly("change", &NewestState::change,
-                    "Number of the last change of tissue or noise that a tick has used; 0: none.")
-      .def_readonly("running", &NewestState::running, "Whether the run goes on.")
-      .def_readonly("hands", &NewestState::hands, "One HandState a hand.");
+                    "Number of the last parameter update that a tick has used; 0: none.")
+      .def_readonly("running", &NewestState::running, "Whether the run has not ended.")
+      .def_readonly("hands", &NewestState::hands, "A list with one HandState per hand.");
 }
 
 py::class_<LiveSimulation, Live> bind_simulation(py::module_& module) {
@@ -241,11 +242,11 @@ py::class_<LiveSimulation, Live> bind_simulation(py::module_& module) {
             scene..., py::arg("duration_s") = none, py::arg("record") = none, py::arg("core") = none,
             py::arg("keep_s") = 600.0, py::arg("surface_edge") = 0.0, py::arg("cache") = true,
             py::arg("poll") = false,
-            "Opens the devices and prepares the organ. The scene is given as to simulate(). duration_s: none "
-            "is until the devices have nothing more to say; record: HDF5 file to write; core: the one that "
-            "the loop runs on; keep_s: seconds that rows() keeps; surface_edge: the surface() is divided "
-            "until no edge is longer (m; 0: as the organ's mesh); poll: the loop keeps asking for the time "
-            "between ticks instead of sleeping, which takes one core and begins ticks sooner. Raises "
+            "Opens the devices and prepares the organ. The arguments of the scene are those of simulate(). "
+            "duration_s: None runs until the paths of the devices end; record: HDF5 file to write; core: "
+            "processor core for the loop; keep_s: time span of rows() in seconds; surface_edge: longest edge "
+            "of surface() in metres, 0 keeps the organ's mesh; poll: the loop polls the clock between ticks "
+            "instead of sleeping, which occupies one core and starts ticks with less delay. Raises "
             "InputError.");
       },
       scene_arguments());
@@ -256,15 +257,14 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
   const py::none none;
   const py::call_guard<py::gil_scoped_release> others_may_run;
   simulation.def("start", &start, doc("LiveSimulation::start"))
-      .def(
-          "stop", &stop,
-          (std::string(doc("LiveSimulation::stop")) + " Raises InputError once when the run broke off or its "
-                                                      "recording is not whole.")
-              .c_str())
-      .def(
-          "wait", &wait, py::arg("timeout_s") = none,
-          "Waits until the run has ended by itself, at most timeout_s seconds; Ctrl-C works. Returns whether "
-          "it has ended; at once with False before start(). Raises as stop().")
+      .def("stop", &stop,
+           (std::string(doc("LiveSimulation::stop")) + " Raises InputError once if the run failed or its "
+                                                       "recording is incomplete.")
+               .c_str())
+      .def("wait", &wait, py::arg("timeout_s") = none,
+           "Waits until the run ends by itself, at most timeout_s seconds. Ctrl-C interrupts it. Returns "
+           "whether "
+           "the run has ended, and False before start(). Raises the errors of stop().")
       .def("__enter__",
            [](const py::object& self) {
              start(self);
@@ -277,19 +277,20 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
             return live.changes().offer(tissue_of(tissue)).warnings;
           },
           py::arg("tissue"), others_may_run,
-          "Another tissue (a Tissue, a built-in name or a tissue file) from one of the next ticks on; "
-          "recorded "
-          "with its tick. Returns what the stability check says of it on these devices, in words. Raises "
-          "ParameterError for a bad value, InputError for another reference radius than the run's, or when "
-          "eight changes wait already; nothing has changed then.")
-      .def("set_noise", &set_noise, py::arg("enabled") = none, py::arg("gain") = none,
-           py::arg("threshold") = none,
-           "Switches the touch noise on or off and sets gain (N m) and threshold (m), each as it was where "
-           "none; goes over in 50 ms. Otherwise as set_tissue().")
+          "Changes the tissue (a Tissue, a built-in name or a tissue file) at one of the next ticks, which "
+          "the "
+          "recording states. Returns the warnings of the stability check. Raises ParameterError for an "
+          "invalid value, and InputError if the reference radius differs from the run's or if eight changes "
+          "are waiting; then nothing changes.")
       .def(
-          "reset_fault", &reset_fault, py::arg("hand") = none,
-          "Clears the latched fault of one hand, or of all, at the next tick. A held device gets force again "
-          "after it has been still outside the tissue.");
+          "set_noise", &set_noise, py::arg("enabled") = none, py::arg("gain") = none,
+          py::arg("threshold") = none,
+          "Switches the touch noise on or off and sets gain (N m) and threshold (m); None keeps a value. The "
+          "noise crossfades within 50 ms. Returns and raises as set_tissue() does.")
+      .def("reset_fault", &reset_fault, py::arg("hand") = none,
+           "Clears the latched fault of one hand, or of all hands, at the next tick. The force of a held "
+           "device "
+           "starts again by a ramp, after the hand was still outside the tissue.");
 }
 
 }  // namespace
@@ -300,7 +301,8 @@ void bind_live(py::module_& module) {
   auto simulation = bind_simulation(module);
   bind_control(simulation);
   const py::call_guard<py::gil_scoped_release> others_may_run;
-  simulation.def("state", &state_of, others_may_run, "The newest tick as a State; None before the first.")
+  simulation
+      .def("state", &state_of, others_may_run, "The State at the newest tick; None before the first tick.")
       .def("surface", &LiveSimulation::surface, others_may_run, doc("LiveSimulation::surface"))
       .def(
           "rows",
@@ -312,17 +314,17 @@ void bind_live(py::module_& module) {
             }
             return adopt(std::move(rows), row_type());
           },
-          "The rows so far, as simulate() has them: those of the last keep_s seconds.")
+          "The rows of the last keep_s seconds, in the array type of simulate().")
       .def_property_readonly("rows_missing", &LiveSimulation::rows_missing,
                              doc("LiveSimulation::rows_missing"))
       .def_property_readonly("running", &LiveSimulation::running, doc("LiveSimulation::running"))
       .def("report", &report_of,
-           "After the end: a dictionary of how it went: ticks, faults, missed_deadlines, times of ticks and "
-           "lateness (ns), remarks, and the file with the ticks before a fault of an unrecorded run. Raises "
-           "RuntimeError before.")
+           "Summary of the ended run, a dictionary: ticks, faults, missed_deadlines, computing times and "
+           "lateness of ticks (ns), remarks, and, after a fault without a recording, the file with the last "
+           "ticks. Raises RuntimeError before the end.")
       .def_property_readonly(
           "tissue", [](LiveSimulation& live) { return live.changes().tissue(); },
-          "The tissue that was set last, or that the run began with.")
+          "The tissue of the last set_tissue(), or of the scene.")
       .def_property_readonly(
           "noise",
           [](LiveSimulation& live) {
@@ -333,13 +335,13 @@ void bind_live(py::module_& module) {
             parts["threshold"] = noise.threshold;
             return parts;
           },
-          "The touch noise that was set last: enabled, gain (N m), threshold (m).")
+          "The touch noise of the last set_noise(), or of the scene: enabled, gain (N m), threshold (m).")
       .def_property_readonly("name", [](const LiveSimulation& live) { return live.setup().name; })
       .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.setup().rate_Hz; })
       .def_property_readonly("hand_count", &LiveSimulation::hands)
       .def_property_readonly("organ", [](const LiveSimulation& live) { return live.setup().organ; })
       .def_property_readonly("remarks", &remarks_of,
-                             "What a user should be told of the scene: repairs to meshes, warnings.");
+                             "Remarks on the scene for the user: mesh repairs and warnings.");
 }
 
 }  // namespace palpate::python

@@ -1,4 +1,4 @@
-// Tissues, the two laws and the noise.
+// Tissues, force laws and touch noise.
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -21,7 +21,7 @@ using model::SmoothSpringLaw;
 using model::TissueParameters;
 using noise::TouchNoise;
 
-/// One row of what a law answers, as NumPy has it.
+/// Result of a force law as a row of a structured array.
 struct Response {
   double depth;
   double force;
@@ -37,7 +37,7 @@ Response response_of(const LayeredSpringLaw::LayerState& state) {
   return response;
 }
 
-/// Both laws have the same functions.
+/// Binds one of the two laws, which have the same functions.
 template <typename Law>
 void bind_law(py::module_& module, const char* name, const char* class_doc, const char* init_doc) {
   py::class_<Law>(module, name, class_doc)
@@ -82,7 +82,7 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
       .def_property_readonly("max_force", &Law::max_force);
 }
 
-/// Every number of a tissue is a property.
+/// Binds each numeric tissue parameter as a property.
 void bind_tissue_numbers(py::class_<TissueParameters>& tissue) {
   for (const model::TissueField& field : model::kTissueFields) {
     const std::string unit = *field.unit.si_text == '\0' ? "" : "[" + std::string(field.unit.si_text) + "] ";
@@ -135,9 +135,8 @@ void bind_tissue(py::module_& module) {
             const auto& [c, a, s, g] = ratios;
             tissue.reach = {c, a, s, g, tissue.reach.depth_exponent};
           },
-          "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g: how the surface gives way "
-          "around "
-          "a contact (docs/model.md, section 3); all without unit.")
+          "Falloff ratios of the displacement profile around a contact (docs/model.md, section 3): "
+          "contact_ratio c, first_bar_ratio a, bar_ratio s and weight_ratio g, without unit.")
       .def(
           "first_limit",
           [](const TissueParameters& tissue, const std::string& direction) {
@@ -153,7 +152,7 @@ void bind_tissue(py::module_& module) {
   module.def("load_tissue", &scene::load_tissue, py::arg("name_or_file"), doc("load_tissue"));
 }
 
-/// The steady noise of samples first .. first + count.
+/// The steady noise of the samples first .. first + count.
 py::array_t<double> noise_forces(const TouchNoise& noise, std::size_t count, double distance,
                                  std::uint32_t hand, std::uint64_t first) {
   py::array_t<double> forces(static_cast<py::ssize_t>(count));

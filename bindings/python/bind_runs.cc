@@ -1,4 +1,4 @@
-// Whole runs as arrays of rows: simulated here, or read from a recording.
+// Runs as arrays of rows: simulated, or read from a recording.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using haptics::TickRow;
 using record::Recording;
 
-/// Keeps all rows of a run, in memory taken before it.
+/// Keeps all rows of a run in preallocated memory.
 class RowKeeper final : public haptics::TickObserver {
  public:
   explicit RowKeeper(std::size_t expected) { rows.reserve(expected); }
@@ -29,7 +29,7 @@ class RowKeeper final : public haptics::TickObserver {
   std::vector<TickRow> rows;
 };
 
-/// @throws InputError for a real device: this loop keeps no time.
+/// @throws InputError for a real device, because this loop does not run in real time.
 void require_no_real_device(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     if (device.kind == "scripted" || device.kind == "replay" || device.kind == "emulated") continue;
@@ -38,10 +38,10 @@ void require_no_real_device(const scene::Scene& setup) {
   }
 }
 
-/// The rows of a scene's run, as fast as possible.
+/// Runs a scene as fast as possible. @return its rows
 std::vector<TickRow> run(const SceneArguments& arguments, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
-  constexpr double kMaxTicks = 1e9;  // a million seconds; the memory is gone long before
+  constexpr double kMaxTicks = 1e9;  // 1e6 s at 1 kHz; memory ends long before
   scene::Scene setup = arguments.load();
   require_no_real_device(setup);
   if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMaxTicks);
@@ -75,7 +75,7 @@ std::string replay_difference(const Recording& recording) {
   return record::replay(recording).first_difference;
 }
 
-/// A pandas table; phase and fault become words.
+/// A pandas table with the names of phases and faults.
 py::object frame_of(const py::object& rows) {
   const py::module_ pandas = py::module_::import("pandas");
   const auto words = [&](const char* column, const std::vector<std::string>& names) {
@@ -100,8 +100,8 @@ void bind_recording(py::module_& module) {
             return py::array(row_type(), {static_cast<py::ssize_t>(recording.rows.size())},
                              {static_cast<py::ssize_t>(sizeof(TickRow))}, recording.rows.data(), self);
           },
-          "One a tick and hand, in a structured array with the columns of `palpate export`; phase and fault "
-          "are numbers.")
+          "One row per tick and hand, in a structured array with the columns of `palpate export`; phase and "
+          "fault are numbers.")
       .def_property_readonly("name", [](const Recording& recording) { return recording.setup.name; })
       .def_property_readonly("rate_Hz", [](const Recording& recording) { return recording.setup.rate_Hz; })
       .def_property_readonly("seed", [](const Recording& recording) { return recording.setup.seed; })
@@ -125,15 +125,14 @@ void bind_recording(py::module_& module) {
                              [](const Recording& recording) { return recording.facts.missed_deadlines; })
       .def(
           "to_pandas", [](const py::object& self) { return frame_of(self.attr("rows")); },
-          "to_pandas() of the rows.")
-      .def(
-          "surface", &surface_of, py::arg("tick"), py::arg("surface_edge") = 0.0, py::arg("cache") = true,
-          py::call_guard<py::gil_scoped_release>(),
-          "The organ's visible surface at a tick, for which the ticks before are run again. surface_edge: as "
-          "of Simulation. Raises InputError.")
+          "The rows as a pandas DataFrame, by to_pandas().")
+      .def("surface", &surface_of, py::arg("tick"), py::arg("surface_edge") = 0.0, py::arg("cache") = true,
+           py::call_guard<py::gil_scoped_release>(),
+           "The organ's visible surface at a tick, computed by a replay up to that tick. surface_edge: as in "
+           "Simulation. Raises InputError.")
       .def("replay_difference", &replay_difference,
-           "Runs the recording's ticks again; the first difference in words, empty when every bit is the "
-           "same.");
+           "Replays the recording. Returns a description of the first difference, empty if all rows are "
+           "equal bit for bit.");
   module.def("read_recording", &read, py::arg("file"), doc("read_recording"));
 }
 
@@ -143,19 +142,21 @@ void bind_runs(py::module_& module) {
   const py::none none;
   std::apply(
       [&](const auto&... scene) {
-        module.def("simulate", of_a_scene<std::optional<double>, std::optional<fs::path>, bool>(&simulate),
-                   scene..., py::arg("duration_s") = none, py::arg("record") = none, py::arg("cache") = true,
-                   "Runs a scene as fast as possible, as `palpate run --offline` does, and returns its rows: "
-                   "one a tick and hand, in a structured array with the columns of `palpate export` (phase "
-                   "and fault are numbers). Arguments override the scene as the flags of that name do; "
-                   "tissue may be a Tissue, tool a list of jaws; record: also write this HDF5 file. Raises "
-                   "InputError.");
+        module.def(
+            "simulate", of_a_scene<std::optional<double>, std::optional<fs::path>, bool>(&simulate), scene...,
+            py::arg("duration_s") = none, py::arg("record") = none, py::arg("cache") = true,
+            "Runs a scene as fast as possible, as `palpate run --offline` does. Returns one row per tick and "
+            "hand, in a structured array with the columns of `palpate export` (phase and fault are "
+            "numbers). Arguments override the scene file, like the flags of the same name. tissue: a "
+            "Tissue or a name; tool: a name or a list of jaws; record: HDF5 file to write. Raises "
+            "InputError.");
       },
       scene_arguments());
   bind_recording(module);
-  module.def("to_pandas", &frame_of, py::arg("rows"),
-             "The rows of a run, from simulate(), Simulation.rows() or Recording.rows, as a pandas DataFrame "
-             "in which phase and fault are words. Raises ImportError without pandas.");
+  module.def(
+      "to_pandas", &frame_of, py::arg("rows"),
+      "Converts the rows of simulate(), Simulation.rows() or Recording.rows to a pandas DataFrame, with "
+      "the names of phases and faults. Raises ImportError without pandas.");
 }
 
 }  // namespace palpate::python

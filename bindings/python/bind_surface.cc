@@ -1,4 +1,4 @@
-// The visible surface, as it gives way.
+// The visible surface and its deformation.
 #include <cmath>
 #include <string>
 #include <utility>
@@ -64,21 +64,21 @@ Surface surface_of(const record::Recording& recording, std::uint64_t tick, doubl
 void bind_surface(py::module_& module) {
   const py::call_guard<py::gil_scoped_release> others_may_run;
   py::class_<Surface>(module, "Surface", doc("Surface"))
-      .def_readonly("tick", &Surface::tick, "The tick that it belongs to.")
+      .def_readonly("tick", &Surface::tick, "Number of the tick.")
       .def_property_readonly(
           "mesh", [](const Surface& surface) { return surface.mesh; }, doc("Surface::mesh"))
       .def_property_readonly(
           "vertices", [](const Surface& surface) { return vertices_of(surface.mesh); },
-          "n x 3, metres, in the organ's frame; a copy.")
+          "n x 3 coordinates in metres, in the organ frame; a copy.")
       .def_property_readonly(
           "triangles", [](const Surface& surface) { return triangles_of(surface.mesh); },
-          "n x 3 vertex indices, which never change; a copy.")
+          "n x 3 vertex indices, the same at every tick; a copy.")
       .def_property_readonly(
           "organ_position", [](const Surface& surface) { return array_of(surface.organ_W.position); },
-          "Where the organ is at that tick, metres.")
+          "Position of the organ in metres, in the world frame.")
       .def_property_readonly(
           "organ_orientation", [](const Surface& surface) { return array_of(surface.organ_W.rotation); },
-          "Its orientation, w x y z.");
+          "Orientation of the organ, w x y z, in the world frame.");
   py::class_<Indentation>(module, "Indentation", doc("Indentation"))
       .def(py::init(&make_indentation), py::arg("point"), py::arg("direction"), py::arg("depth"),
            py::arg("tip_radius"), py::arg("half_width") = 0.0)
@@ -90,11 +90,12 @@ void bind_surface(py::module_& module) {
       .def_readonly("depth", &Indentation::depth, doc("Indentation::depth"))
       .def_readonly("tip_radius", &Indentation::tip_radius, doc("Indentation::tip_radius"))
       .def_readonly("half_width", &Indentation::half_width, doc("Indentation::half_width"));
-  module.def("deformed_surface", &deformed_surface, py::arg("mesh"), py::arg("indentations"),
-             py::arg("tissue"), others_may_run,
-             "The mesh as it gives way under tools that press or pull it with these indentations together: "
-             "model.md's u(r) with the tissue's reach (a Tissue, a built-in name or a tissue file), r along "
-             "the surface. Vertices out of reach stay bit for bit. Raises InputError.");
+  module.def(
+      "deformed_surface", &deformed_surface, py::arg("mesh"), py::arg("indentations"), py::arg("tissue"),
+      others_may_run,
+      "The mesh deformed by all indentations together: the displacement profile u(r) of docs/model.md "
+      "with the falloff ratios of the tissue (a Tissue, a built-in name or a tissue file), r along the "
+      "surface. Vertices beyond the profile do not change. Raises InputError.");
 }
 
 }  // namespace palpate::python

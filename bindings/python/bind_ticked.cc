@@ -1,4 +1,4 @@
-// A simulation that Python itself ticks, with samples of its own: the C interface's, as arrays.
+// Simulations that Python ticks with its own samples: the C interface with arrays.
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Samples = py::array_t<palpate_sample, py::array::c_style | py::array::forcecast>;
 
-/// One tick or one look at a time, whatever threads Python has.
+/// Serializes all calls, so that several Python threads may use one simulation.
 class TickedSimulation final {
  public:
   TickedSimulation(const SceneArguments& arguments, const palpate_options& options, bool cache)
@@ -32,7 +32,7 @@ class TickedSimulation final {
   TickedSimulation(const TickedSimulation&) = delete;
   TickedSimulation& operator=(const TickedSimulation&) = delete;
 
-  /// Runs `use` on the simulation. @throws std::logic_error when it is closed.
+  /// Calls `use` with the simulation. @throws std::logic_error if it is closed
   template <typename Use>
   auto with(const Use& use) {
     const std::lock_guard lock(mutex_);
@@ -70,7 +70,7 @@ palpate_info info_of(TickedSimulation& ticked) {
   return ticked.with([](palpate_simulation& simulation) { return simulation.info(); });
 }
 
-/// One sample a hand, still, at the device's origin.
+/// One sample per hand: at rest at the origin of the device frame.
 py::array_t<palpate_sample> samples_at_rest(TickedSimulation& ticked) {
   palpate_sample still{};
   still.struct_size = sizeof still;
@@ -90,13 +90,13 @@ py::array_t<palpate_sample> scripted_samples(TickedSimulation& ticked, std::uint
   return samples;
 }
 
-/// As many ticks as the samples are for.
+/// Computes one tick per row of samples.
 py::array_t<palpate_result> tick(TickedSimulation& ticked, const py::array& given) {
-  // Its fields count, not where they lie: numpy.stack() packs them closer.
+  // Compares the field names, not the offsets, because numpy.stack() removes padding.
   if (!given.dtype().attr("names").equal(py::dtype::of<palpate_sample>().attr("names"))) {
     throw InputError("samples: must be an array of the type that samples() gives");
   }
-  const Samples samples(given);  // without gaps
+  const Samples samples(given);  // contiguous copy
   const auto hands = static_cast<py::ssize_t>(info_of(ticked).hands);
   const bool fits =
       (samples.ndim() == 1 || samples.ndim() == 2) && samples.shape(samples.ndim() - 1) == hands;
@@ -166,29 +166,25 @@ std::vector<std::string> ticked_remarks_of(TickedSimulation& ticked) {
 }
 
 constexpr const char* kAbout =
-    "A simulation that the program around it ticks at its own rate with samples of its own device: the C "
-    "interface (palpate.h) as arrays. It reads no clock, so it may run faster or slower than in life; the "
+    "A simulation that your program ticks with samples of its own devices: the C interface (palpate.h) with "
+    "arrays. It reads no clock, so it may run faster or slower than real time. The same samples give the "
     "same "
-    "samples give the same results bit for bit.";
+    "results bit for bit.";
 
 constexpr const char* kAboutOpening =
-    "Prepares the organ; the scene is given as to simulate(), its device only says how the samples are "
-    "mapped "
-    "into the world. no_hand: nobody holds the device, and all force is there at once; False: the force "
-    "waits "
-    "until the hand has been still outside the tissue and rises by a ramp, and the passivity controller "
-    "acts. "
-    "Never True with a device that can push. record: HDF5 file to write; record_waits: tick() waits for the "
-    "disk, else rows may be lost and close() says so. surface_edge: as of Simulation. Raises InputError.";
+    "Prepares the organ. The arguments of the scene are those of simulate(); its device only maps samples to "
+    "the world frame. no_hand: if True, no hand holds the device and the full force applies at once; use it "
+    "only if no device can push. If False, the force starts by a ramp after the hand was still outside the "
+    "tissue, and the passivity controller acts. record: HDF5 file to write; record_waits: if True, tick() "
+    "waits for the disk; if False, rows may be lost, which close() reports. surface_edge: as in Simulation. "
+    "Raises InputError.";
 
 constexpr const char* kAboutTick =
-    "The next haptic tick, or as many as there are rows of samples: one sample of every hand in, one result "
-    "of "
-    "every hand out, in arrays of the same shape. Their fields are those of palpate_sample and "
-    "palpate_result "
-    "in palpate.h, SI; device_force, device_torque and gripper_force are what to give to the device. A bad "
-    "sample is no error but a fault of its hand. Raises InputError for a wrong number of hands, RuntimeError "
-    "when closed.";
+    "Computes the next haptic tick from one sample per hand, or one tick per row of samples. Returns the "
+    "results in an array of the same shape. The fields are those of palpate_sample and palpate_result in "
+    "palpate.h, in SI units. Write device_force, device_torque and gripper_force to the device. A bad sample "
+    "is not an error; it latches a fault of its hand. Raises InputError for a wrong number of hands, "
+    "RuntimeError if the simulation is closed.";
 
 }  // namespace
 
@@ -211,20 +207,22 @@ void bind_ticked(py::module_& module) {
       scene_arguments());
   ticked
       .def("samples", &samples_at_rest,
-           "An array of samples for tick(), one a hand: still, at the device's origin, gripper closed.")
+           "An array for tick() with one sample per hand: at rest at the origin of the device frame, gripper "
+           "closed.")
       .def("scripted_samples", &scripted_samples, py::arg("tick"),
-           "What scripted devices would give at a tick: the scene's own path or recording, else from above "
+           "Samples of scripted devices at a tick. They follow the scene's path or recording; without one, "
            "the "
-           "organ's middle onto it and back. Held hands wait a second before they go.")
+           "tool moves from above the middle of the organ into it and back. A held hand waits one second "
+           "first.")
       .def("tick", &tick, py::arg("samples"), kAboutTick)
       .def("reset_fault", &ticked_reset_fault, py::arg("hand") = none,
-           "Clears the latched fault of one hand, or of all, at the next tick.")
-      .def("restart", &restart, others_may_run, "Back to before tick 0. Raises RuntimeError while recording.")
+           "Clears the latched fault of one hand, or of all hands, at the next tick.")
+      .def("restart", &restart, others_may_run,
+           "Resets the state to that before tick 0. Raises RuntimeError while recording.")
       .def("surface", &surface_now, others_may_run, "The organ's visible surface at the newest tick.")
-      .def(
-          "close", &TickedSimulation::close, others_may_run,
-          "Ends the recording and frees all; again: nothing happens. Raises InputError when rows are missing "
-          "from the recording.")
+      .def("close", &TickedSimulation::close, others_may_run,
+           "Closes the recording and frees everything; a second call does nothing. Raises InputError if rows "
+           "are missing from the recording.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__",
            [](TickedSimulation& self, const py::object&, const py::object&, const py::object&) {
@@ -235,12 +233,12 @@ void bind_ticked(py::module_& module) {
       .def_property_readonly("rate_Hz", [](TickedSimulation& self) { return info_of(self).rate; })
       .def_property_readonly(
           "scripted_ticks", [](TickedSimulation& self) { return info_of(self).scripted_ticks; },
-          "Ticks until scripted_samples() has nothing more to say.")
+          "Number of ticks with a scripted motion.")
       .def_property_readonly(
           "max_force", [](TickedSimulation& self) { return info_of(self).max_force; },
-          "N, no larger one is ever given.")
+          "Largest force of a result in N.")
       .def_property_readonly("remarks", &ticked_remarks_of,
-                             "What a user should be told of the scene: repairs to meshes, warnings.");
+                             "Remarks on the scene for the user: mesh repairs and warnings.");
 }
 
 }  // namespace palpate::python

@@ -1,4 +1,4 @@
-// A tissue against measurements: force curves, surface profiles, photographs.
+// Comparison of a tissue with measurements: force curves, surface profiles, photographs.
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using validate::Deformation;
 
-/// One for all profiles, or one each; metres or newtons.
+/// One value for all profiles, or one per profile; metres or newtons.
 using PerProfile = std::optional<std::variant<double, std::vector<double>>>;
 
 Deformation make_deformation(std::string name, const Numbers& distance, const Numbers& displacement,
@@ -53,7 +53,7 @@ void bind_deformation(py::module_& module) {
              py::call_guard<py::gil_scoped_release>(), doc("read_deformations"));
 }
 
-/// What a call asks for, beside the law and the measurements.
+/// Arguments beside the force law.
 struct ValidationArguments {
   std::vector<identify::Specimen> forces;
   std::vector<Deformation> profiles;
@@ -71,7 +71,7 @@ struct ValidationArguments {
   std::vector<validate::BaselineKind> baselines;
 };
 
-/// Refuses zeros that would do nothing or contradict each other.
+/// Rejects zeros that have no effect or contradict each other.
 void check_zeros(const ValidationArguments& arguments) {
   const bool fitted = arguments.zeros_from == "fitted";
   if (!fitted && arguments.zeros_from != "given") {
@@ -87,7 +87,7 @@ void check_zeros(const ValidationArguments& arguments) {
   }
 }
 
-/// Refuses a surface as drawn where there is none.
+/// Rejects as_drawn without profiles of a press.
 void check_surface(const ValidationArguments& arguments, model::Direction direction) {
   if (arguments.as_drawn && (arguments.profiles.empty() || direction == model::Direction::kPull)) {
     throw InputError("as_drawn: is of a ball pressed in, needs profiles and direction = \"press\"");
@@ -98,7 +98,7 @@ void check_surface(const ValidationArguments& arguments, model::Direction direct
     throw ParameterError("surface_radius", *arguments.surface_radius, "> 0 (m)");
 }
 
-/// Refuses what would do nothing or could not be done.
+/// Rejects arguments that have no effect or cannot be used.
 void check(const ValidationArguments& arguments, model::Direction direction) {
   check_zeros(arguments);
   check_surface(arguments, direction);
@@ -118,7 +118,7 @@ void check(const ValidationArguments& arguments, model::Direction direction) {
   }
 }
 
-/// The depth [m] that is given of each of `count` profiles; 0 where the profile's own counts.
+/// The given depth [m] of each of `count` profiles; 0: the profile has its own.
 std::vector<double> depths_of(const ValidationArguments& arguments, const validate::Law& law,
                               std::size_t count) {
   const PerProfile& given = arguments.depth ? arguments.depth : arguments.force;
@@ -183,7 +183,7 @@ void put(const validate::Errors& errors, py::dict& result) {
   result["nrmse"] = errors.nrmse;
 }
 
-/// What others' laws make of the same data, when there are any.
+/// Adds the baseline models' results for the same data, if any.
 void put(const std::vector<validate::BaselineResult>& baselines, double cost_ns, py::dict& result) {
   if (baselines.empty()) return;
   py::list others;
@@ -347,16 +347,15 @@ void bind_validate(py::module_& module) {
       py::arg("offset") = 0.0, py::arg("zeros") = "given", py::arg("depth") = none, py::arg("force") = none,
       py::arg("tip_radius") = none, py::arg("fit_reach") = false, py::arg("as_drawn") = false,
       py::arg("surface_radius") = none, py::arg("against") = std::vector<std::string>{},
-      "How true a tissue (a Tissue, a built-in name or a tissue file) is, as `palpate validate` "
-      "finds it (docs/validation.md). forces: from read_specimens(); first_contact (m) and offset "
-      "(N) are their zeros, or zeros='fitted' finds them. profiles: from read_deformations(); depth "
-      "(m) or force (N), one or one each, unless they say it themselves; tip_radius (m), unless "
-      "the tissue's source says it; as_drawn: the surface as the picture shows it, nowhere above "
-      "the ball, with surface_radius (m) of a surface that bulges at rest. image: two photographs, "
-      "before and after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns "
-      "a dictionary, SI: tissue, forces (each with zeros_given and zeros_fitted) and profiles, each "
-      "with rms, max, nrmse, measured and computed, and against; and reach and image when asked "
-      "for. Raises InputError.");
+      "Compares a tissue (a Tissue, a built-in name or a tissue file) with measurements, as `palpate "
+      "validate` does (docs/validation.md). forces: from read_specimens(); first_contact (m) and offset "
+      "(N) are their zeros, or zeros='fitted' finds them. profiles: from read_deformations(); depth (m) or "
+      "force (N), one value or one per profile, unless the profiles state a depth; tip_radius (m), unless "
+      "the tissue's source states it; as_drawn: compare with the visible surface, which is never above the "
+      "ball; surface_radius (m): radius of a surface that is convex at rest. image: two photographs, before "
+      "and after, with pixel (m). against: hertz, linear, exponential, mass-spring. Returns a dictionary in "
+      "SI units: tissue, forces (each with zeros_given and zeros_fitted) and profiles, each with rms, max, "
+      "nrmse, measured, computed and against; reach and image if requested. Raises InputError.");
 }
 
 }  // namespace palpate::python

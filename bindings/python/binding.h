@@ -1,5 +1,5 @@
 #pragma once
-// What the parts of the Python module share.
+// Shared declarations of the Python module.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,10 +18,10 @@ namespace palpate::python {
 
 namespace py = pybind11;
 
-/// Numbers in: any array or sequence, converted to double without gaps.
+/// Numeric argument: any array or sequence, converted to contiguous doubles.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// The parts of the module, one a file.
+/// The parts of the module, one per file.
 void bind_model(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_runs(py::module_& module);
@@ -31,10 +31,10 @@ void bind_live(py::module_& module);
 void bind_ticked(py::module_& module);
 void bind_validate(py::module_& module);
 
-/// "press" or "pull". @throws InputError.
+/// Parses "press" or "pull". @throws InputError
 [[nodiscard]] model::Direction direction_of(const std::string& word);
 
-/// An array of the same shape with `answer` of every number; no array but one value for a number alone.
+/// Applies `answer` to every number. Returns an array of the same shape, or one value for a scalar.
 template <typename Row, typename Answer>
 py::object vectorised(const Numbers& numbers, const Answer& answer) {
   const std::vector<py::ssize_t> shape(numbers.shape(), numbers.shape() + numbers.ndim());
@@ -49,17 +49,17 @@ py::object vectorised(const Numbers& numbers, const Answer& answer) {
   return rows[py::tuple()];
 }
 
-/// n x 3, copies.
+/// Copies as n x 3 arrays.
 [[nodiscard]] py::array_t<double> vertices_of(const geometry::TriangleMesh& mesh);
 [[nodiscard]] py::array_t<std::int32_t> triangles_of(const geometry::TriangleMesh& mesh);
 
-/// A copy as a row of numbers.
+/// Copies numbers to a 1-D array.
 [[nodiscard]] py::array_t<double> array_of(std::span<const double> values);
-/// x y z; w x y z.
+/// Copies a vector (x y z) or a quaternion (w x y z) to a 1-D array.
 [[nodiscard]] py::array_t<double> array_of(const Vec3& vector);
 [[nodiscard]] py::array_t<double> array_of(const Quat& rotation);
 
-/// A NumPy array that owns what was a vector; nothing is copied. @param dtype of one element
+/// Moves a vector into a NumPy array without copying. @param dtype type of one element
 template <typename Element>
 py::array adopt(std::vector<Element> values, const py::dtype& dtype) {
   auto* kept = new std::vector<Element>(std::move(values));

@@ -12,14 +12,14 @@
 namespace palpate::python {
 namespace {
 
-/// Rows that are kept of so many seconds.
+/// Number of rows in a time span.
 std::size_t rows_in(double seconds, const scene::Scene& setup) {
   const double rows = seconds * setup.rate_Hz * static_cast<double>(setup.tools.size());
   if (!(seconds >= 0.0) || rows > 1e10) throw ParameterError("keep_s", seconds, ">= 0 and not endless");
   return static_cast<std::size_t>(rows);
 }
 
-/// What can be refused before the organ is prepared. @return the scene
+/// Checks the options before the organ is prepared, which takes longer. @return the scene
 scene::Scene checked(scene::Scene setup, const LiveSimulation::Options& options) {
   session::require_usable_core(options.thread.core, "core");
   (void)rows_in(options.keep_s, setup);
@@ -70,7 +70,7 @@ std::uint64_t RowCollector::rows_missing() {
   return dropped_ + left_out_.load(std::memory_order_relaxed);
 }
 
-/// Whoever holds readers_ takes what has come.
+/// Moves the queued rows to rows_. The caller must have locked readers_.
 void RowCollector::drain() {
   haptics::TickRow row;
   while (ring_.pop(row)) {

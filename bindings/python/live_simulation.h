@@ -21,13 +21,13 @@
 
 namespace palpate::python {
 
-/// Lets Python see the rows of a running loop: the newest at once, all of them a moment later. The loop never
-/// waits: when the collecting thread does not keep up, rows are left out and counted.
+/// Collects the rows of a running loop for Python: the latest rows at once, all rows a moment later. The loop
+/// never waits. When the collecting thread is too slow, rows are dropped and counted.
 class RowCollector final : public haptics::TickObserver {
  public:
-  using Newest = std::array<haptics::TickRow, haptics::Snapshot::kMaxHands>;  // one a hand
+  using Newest = std::array<haptics::TickRow, haptics::Snapshot::kMaxHands>;  // one per hand
 
-  /// [setup] @param kept rows at most; older ones are dropped
+  /// [setup] @param kept maximum number of rows; the oldest rows are dropped
   RowCollector(std::size_t hands, std::size_t kept);
   ~RowCollector() override;
   RowCollector(const RowCollector&) = delete;
@@ -35,13 +35,13 @@ class RowCollector final : public haptics::TickObserver {
 
   void on_row(const haptics::TickRow& row) noexcept override;
 
-  /// [any] The run has ended: nothing more has to be collected before it is asked for.
+  /// [any] Stops the collecting thread after the run. rows() then collects the remaining rows.
   void rest() noexcept { thread_.request_stop(); }
   /// [any] The rows of the newest tick; nothing before the first.
   [[nodiscard]] std::optional<Newest> newest();
-  /// [any] What is kept so far, by tick, then hand.
+  /// [any] The kept rows, ordered by tick, then hand.
   [[nodiscard]] std::vector<haptics::TickRow> rows();
-  /// [any] Rows that are not there: dropped as too old, or left out.
+  /// [any] Number of rows that were dropped because they were too old or the queue was full.
   [[nodiscard]] std::uint64_t rows_missing();
 
  private:
@@ -53,74 +53,73 @@ class RowCollector final : public haptics::TickObserver {
   std::size_t hands_;
   std::size_t kept_;
   TripleBuffer<Newest> newest_;
-  bool any_ = false;  // a newest was seen
+  bool any_ = false;  // a tick was received
   SpscQueue<haptics::TickRow> ring_{kRoom};
   std::atomic<std::uint64_t> left_out_{0};
-  std::mutex readers_;  // one at a time; the loop never takes it
+  std::mutex readers_;  // one reader at a time; the loop never locks it
   std::deque<haptics::TickRow> rows_;
   std::uint64_t dropped_ = 0;
-  std::jthread thread_;  // last: it uses all of the above
+  std::jthread thread_;  // last member, because it uses the others
 };
 
-/// A scene in real time on threads of its own, as `palpate run` runs it without a window, while Python looks
-/// on and changes tissue and noise. start() begins it, stop() ends it in good order (zero force, recording
-/// closed); so does the end of a `with` block, and the end of this object or of the program. Every device
-/// that needs no window can be used. One run an object. A fault brings its hand's force to zero until
+/// Simulation in real time on separate threads, like `palpate run` without a window. Python reads its state
+/// and changes tissue and noise during the run. start() starts it and stop() ends it (zero force, recording
+/// closed). The end of a `with` block, of this object or of the program also stops it. Every device that
+/// needs no window can be used. An object runs once. A fault sets its hand's force to zero until
 /// reset_fault().
 class LiveSimulation final {
  public:
   struct Options {
-    std::optional<double> duration_s;             // none: until the devices have nothing more to say
-    std::optional<std::filesystem::path> record;  // HDF5 file to write
-    haptics::LoopThread thread;                   // of the loop
-    double keep_s = 600.0;                        // how much rows() keeps
-    double surface_edge = 0.0;                    // m, of surface(): as visible_surface()
+    std::optional<double> duration_s;             // none: until the last tick of the devices' paths
+    std::optional<std::filesystem::path> record;  // HDF5 file
+    haptics::LoopThread thread;                   // thread settings of the loop
+    double keep_s = 600.0;                        // s, time span of the rows that rows() keeps
+    double surface_edge = 0.0;                    // m, edge length of surface(), as for visible_surface()
     bool cache = true;
   };
 
-  /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError.
+  /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError
   LiveSimulation(scene::Scene setup, Options options);
-  /// Ends the run as stop() does.
+  /// Stops the run.
   ~LiveSimulation();
   LiveSimulation(const LiveSimulation&) = delete;
   LiveSimulation& operator=(const LiveSimulation&) = delete;
 
-  /// [any] Begins the run and returns when its first tick is made. Raises RuntimeError when it was begun
-  /// before, InputError when the recording cannot be made.
+  /// [any] Starts the run and returns after its first tick. Raises RuntimeError if it was started before,
+  /// InputError if the recording cannot be created.
   void start();
-  /// [any] Ends the run in good order and waits for it: zero force, recording closed. Nothing happens when it
-  /// has ended or was never begun.
+  /// [any] Stops the run and waits until it has ended: zero force, recording closed. Does nothing before
+  /// start() or after the end.
   void stop();
-  /// [any] Whether the run has ended within `time`; false before start().
+  /// [any] Waits at most `time` for the end of the run. @return whether it has ended; false before start()
   [[nodiscard]] bool ended_within(std::chrono::milliseconds time);
-  /// [any] Whether it was begun and has not ended.
+  /// [any] Whether the run has started and not ended.
   [[nodiscard]] bool running();
 
-  /// [any] The rows of the newest tick, one a hand; empty before the first.
+  /// [any] The rows of the newest tick, one per hand; empty before the first.
   [[nodiscard]] std::vector<haptics::TickRow> newest();
-  /// [any] Its fault in words, with what the device says of it; empty: none.
+  /// [any] The fault of a row as text, with the device's own message; empty without a fault.
   [[nodiscard]] std::string describe_fault(const haptics::TickRow& row) const;
-  /// [any] Number of the last change of tissue or noise that a tick has used; 0: none.
+  /// [any] Number of the last parameter update that a tick has used; 0: none.
   [[nodiscard]] std::uint64_t change();
   /// [any] The organ's visible surface at the newest tick. The first call takes longer.
   [[nodiscard]] Surface surface();
-  /// [any] Rows kept so far: all of the last keep_s seconds, but for the last moments of a run under way.
+  /// [any] The rows of the last keep_s seconds. During a run the latest rows may be missing.
   [[nodiscard]] std::vector<haptics::TickRow> rows();
-  /// [any] Rows that rows() no longer has.
+  /// [any] Number of rows that rows() does not have.
   [[nodiscard]] std::uint64_t rows_missing();
 
-  /// [any] Clears the latched faults of the hands in `hand_bits` at the next tick. A held device gets force
-  /// again after it has been still outside the tissue.
+  /// [any] Clears the latched faults of the hands in `hand_bits` at the next tick. The force of a held device
+  /// starts again by a ramp, after the hand was still outside the tissue.
   void reset_faults(std::uint32_t hand_bits) noexcept { session_.control().reset_faults(hand_bits); }
-  /// [any] Hands new tissue and noise to the loop.
+  /// [any] Sends new tissue and noise parameters to the loop.
   [[nodiscard]] haptics::ParameterUpdates& changes() noexcept { return session_.updates(); }
 
   [[nodiscard]] const scene::Scene& setup() const noexcept { return session_.setup(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
-  /// [any] After the end: how it went; a run that broke off has the default values. @throws std::logic_error
-  /// before the end.
+  /// [any] Result of the ended run; default values if it failed. @throws std::logic_error before the end
   [[nodiscard]] session::RunResult result();
-  /// [any] After the end: why it broke off or its recording is not whole, once; then and otherwise empty.
+  /// [any] After the end, once: why the run failed or its recording is incomplete. Otherwise empty.
   [[nodiscard]] std::string take_failure();
 
  private:
@@ -131,12 +130,12 @@ class LiveSimulation final {
   RowCollector rows_;
   haptics::SnapshotPublisher snapshots_;
 
-  std::mutex looking_;  // of snapshots_' reader and of what follows
+  std::mutex looking_;  // guards the reader of snapshots_ and the members below
   std::unique_ptr<deform::SurfaceDeformer> deformer_;
 
-  std::mutex state_;  // of what follows
+  std::mutex state_;  // guards the members below
   bool failure_reported_ = false;
-  std::unique_ptr<session::BackgroundRun> run_;  // from start() on; last: it uses all of the above
+  std::unique_ptr<session::BackgroundRun> run_;  // set by start(); last member, because it uses the others
 };
 
 }  // namespace palpate::python

@@ -1,4 +1,5 @@
-// The extension _palpate: one file a part. Docstrings are the C++ comments, taken at build time (make_docs).
+// The extension _palpate, one source file per part. make_docs takes docstrings from the C++ comments at build
+// time.
 #include <array>
 
 #include "palpate/error.h"
@@ -34,11 +35,11 @@ PYBIND11_MODULE(_palpate, module) {
   const auto& input_error =
       pybind11::register_exception<palpate::InputError>(module, "InputError", PyExc_ValueError);
   input_error.attr("__doc__") =
-      "Bad input: the message is one line that names it, its value and what would be right.";
+      "Invalid input. The message is one line with the input, its value and the accepted values.";
   const auto& parameter_error =
       pybind11::register_exception<palpate::ParameterError>(module, "ParameterError", input_error);
   parameter_error.attr("__doc__") =
-      "A parameter out of its range; the message names the field, its value and its unit.";
+      "A parameter out of its range. The message names the field, its value and its unit.";
   palpate::python::bind_model(module);
   palpate::python::bind_geometry(module);
   palpate::python::bind_surface(module);

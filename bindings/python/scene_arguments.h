@@ -1,5 +1,5 @@
 #pragma once
-// The scene that a Python call names, for the functions and classes that load one.
+// Arguments of Python calls that select a scene.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -17,22 +17,22 @@
 
 namespace palpate::python {
 
-/// What a call says of its scene; what it does not say is the scene file's.
+/// Arguments of a call that override the scene file.
 struct SceneArguments {
   scene::Overrides request;
-  std::optional<model::TissueParameters> tissue;  // in place of a name or file
+  std::optional<model::TissueParameters> tissue;  // replaces a name or file
 
-  /// [setup] @throws InputError as scene::load(), ParameterError for a bad tissue.
+  /// [setup] @throws InputError as scene::load() does, ParameterError for an invalid tissue
   [[nodiscard]] scene::Scene load() const;
 };
 
-/// What stands for a tissue in a call: an object, a built-in name or a tissue file.
+/// Tissue argument: an object, or the name of a built-in tissue or a tissue file.
 using TissueArgument = std::variant<model::TissueParameters, std::string>;
 
-/// [setup] @throws InputError as scene::load_tissue(), ParameterError for a bad tissue.
+/// [setup] @throws InputError as scene::load_tissue() does, ParameterError for an invalid tissue
 [[nodiscard]] model::TissueParameters tissue_of(const TissueArgument& arguments);
 
-/// [setup] @throws InputError when a scene is given twice.
+/// [setup] @throws InputError if two scenes are given
 [[nodiscard]] SceneArguments parse_scene_arguments(
     const std::optional<std::filesystem::path>& scene, const std::optional<std::string>& scene_text,
     const std::optional<std::string>& task, const std::optional<std::string>& organ,
@@ -42,13 +42,13 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
     std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise);
 
-/// How the organ is prepared: with the user's cache or without.
+/// Options for preparing the organ, with or without the user's cache.
 [[nodiscard]] contact::Preparation preparation_of(bool cache);
 
-/// The columns of a recording as NumPy names them, one TickRow an element.
+/// NumPy type of a TickRow, with the column names of a recording.
 [[nodiscard]] py::dtype row_type();
 
-/// Names and defaults of parse_scene_arguments()'s arguments, in their order.
+/// Names and defaults of the arguments of parse_scene_arguments(), in order.
 [[nodiscard]] inline auto scene_arguments() {
   const py::none none;
   return std::make_tuple(py::arg("scene") = none, py::kw_only(), py::arg("scene_text") = none,
@@ -58,7 +58,8 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
                          py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true);
 }
 
-/// A function of a scene and more, as one of parse_scene_arguments()'s arguments and more.
+/// Wraps a function of a scene and `More` arguments: the result takes the arguments of
+/// parse_scene_arguments() and then `More`.
 template <typename... More, typename Function>
 auto of_a_scene(Function function) {
   return

@@ -1,5 +1,5 @@
 #pragma once
-// The organ's visible surface under the instruments, for those who draw.
+// The organ's visible surface, for display.
 #include <cstdint>
 
 #include "palpate/mesh.h"
@@ -11,25 +11,25 @@
 
 namespace palpate::python {
 
-/// The organ's surface as the instruments have moved it at one tick. Contact is always solved against the
-/// rest surface: this is for the eye.
+/// The organ's surface at one tick, deformed by the instruments. It is for display only; contact is always
+/// computed on the rest surface.
 struct Surface {
   std::uint64_t tick = 0;
-  geometry::TriangleMesh mesh;  // the moved surface, m, in the organ's frame
-  Pose organ_W;                 // where the organ is at that tick
+  geometry::TriangleMesh mesh;  // deformed surface, m, organ frame
+  Pose organ_W;                 // pose of the organ at that tick
 };
 
-/// [setup] @throws ParameterError for an edge [m] that is neither 0 nor 0.1 mm to 1 m.
+/// [setup] @throws ParameterError unless the edge is 0 or 0.1 mm to 1 m.
 void check_surface_edge(double longest_edge);
 
-/// [setup] The organ's rest surface, divided until no edge is longer. @param longest_edge m; 0: as it is
-/// @throws ParameterError as check_surface_edge().
+/// [setup] The organ's rest surface, subdivided until no edge is longer than `longest_edge`.
+/// @param longest_edge m; 0: no subdivision @throws ParameterError as check_surface_edge() does
 [[nodiscard]] geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge);
 
-/// [setup] The surface at a snapshot's tick.
+/// [setup] The surface at the tick of a snapshot.
 [[nodiscard]] Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& deformer);
 
-/// [setup] The surface at a tick of a recording, whose ticks before are run again. @throws InputError.
+/// [setup] The surface at a tick of a recording, computed by a replay up to that tick. @throws InputError
 [[nodiscard]] Surface surface_of(const record::Recording& recording, std::uint64_t tick, double surface_edge,
                                  bool cache);
 

@@ -1,8 +1,8 @@
-/* The built-in gallbladder pressed from C99: load, tick, read the force and the deformed surface.
+/* Presses the built-in gallbladder from C99: open a scene, tick, read the force and the deformed surface.
  *
- * Here the samples come from a path of the library's own, so nobody holds a device (no_hand). With a device
- * of yours leave no_hand at 0, fill the sample from your device, call palpate_tick() at info.rate from your
- * own real-time thread, and write result.device_force to the device as it is.
+ * The samples come from a path of the library, so no hand holds a device (no_hand = 1). For a device of your
+ * own, leave no_hand at 0, fill the samples from the device, call palpate_tick() at info.rate from your
+ * real-time thread, and write result.device_force to the device unchanged.
  *
  * Usage: press [SCENE.toml] */
 #include <math.h>
@@ -18,7 +18,7 @@ static void check(palpate_status status) {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/* How far the vertex that moved most has moved [m]. */
+/* Largest displacement of a vertex [m]. */
 static double largest_move(const double* rest, const double* now, size_t vertices) {
   double most = 0.0;
   for (size_t i = 0; i < vertices; ++i) {

@@ -1,5 +1,5 @@
-// The organ's surface as it is seen while a tool presses, without any drawing: vertices out, an OBJ file if
-// you like. Usage: deformed_surface [SURFACE.obj]
+// Computes the deformed surface of an organ during a press, without drawing it, and can write it as an OBJ
+// file. Usage: deformed_surface [SURFACE.obj]
 #include <algorithm>
 #include <fstream>
 #include <iostream>
@@ -14,7 +14,7 @@ namespace {
 
 using palpate::Vec3;
 
-/// Runs the first 3 s of the scripted hand and returns the newest snapshot.
+/// Runs the first 3 s of the scripted hand and returns the last snapshot.
 palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
   palpate::haptics::SnapshotPublisher newest;
   palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&newest});
@@ -33,11 +33,11 @@ void write_obj(const char* file, const std::vector<Vec3>& vertices,
 
 int main(int argc, char** argv) {
   const palpate::scene::Scene setup = palpate::scene::load({});
-  // Each contact pushes (or pulls) the surface at one place, by its depth, as wide as the tool is there.
+  // An indentation per contact: point, direction, depth, and width of the tool.
   const palpate::haptics::Snapshot snapshot = press(setup);
   const auto indentations = palpate::deform::indentations_of({snapshot.results.data(), snapshot.hands});
 
-  // The forces need no fine mesh; a smooth picture does. Edges of 2 mm, the surface stays where it is.
+  // Forces need no fine mesh, but a smooth picture does. Refining to edges of 2 mm does not change the shape.
   palpate::deform::SurfaceDeformer deformer(palpate::geometry::refine(setup.organ, 2e-3));
   std::vector<Vec3> vertices;
   deformer.deform(setup.tissue.reach, indentations, vertices);

@@ -1,6 +1,6 @@
-// A tissue's parameters from measured force over displacement, with how sure each of them is.
+// Fits tissue parameters to measured force over displacement, with 95 % intervals.
 // Usage: fit_a_tissue [MEASURED.csv]
-// Without a file a measurement is made up: a known tissue, 60 points to 18 mm, and 2 mN of noise.
+// Without a file it fits a synthetic measurement: a known tissue, 60 points to 18 mm, and 2 mN of noise.
 #include <iostream>
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace {
 
-/// What is put in, to see whether it comes out.
+/// The true parameters of the synthetic measurement.
 palpate::model::TissueParameters known_tissue() {
   palpate::model::TissueParameters tissue = palpate::model::tissue_preset("liver");
   tissue.law = palpate::model::LawKind::kSmooth;
@@ -42,7 +42,8 @@ void show(const palpate::identify::SpecimenFit& fit) {
               << ", 95 %: " << estimate.interval.low / unit << " .. " << estimate.interval.high / unit
               << '\n';
   }
-  // Parameters stand in for each other; the curve itself, and so what is felt, is known far better.
+  // The parameters are correlated. The force at a displacement is known much more accurately than any of
+  // them.
   const std::size_t middle = fit.curve.displacement.size() / 2;
   std::cout << "  at " << 1e3 * fit.curve.displacement[middle] << " mm: measured "
             << fit.curve.measured[middle] << " N, fitted " << fit.curve.fitted[middle]
@@ -64,7 +65,8 @@ int main(int argc, char** argv) {
           palpate::identify::fit_specimen(specimens[i], settings, static_cast<std::uint32_t>(i), {}));
       show(fits.back());
     }
-    // One tissue for all specimens, ready for a scene; palpate::scene::to_toml() writes it as a tissue file.
+    // One tissue for all specimens. A scene can use it, and palpate::scene::to_toml() makes a tissue file of
+    // it.
     const palpate::identify::PooledFit pooled = palpate::identify::fit_pooled(specimens, fits, settings, {});
     std::cout << "tissue of " << pooled.specimens << " specimen(s): k1 = " << pooled.tissue.k1 << " N/m\n";
   } catch (const palpate::InputError& error) {

@@ -1,4 +1,4 @@
-// From a scene file to a recorded press. Usage: hello SCENE.toml RECORDING.h5
+// Runs a press from a scene file and records it. Usage: hello SCENE.toml RECORDING.h5
 #include <iostream>
 
 #include "palpate/error.h"

@@ -1,5 +1,5 @@
-// A client of `palpate run --igtl PORT`, with the OpenIGTLink library alone: prints where the first tool is
-// and what the hand feels, and what the organ's surface is made of, until the run ends.
+// Client of `palpate run --igtl PORT` that needs only the OpenIGTLink library. It prints position and force
+// of the first tool and the size of the organ's surface until the run ends.
 //   palpate run --igtl 18944 --headless & build/igtl_client 127.0.0.1 18944
 #include <cmath>
 #include <cstdlib>
@@ -15,7 +15,7 @@
 
 namespace {
 
-/// Reads the body that belongs to a header. Null: the stream has ended, or the checksum is wrong.
+/// Reads the body of a message. Null: the stream has ended, or the checksum is wrong.
 template <typename Message>
 typename Message::Pointer body_of(igtl::ClientSocket& socket, igtl::MessageHeader::Pointer& header) {
   typename Message::Pointer message = Message::New();
@@ -27,7 +27,7 @@ typename Message::Pointer body_of(igtl::ClientSocket& socket, igtl::MessageHeade
   return whole ? message : nullptr;
 }
 
-/// What of one frame is printed.
+/// The printed values of one frame.
 struct Reading {
   double time_s = 0.0;
   float tool_mm[3] = {};
@@ -40,7 +40,7 @@ void print(const Reading& reading) {
             << std::hypot(reading.force_N[0], reading.force_N[1], reading.force_N[2]) << " N\n";
 }
 
-/// One message. @return false when the stream has ended
+/// Reads one message. @return false when the stream has ended
 bool take(igtl::ClientSocket& socket, igtl::MessageHeader::Pointer& header, Reading& reading) {
   const std::string type = header->GetDeviceType();
   const std::string name = header->GetDeviceName();

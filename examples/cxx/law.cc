@@ -1,4 +1,4 @@
-// The force of a tissue at a depth, by the C++ library. Usage: law TISSUE press|pull DEPTH_MM
+// Prints the force of a tissue at a depth. Usage: law TISSUE press|pull DEPTH_MM
 #include <cstdlib>
 #include <iostream>
 #include <string>

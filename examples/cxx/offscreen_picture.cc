@@ -1,5 +1,5 @@
-// A picture of the deepest moment of a run, without a display. Usage: offscreen_picture [PICTURE.png]
-// Where no OpenGL can be had it says so and draws nothing.
+// Draws a press after 3 s without a display. Usage: offscreen_picture [PICTURE.png]
+// Without OpenGL it prints a message and draws nothing.
 #include <iostream>
 #include <stdexcept>
 
@@ -9,9 +9,9 @@
 
 namespace {
 
-/// The newest snapshot after the first 3 s of the scripted hand.
+/// Runs the first 3 s of the scripted hand and returns the last snapshot.
 palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
-  // The loop leaves each snapshot here and never waits for whoever draws.
+  // Publishes snapshots without blocking the loop.
   palpate::haptics::SnapshotPublisher publisher;
   palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&publisher});
   publisher.cell().refresh();

@@ -1,5 +1,6 @@
-// An organ at rest from four sides on one sheet, without a display. Usage: organ_sheet ORGAN [SHEET.png]
-// ORGAN is a built-in name, such as liver-30k. Where no OpenGL can be had it says so and draws nothing.
+// Draws an organ at rest from four sides on one sheet, without a display. Usage: organ_sheet ORGAN
+// [SHEET.png]
+// ORGAN is a built-in name, such as liver-30k. Without OpenGL it prints a message and draws nothing.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,11 +20,11 @@ using palpate::Vec3;
 using palpate::render::Camera;
 using palpate::render::Image;
 
-constexpr int kWidth = 560;  // pixels, of each of the four pictures
+constexpr int kWidth = 560;  // pixels, of each picture
 constexpr int kHeight = 440;
-constexpr int kGap = 4;  // between them, white
+constexpr int kGap = 4;  // pixels between the pictures, white
 
-/// Sees the whole organ from a direction, +y up.
+/// Camera that shows the whole organ from a direction, with +y up.
 Camera camera_from(const palpate::geometry::TriangleMesh& organ, const Vec3& direction) {
   Camera camera;
   camera.up = Vec3::UnitY();
@@ -37,7 +38,7 @@ Camera camera_from(const palpate::geometry::TriangleMesh& organ, const Vec3& dir
     const double across = std::max(std::abs(v.dot(right)) * kHeight / kWidth, std::abs(v.dot(up)));
     distance = std::max(distance, v.dot(to_eye) + 1.08 * across / half);
   }
-  camera.target = Vec3::Zero();  // built-in organs lie about the origin
+  camera.target = Vec3::Zero();  // built-in organs are centred at the origin
   camera.eye = distance * to_eye;
   return camera;
 }
@@ -57,7 +58,7 @@ void draw(const std::string& name, const char* file) {
   subject.organ = palpate::geometry::make_organ(name);
   subject.tissue_name = name.substr(0, name.find('-'));
   palpate::render::OffscreenRenderer renderer(subject, kWidth, kHeight);
-  // From the front, from behind and above, from the left and above, and from behind and below.
+  // From the front, from behind and above, from the left and above, from behind and below.
   const std::array<Vec3, 4> sides{Vec3(0.0, 0.0, 1.0), Vec3(0.1, 0.55, -1.0), Vec3(0.75, 0.45, 0.6),
                                   Vec3(0.1, -0.9, -0.45)};
   Image sheet{2 * kWidth + kGap, 2 * kHeight + kGap, {}};

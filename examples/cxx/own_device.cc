@@ -1,7 +1,7 @@
-// A device of your own: one class with five functions, and the loop does the rest (docs/first-device.md).
+// A device driver of your own: one class with five functions (docs/first-device.md).
 //
-// The device here is a toy that stands for hardware: a handle of 0.2 kg that moves up and down only, while a
-// hand pulls it towards a place 8 mm inside the organ. After 4 s its cable breaks.
+// The device is a toy in place of hardware: a handle of 0.2 kg that moves only up and down. A simulated hand
+// pulls it to a target 8 mm inside the organ. After 4 s its cable breaks.
 #include <algorithm>
 #include <atomic>
 #include <iostream>
@@ -20,12 +20,12 @@ using palpate::haptics::DeviceState;
 using palpate::haptics::Fault;
 using palpate::haptics::ForceCommand;
 
-/// In place of a maker's driver: what the handle does by itself.
+/// Simulates the handle and the hand, in place of a manufacturer's driver.
 class ToyHardware {
  public:
   explicit ToyHardware(double height) : height_(height), start_(height) {}
 
-  /// One millisecond of the world: the hand waits for a second, comes down at 20 mm/s and stays.
+  /// Advances by one period. The hand waits for a second, moves down at 20 mm/s and stops.
   void live_on(double time, double period) {
     const double aim = start_ - std::clamp(20e-3 * (time - 1.0), 0.0, 18e-3);
     const double force = 300.0 * (aim - height_) - 8.0 * speed_ + motor_force_;
@@ -48,13 +48,13 @@ class ToyDevice final : public palpate::haptics::Device {
   ToyDevice(const palpate::scene::PathRow& start, double period)
       : hardware_(start.position.z()), start_(start), period_(period) {}
 
-  /// [rt] ONE sample: place, speed and buttons of the same moment. What is wrong is said, never hidden.
+  /// [rt] Returns ONE sample: position, velocity and buttons of the same time. Report every error as a fault.
   DeviceState read(std::uint64_t /*tick*/, double time) noexcept override {
     DeviceState sample;
     sample.orientation_D = start_.orientation;
     if (time >= 4.0) {
       broken_.store(true);
-      sample.fault = Fault::kDevice;  // "could not be read": the gate takes the force away within 10 ms
+      sample.fault = Fault::kDevice;  // "could not be read": the gate ramps the force to zero within 10 ms
       return sample;
     }
     hardware_.live_on(time, period_);
@@ -63,18 +63,18 @@ class ToyDevice final : public palpate::haptics::Device {
     return sample;
   }
 
-  /// [rt] What the gate let through, in the device's own frame; false when the hardware refuses it.
+  /// [rt] Writes the force of the gate, in the device frame. @return false when the hardware rejects it
   bool write(const ForceCommand& command_D) noexcept override {
     if (broken_.load()) return false;
     hardware_.set_motor(command_D.force.z());
     return true;
   }
 
-  /// [any] Zero force, from any thread: the watchdog calls it when the loop stands still. With hardware it
-  /// must go past whatever read() and write() may be waiting for; here nothing pushes by itself.
+  /// [any] Sets zero force, from any thread. The watchdog calls it when the loop stalls, so it must not wait
+  /// for read() or write().
   void stop() noexcept override { stopped_.store(true); }
 
-  /// [any] Hardware has always more to say: the run ends by Ctrl-C or --duration-s.
+  /// [any] Hardware has no last tick: the run ends by Ctrl-C or --duration-s.
   std::uint64_t last_tick(double /*rate_Hz*/) const noexcept override { return ~0ULL; }
 
   std::string last_error() const override { return broken_.load() ? "the cable is broken" : ""; }
@@ -88,7 +88,7 @@ class ToyDevice final : public palpate::haptics::Device {
   std::atomic<bool> stopped_{false};
 };
 
-/// Prints a line whenever half a second is over.
+/// Prints a line every half second.
 class Diary final : public palpate::haptics::TickObserver {
  public:
   void on_row(const palpate::haptics::TickRow& row) noexcept override {
@@ -102,8 +102,9 @@ class Diary final : public palpate::haptics::TickObserver {
 
 int main() {
   palpate::scene::Scene setup = palpate::scene::load({});
-  // "host": a hand holds it. So the force waits until the hand has been still outside the tissue, rises by a
-  // ramp, and the passivity controller acts. Never run a device that can push as an unheld kind.
+  // A device of the kind "host" is held by a hand. The force starts by a ramp after the hand was still
+  // outside the tissue, and the passivity controller acts. Never use a kind without a hand for a device that
+  // can push.
   setup.devices[0].kind = "host";
   auto toy = std::make_unique<ToyDevice>(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
   const ToyDevice& device = *toy;
@@ -111,7 +112,7 @@ int main() {
   options.devices.push_back(std::move(toy));
   palpate::session::Session session(std::move(setup), std::move(options));
   Diary diary;
-  // A toy needs no wall clock; hardware does: leave `offline` false.
+  // A toy does not need real time. For hardware leave `offline` false.
   const auto result = session.run({.offline = true, .keep_fault = false}, {&diary});
 
   for (const palpate::haptics::FaultSeen& fault : result.loop.faults) {

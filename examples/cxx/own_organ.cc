@@ -1,4 +1,4 @@
-// A surface of your own becomes an organ: read, looked at, repaired, pressed with a ball of 5 mm radius.
+// Makes an organ of your own surface mesh: inspect, repair, and press with a ball of 5 mm radius.
 // Usage: own_organ FILE UNIT [TISSUE]     e.g. own_organ examples/kidney.stl mm kidney
 #include <iostream>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace {
 
-/// What `palpate inspect` tells of a file before anything is repaired.
+/// Prints the findings of `palpate inspect` before any repair.
 void show_findings(const std::string& file, const std::string& unit) {
   const palpate::geometry::LoadedMesh found =
       palpate::geometry::read_mesh(file, palpate::parse_length_unit(unit));
@@ -23,16 +23,16 @@ void show_findings(const std::string& file, const std::string& unit) {
 int press(const std::string& file, const std::string& unit, const std::string& tissue) {
   show_findings(file, unit);
 
-  // A request is what a user says on the command line; what it leaves out has defaults.
+  // Overrides correspond to the flags of the command line. Everything else has a default.
   palpate::scene::Overrides request;
   request.organ = file;
   request.organ_unit = unit;
   request.tissue = tissue;
   request.tools = {"sphere:5"};
-  palpate::scene::Scene setup = palpate::scene::load(request);  // repairs, or refuses in one line
+  palpate::scene::Scene setup = palpate::scene::load(request);  // repairs the mesh, or throws an InputError
   for (const std::string& repair : setup.repairs) std::cout << "  repaired: " << repair << '\n';
 
-  // The hand is scripted: it goes to 12 mm of depth and back.
+  // The hand is scripted: it presses 12 mm deep and goes back.
   const auto result = palpate::session::Session::open(std::move(setup)).run({.offline = true});
   std::cout << result.loop.ticks << " ticks, deepest " << 1e3 * result.statistics.peak_depth
             << " mm, largest force " << result.statistics.peak_tissue << " N\n";

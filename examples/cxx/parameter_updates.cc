@@ -1,4 +1,4 @@
-// Tissue and noise are changed from another thread while the loop runs, in real time: what a slider does.
+// Changes tissue and noise from another thread while the loop runs in real time, as a slider would.
 #include "palpate/parameter_updates.h"
 
 #include <chrono>
@@ -19,16 +19,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A hand that goes 8 mm into the organ within half a second and stays there.
+/// A hand that moves 8 mm into the organ within half a second and stays there.
 palpate::scene::ToolPath press_and_hold(const palpate::scene::Scene& setup) {
-  palpate::scene::PathRow above = palpate::scene::default_path(setup, 0).at(0.0);  // 10 mm clear of the organ
+  palpate::scene::PathRow above = palpate::scene::default_path(setup, 0).at(0.0);  // 10 mm above the organ
   palpate::scene::PathRow inside = above;
   inside.position.z() -= 18e-3;
   inside.time = 0.5;
   return palpate::scene::ToolPath({above, inside});
 }
 
-/// Remembers what was felt at the first tick of every change.
+/// Records the force at the first tick of every parameter update.
 class Watch final : public palpate::haptics::TickObserver {
  public:
   Watch() { lines_.reserve(16); }
@@ -53,7 +53,7 @@ class Watch final : public palpate::haptics::TickObserver {
   struct Line {
     std::uint64_t number;
     double time;   // s
-    double force;  // N, of the tick before
+    double force;  // N, at the previous tick
   };
   std::vector<Line> lines_;
   std::uint64_t number_ = 0;
@@ -73,7 +73,8 @@ int main() {
   Watch watch;
   const auto run = session.run_in_background({}, {&watch});
 
-  // Everything is checked and worked out here; the loop only picks up the result at one of its next ticks.
+  // offer() checks the parameters and derives everything from them. The loop takes the result at a later
+  // tick.
   std::this_thread::sleep_for(800ms);
   stiffer.k1 *= 2.0;
   (void)session.updates().offer(stiffer);

@@ -1,4 +1,4 @@
-// One second of the loop in real time: what it asked of the system, what it got, and how punctual it was.
+// Runs the loop for one second in real time. Prints its real-time settings and its lateness.
 #include <iostream>
 #include <string>
 

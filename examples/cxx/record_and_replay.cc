@@ -1,6 +1,6 @@
-// A run is recorded, read back, run again and compared bit for bit, and written as CSV.
-// Usage: record_and_replay [RECORDING.h5]     (without: record_and_replay.h5 in the current folder, and
-// removed)
+// Records a run, reads the recording, replays it, compares it bit for bit, and writes it as CSV.
+// Usage: record_and_replay [RECORDING.h5]     (default: record_and_replay.h5 in the current folder, removed
+// afterwards)
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The built-in gallbladder press, every tick of it in `file`; a scene file goes into load() as `.scene`.
+/// Records the built-in gallbladder press. load() takes a scene file as `.scene`.
 void record_a_press(const fs::path& file) {
   auto session = palpate::session::Session::open(palpate::scene::load({}));
   const palpate::session::RunResult result = session.run({.recording = file, .offline = true});
@@ -26,7 +26,7 @@ int replay_and_compare(const fs::path& file) {
   std::cout << recording.rows.size() << " rows of \"" << recording.setup.name << "\", "
             << (recording.facts.complete ? "complete" : "cut off") << '\n';
 
-  // The scene is inside the recording, and so are the device's samples: no other file is needed.
+  // The recording contains the scene and the device's samples, so a replay needs no other file.
   const palpate::record::ReplayResult result = palpate::record::replay(recording);
   std::cout << result.rows_different << " of " << result.rows_compared << " rows differ\n";
   if (!result.first_difference.empty()) std::cout << "first: " << result.first_difference << '\n';

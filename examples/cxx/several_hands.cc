@@ -1,4 +1,4 @@
-// Two hands with an instrument each on one organ, from a scene that stands in no file.
+// Two hands with one instrument each on one organ, with a scene from a string instead of a file.
 #include <algorithm>
 #include <array>
 #include <iostream>
@@ -27,7 +27,7 @@ kind = "scripted"
 base = { position_mm = [15, 0, 0] }
 )toml";
 
-/// Each hand's largest force. A tick gives one row a hand.
+/// Finds each hand's largest force. The loop passes one row per hand and tick.
 class LargestForces final : public palpate::haptics::TickObserver {
  public:
   void on_row(const palpate::haptics::TickRow& row) noexcept override {

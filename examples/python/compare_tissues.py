@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The built-in tissues under the same press, and how a surface gives way around a ball. Writes compare_tissues.png.
+"""Compares the built-in tissues under the same press, and the deformed surface around a ball. Writes compare_tissues.png.
 """
 import numpy as np
 
@@ -10,7 +10,7 @@ COLOURS = {'gallbladder': GREEN, 'heart': ORANGE, 'liver': BLUE, 'kidney': GREY}
 
 
 def flat(half, edge):
-    """A flat square surface of triangles, and the places of its middle row."""
+    """A flat square mesh, and the positions of its middle row."""
     line = np.arange(-half, half + edge / 2, edge)
     count = line.size
     x, y = np.meshgrid(line, line)
@@ -22,7 +22,7 @@ def flat(half, edge):
 
 
 def draw_surfaces(pane):
-    """Sections through the pressed surface; the built-in tissues share one reach, so one other is beside it."""
+    """Draws sections of the deformed surface. The built-in tissues have equal falloff ratios, so it adds other ratios."""
     mesh, middle = flat(40e-3, 0.5e-3)
     narrow = palpate.tissue_preset('liver')
     contact, first, ratio, weight = narrow.reach

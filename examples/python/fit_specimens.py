@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measurements, made here with a known tissue, fitted as `palpate fit` does: curves and 95 % intervals.
+"""Fits synthetic measurements of a known tissue as `palpate fit` does: curves and 95 % intervals.
 
 Writes specimens.csv, fitted.toml and fit_specimens.png.
 """
@@ -13,7 +13,7 @@ SENSOR = 4e-3  # N, standard deviation of the force sensor
 
 
 def measure(file, truth):
-    """A CSV of specimens that differ in stiffness, each pressed to 15 mm, into its third layer."""
+    """Writes a CSV of specimens with different stiffness, each pressed 15 mm deep, into its third layer."""
     random = np.random.default_rng(5)
     depth = np.linspace(0.0, 15e-3, 60)
     with file.open('w') as out:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The law of a tissue: force over depth, and which layer gives way by how much. Writes law_curves.png."""
+"""The force law of a tissue: force over depth, and the deformation of each layer. Writes law_curves.png."""
 import numpy as np
 
 import palpate

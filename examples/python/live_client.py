@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Watches and steers a run of `palpate serve` through the live interface (docs/live-interface.md).
+"""Observes and controls a run of `palpate serve` through the live interface (docs/live-interface.md).
 
-Needs nothing but Python's own library: the small class LiveClient speaks the WebSocket protocol (RFC 6455).
+It needs only Python's standard library: the class LiveClient implements the WebSocket protocol (RFC 6455).
 Usage: live_client.py [--host HOST] [--port PORT] [--token TOKEN] [--seconds S]
-It streams for S seconds, makes the tissue twice as stiff half-way, and prints what it sees.
+It streams for S seconds, doubles the stiffness of the tissue half-way, and prints the frames.
 """
 import argparse
 import base64
@@ -14,14 +14,14 @@ import struct
 
 
 class LiveClient:
-    """One connection to `palpate serve`. Errors that the server answers with are raised as RuntimeError."""
+    """A connection to `palpate serve`. Raises an error of the server as RuntimeError."""
 
     def __init__(self, host='127.0.0.1', port=7370, token=None, timeout_s=30.0):
         self.socket = socket.create_connection((host, port), timeout_s)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.waiting = b''
         self.last_id = 0
-        self.events = []  # events and frames that came while an answer was awaited
+        self.events = []  # events and frames received while waiting for an answer
         key = base64.b64encode(os.urandom(16)).decode()
         self.socket.sendall((f'GET / HTTP/1.1\r\nHost: {host}:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
                              f'Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n').encode())
@@ -49,7 +49,7 @@ class LiveClient:
                 return message
 
     def next(self):
-        """The next frame of the stream, or event."""
+        """The next frame or event of the stream."""
         return self.events.pop(0) if self.events else self._hear()
 
     def close(self):
@@ -66,7 +66,7 @@ class LiveClient:
         return taken
 
     def _send(self, kind, payload):
-        """One frame, masked as a client's must be."""
+        """Sends one WebSocket frame, masked as clients must."""
         size = len(payload)
         head = struct.pack('!BB', 0x80 | kind, 0x80 | (size if size < 126 else 126))
         if size >= 126:
@@ -75,7 +75,7 @@ class LiveClient:
         self.socket.sendall(head + mask + bytes(byte ^ mask[i % 4] for i, byte in enumerate(payload)))
 
     def _hear(self):
-        """The next message; pings are answered on the way."""
+        """The next message. Answers pings."""
         text = b''
         while True:
             first, size = self._take(2)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A simulation in real time, watched and changed while it runs: an emulated hand presses, halfway the tissue becomes
+"""Observes and changes a simulation in real time: an emulated hand presses, and halfway the tissue becomes
 softer and the noise is switched off. Writes live_control.h5 and live_control.png.
 """
 import numpy as np
@@ -17,7 +17,7 @@ def main():
                                     record=folder / 'live_control.h5')
     with simulation:
         changed = False
-        while not simulation.wait(0.02):  # fifty looks a second, as a picture would take
+        while not simulation.wait(0.02):  # 50 states per second, as for a display
             state = simulation.state()
             hand = state.hands[0]
             seen.append((state.time, hand.depth, hand.tissue_force))

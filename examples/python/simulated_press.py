@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A press as `palpate run --offline` computes it: force, depth and touch noise over time. Writes simulated_press.png."""
+"""Simulates a press as `palpate run --offline` does: force, depth and touch noise over time. Writes simulated_press.png."""
 import numpy as np
 
 import palpate
@@ -24,7 +24,7 @@ def main():
     depth.set_ylabel('mm')
     depth.legend(frameon=False)
     noise.plot(time, 1e3 * rows['noise_force_N'], color=GREY, lw=0.4)
-    # The standard deviation of docs/model.md: K / (distance + d0), in contact K / d0.
+    # Standard deviation from docs/model.md: K / (distance + d0), and K / d0 in contact.
     sigma = palpate.TouchNoise().sigma(np.maximum(rows['distance_m'], 0.0))
     for side in (-3e3, 3e3):
         noise.plot(time, side * sigma, color=ORANGE, lw=1.2, label='three standard deviations' if side > 0 else None)

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""How true a tissue is: measured forces beside the tissue's and beside laws of others, and the error beside what a hand
-notices, as figure 7 of the paper. The measurements are made here. Writes validate_tissue.png.
+"""Compares a tissue with measured forces and with baseline models, and the error with the smallest difference that a hand
+notices, as figure 7 of the paper does. The measurements are synthetic. Writes validate_tissue.png.
 """
 import numpy as np
 
 import palpate
 from common import BLUE, GREEN, GREY, ORANGE, figure, out_folder, save
 
-NOTICED = 0.07  # of a force, the smallest change that a hand notices (docs/model.md)
+NOTICED = 0.07  # fraction of a force, the smallest difference that a hand notices (docs/model.md)
 
 
 def main():
     folder = out_folder(__doc__)
-    # A specimen that is a little stiffer than the tissue in the library.
+    # A specimen that is slightly stiffer than the tissue in the library.
     specimen_tissue = palpate.tissue_preset('liver')
     specimen_tissue.k1 *= 1.04
     depth = np.linspace(0.0, 10e-3, 60)

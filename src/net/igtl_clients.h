@@ -70,7 +70,7 @@ class IgtlClients final {
  public:
   struct Limits {
     std::size_t most_clients = 16;
-    std::int64_t send_timeout_ns = 5'000'000'000;  // a client that reads nothing for so long is disconnected
+    std::int64_t send_timeout_ns = 5'000'000'000;  // ns without any read until a client is disconnected
   };
 
   /// Listens. @throws InputError when the port is in use or not permitted, or the address is not this

@@ -41,7 +41,7 @@ class IgtlServer final : public haptics::TickObserver {
     published_.cell().publish();
   }
 
-  /// [setup] Tells all clients that the server ends, and ends it. Call once. @return its statistics
+  /// [setup] Notifies all clients, then ends the server. Call once. @return its statistics
   [[nodiscard]] IgtlStatistics finish();
 
  private:

@@ -13,9 +13,9 @@ inline constexpr std::size_t kShortestToken = 16;  // characters
 /// [setup] A new token: 32 random bytes from the system as 64 hexadecimal digits.
 [[nodiscard]] std::string new_token();
 
-/// [setup] The token in the first line of a file. @throws InputError when the file cannot be read, is
-/// readable by others than its owner, or its token is shorter than kShortestToken, longer than 1024
-/// characters or not of printable ASCII without spaces.
+/// [setup] The token in the first line of a file. @throws InputError when the file cannot be read or users
+/// other than its owner may read it, or when the token is shorter than kShortestToken, longer than 1024
+/// characters or not printable ASCII without spaces.
 [[nodiscard]] std::string read_token_file(const std::filesystem::path& file);
 
 /// [any] Whether both are equal, in a time that depends only on the length of `given`.

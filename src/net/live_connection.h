@@ -104,7 +104,7 @@ class LiveConnection final {
   [[nodiscard]] bool is_endless() const noexcept {
     return open_ && boost::beast::get_lowest_layer(socket_).rate_policy().bytes > kMostOfMessage;
   }
-  /// Dropped frames of the stream, because the client had not received the one before.
+  /// Number of frames dropped because the client had not yet received the previous frame.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
 
   // Used only by the server:

@@ -71,9 +71,9 @@ struct LiveStatistics {
 /// the haptic loop's.
 class LiveServer final {
  public:
-  static constexpr std::size_t kMostClients = 16;  // that have said hello
-  // Connections without a hello, per address and in total. One more drops the oldest, so that silent
-  // connections block nobody.
+  static constexpr std::size_t kMostClients = 16;  // clients after their "hello"
+  // Limits of connections without a "hello", per address and in total. One more drops the oldest, so that
+  // silent connections block nobody.
   static constexpr std::size_t kMaxPendingPerAddress = 16;
   static constexpr std::size_t kMaxPending = 64;
   static constexpr int kPollPeriodMs = 10;

@@ -1,7 +1,7 @@
-"""Pages of the C++ and C headers: every documented thing with its comment and its public declaration.
+"""Generates pages of the C++ and C headers: every documented declaration with its comment.
 
-The headers are laid out by clang-format, which is what makes so short a reader possible: at the level of a namespace a
-comment of /// lines is followed by one declaration, which ends where its braces and brackets are closed.
+This short parser relies on clang-format: at namespace level, a comment of /// lines precedes one declaration, which ends
+where its braces and brackets are closed.
 """
 import re
 
@@ -19,7 +19,7 @@ def depth_of(line):
 
 
 def public_only(lines):
-    """A class without what is private."""
+    """A class without its private part."""
     kept, hidden = [], False
     for line in lines:
         label = line.strip()
@@ -37,7 +37,7 @@ def public_only(lines):
 
 
 def without_bodies(lines):
-    """Functions of more than one line become their declarations."""
+    """Replaces functions of more than one line by their declarations."""
     kept, inside = [], 0
     for line in lines:
         if inside:
@@ -70,7 +70,7 @@ def name_of(declaration):
 
 
 def entities_of(text):
-    """(name, comment lines, declaration lines) of what stands at the level of a namespace."""
+    """Yields (name, comment lines, declaration lines) of declarations at namespace level."""
     comment, declaration, depth = [], [], 0
     for line in text.split('\n'):
         stripped = line.strip()
@@ -91,7 +91,7 @@ def entities_of(text):
 
 
 def prose(lines):
-    """A doc comment as Markdown: who may call in bold, @param and @throws each on a line of their own."""
+    """A doc comment as Markdown: thread marks in bold, @param and @throws on separate lines."""
     text = '\n'.join(lines)
     text = re.sub(r'\[(setup|rt|any|picture)\]', lambda m: f'**{m.group(1)}**', text)
     text = re.sub(r'\s*@(param|throws|return)\s+', lambda m: f'\n\n*{m.group(1)}* ', text)
@@ -108,12 +108,12 @@ def entity_page(name, comment, declaration, level):
 
 
 def header_page(root, header):
-    """The section of one header, or nothing when it has no comment at all. @return text, names"""
+    """The section of one header, empty without any comment. @return text, names"""
     text, names = '', []
     for name, comment, declaration in entities_of((root / header).read_text()):
         if name is None or not comment and not names or 'static_assert' in declaration[0]:
             continue
-        if not comment and len(declaration) == 1:  # belongs to what stands before it
+        if not comment and len(declaration) == 1:  # belongs to the previous declaration
             text = text.removesuffix('```\n\n') + declaration[0] + '\n```\n\n'
             continue
         text += entity_page(name, comment, declaration, '###')
@@ -128,7 +128,7 @@ def first_sentence(text):
 
 
 def write_pages(root, folder):
-    """api/README.md, a page a public header, and palpate.h's."""
+    """Writes api/README.md, one page per public header, and the page of palpate.h."""
     (folder / 'cxx').mkdir(parents=True, exist_ok=True)
     index = ['# C++ API', '', 'The public headers of the C++ library, from their own comments. What must last from version '
              'to version uses the [C interface](palpate.h.md) instead. How to link them: [installation]'
@@ -164,5 +164,5 @@ def write_c_page(root, folder):
                 page += entity_page(name, comment, declaration, '###')
             elif name:
                 page += '```cpp\n' + '\n'.join(declaration) + '\n```\n\n'
-    # Constants one after the other are one block.
+    # Merges consecutive constants into one block.
     (folder / 'palpate.h.md').write_text(page.replace('\n```\n\n```cpp\n', '\n').replace('PALPATE_API ', ''))

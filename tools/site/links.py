@@ -1,9 +1,9 @@
-"""Looks for dead links in a folder of HTML pages, and for anything that a page would load from elsewhere."""
+"""Finds dead links in a folder of HTML pages, and everything that a page would load from another server."""
 import html.parser
 import pathlib
 import urllib.parse
 
-# What a browser fetches by itself; an <a href> is only followed when somebody clicks.
+# Loaded by a browser automatically. An <a href> is only followed by a click.
 FETCHED = {('img', 'src'), ('script', 'src'), ('link', 'href'), ('iframe', 'src'), ('source', 'src'), ('video', 'src')}
 NOT_FETCHED_LINKS = {'canonical', 'next', 'prev'}
 FORMS = ('http://', 'https://', 'mailto:')
@@ -33,7 +33,7 @@ class Page(html.parser.HTMLParser):
 
 
 def problem_of(site, file, target, pages):
-    """What is wrong with one link; None when it is good."""
+    """The problem of one link, or None."""
     if target.startswith(FORMS):
         good = len(urllib.parse.urlsplit(target).netloc) > 3 or target.startswith('mailto:') and '@' in target
         return None if good else 'is no address'
@@ -53,13 +53,13 @@ def problem_of(site, file, target, pages):
 
 
 def problems_of(site):
-    """@return a line for each dead link."""
+    """@return one line per dead link"""
     site = pathlib.Path(site).resolve()
     pages = {file.resolve(): Page(file) for file in sorted(site.rglob('*.html'))}
     problems = []
     for file, page in pages.items():
         name = file.relative_to(site)
-        if name == pathlib.Path('404.html'):  # stands anywhere, with links from the root
+        if name == pathlib.Path('404.html'):  # served for any path, so its links start at the root
             continue
         for target in page.links:
             if what := problem_of(site, file, target, pages):

@@ -1,4 +1,4 @@
-"""Pages that stand in the repository, with their links made to work in the site, and the navigation."""
+"""Copies the pages of the repository, adapts their links to the site, and writes the navigation."""
 import html
 import os
 import pathlib
@@ -9,7 +9,7 @@ PAGES = ('README.md', 'CHANGELOG.md', 'CONTRIBUTING.md')
 PICTURES = {'.png', '.svg', '.jpg'}
 LANGUAGES = {'.cc': 'cpp', '.h': 'cpp', '.c': 'c', '.py': 'python', '.toml': 'toml', '.txt': 'text', '.csv': 'text',
              '.cff': 'yaml', '.rules': 'text', '.cmake': 'cmake'}
-# Section, and the pages in it; one that does not stand here comes under "More".
+# Sections and their pages. Other pages go to "More".
 SECTIONS = (
     ('Start', ('README.md', 'docs/start.md', 'docs/install.md', 'docs/doors.md', 'docs/first-organ.md', 'docs/first-device.md',
                'docs/first-tissue.md')),
@@ -34,7 +34,7 @@ def tracked(root):
 
 
 def in_prose(text, change):
-    """The Markdown with change(line, number) made to every line outside fenced code."""
+    """Applies change(line, number) to every line of the Markdown outside fenced code."""
     lines, fence = [], False
     for number, line in enumerate(text.split('\n'), 1):
         if line.lstrip().startswith('```'):
@@ -46,7 +46,7 @@ def in_prose(text, change):
 
 
 def with_lists_apart(text):
-    """A list right behind a line of text is a list for GitHub; mkdocs wants an empty line between."""
+    """Inserts an empty line before a list that directly follows text. GitHub needs none, but mkdocs does."""
     lines, fence = [], False
     for line in text.split('\n'):
         fence ^= line.lstrip().startswith('```')
@@ -59,7 +59,7 @@ def with_lists_apart(text):
 
 
 def with_bars_in_cells(line, _number):
-    """`a\\|b` in a table's cell: GitHub takes the backslash away, mkdocs shows it."""
+    """Replaces `a\\|b` in a table cell. GitHub removes the backslash, mkdocs shows it."""
     if not line.lstrip().startswith('|'):
         return line
     return re.sub(r'`([^`]*\\\|[^`]*)`',
@@ -67,7 +67,7 @@ def with_bars_in_cells(line, _number):
 
 
 def first_words(file):
-    """What a source says of itself: its first comment up to the end of a sentence."""
+    """The description of a source: its first comment up to the end of a sentence."""
     words = []
     for line in file.read_text(errors='replace').splitlines():
         if line.startswith(('#!', '<')) or not line.strip(' #/*"'):
@@ -84,7 +84,7 @@ def first_words(file):
 
 
 class Stage:
-    """Copies pages to a folder laid out as the repository is; sources that a page links become pages."""
+    """Copies pages to a folder with the repository's layout. Linked sources become pages."""
 
     def __init__(self, root, folder):
         self.root, self.folder, self.files = root, folder, tracked(root)
@@ -108,7 +108,7 @@ class Stage:
         elif source.suffix == '.md':
             text = in_prose(source.read_text(), lambda line, number: self.relinked(name, line, number))
             title, _, rest = text.partition('\n')
-            text = title.replace('`', '') + '\n' + rest  # the navigation shows titles as they are typed
+            text = title.replace('`', '') + '\n' + rest  # the navigation does not render Markdown in titles
             self.put(name, with_lists_apart(in_prose(text, with_bars_in_cells)))
         elif source.suffix in PICTURES:
             target = self.folder / name
@@ -176,12 +176,12 @@ class Stage:
 
 
 def stage_repository(root, folder):
-    """Writes the pages. @return what is wrong, a line each."""
+    """Writes the pages. @return problems, one per line"""
     return Stage(root, folder).run()
 
 
 def navigation(folder):
-    """The navigation as mkdocs wants it; examples' sources and decisions are reached from their folders' pages."""
+    """The navigation for mkdocs. Sources of examples and decisions are linked from the pages of their folders."""
     there = {str(file.relative_to(folder)) for file in folder.rglob('*.md')}
     named = {name for _, names in SECTIONS for name in names}
     tree = []

@@ -1,4 +1,4 @@
-"""Pages made by asking: the commands' --help, the docstrings of the Python package."""
+"""Generates pages from the commands' --help and the docstrings of the Python package."""
 import importlib
 import inspect
 import re
@@ -26,7 +26,7 @@ def paragraphs(text):
 
 
 def signatures_and_words(name, thing):
-    """pybind11 puts the signature into the docstring's first line, and a number before each of several."""
+    """Splits a docstring of pybind11: the signature is in its first line, and several signatures are numbered."""
     text = inspect.getdoc(thing) or ''
     found = re.findall(rf'^(?:\d+\. )?({re.escape(name)}\(.*)$', text, re.MULTILINE)
     words = re.sub(rf'^(?:\d+\. )?{re.escape(name)}\(.*$|^Overloaded function\.$', '', text, flags=re.MULTILINE)
@@ -40,7 +40,7 @@ def signatures_and_words(name, thing):
 
 
 def in_lines(signature):
-    """A long signature with one argument a line."""
+    """Writes a long signature with one argument per line."""
     if len(signature) <= 100:
         return signature
     inside, depth, text = False, 0, ''

@@ -1,4 +1,4 @@
-"""Tests of what makes the site: python3 -m unittest discover -s tools/site"""
+"""Tests of the site generator: python3 -m unittest discover -s tools/site"""
 import pathlib
 import re
 import sys
@@ -14,7 +14,7 @@ import pages  # noqa: E402
 
 
 def problems_of(**files):
-    """Of a site with these pages, by name without ending."""
+    """Problems of a site with these pages, given by name without extension."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in files.items():
             (pathlib.Path(folder) / f'{name}.html').write_text(text)

@@ -1,5 +1,5 @@
 #pragma once
-// A window that a test drives by synthetic events.
+// Drives a window by synthetic events, for tests.
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -21,7 +21,7 @@
 
 namespace palpate::app {
 
-/// What a user does with a window.
+/// A user of a window.
 class Driven {
  public:
   virtual ~Driven() = default;
@@ -29,7 +29,7 @@ class Driven {
   Driven(const Driven&) = delete;
   Driven& operator=(const Driven&) = delete;
 
-  /// Frames until `done` says so. @return whether it did within the time; the time is for slow machines
+  /// Runs frames until `done` is true. @return false after this time, which is long enough for slow machines
   bool until(const std::function<bool()>& done, double seconds = 60.0) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!done()) {
@@ -41,10 +41,10 @@ class Driven {
   void frames(int number) {
     for (int i = 0; i < number && alive_; ++i) alive_ = frame();
   }
-  /// Whether the last frame said that the window stays.
+  /// Whether the last frame kept the window open.
   [[nodiscard]] bool alive() const noexcept { return alive_; }
 
-  /// Pressed for a frame.
+  /// Presses and releases a key, with a frame between.
   void key(SDL_Keycode which, Uint16 modifiers = KMOD_NONE) {
     SDL_SetModState(static_cast<SDL_Keymod>(modifiers));
     for (const Uint32 type : {SDL_KEYDOWN, SDL_KEYUP}) {
@@ -58,7 +58,7 @@ class Driven {
     }
     if (modifiers != KMOD_NONE) release_modifiers();
   }
-  /// Letters into the field that has the keyboard.
+  /// Types text into the focused field.
   void type(const std::string& words) {
     for (const char letter : words) {
       SDL_Event event{};
@@ -87,17 +87,17 @@ class Driven {
     event.button.y = y_;
     SDL_PushEvent(&event);
   }
-  /// The left button, where the mouse is.
+  /// Presses and releases the left button at the mouse position.
   void click() {
     for (const bool down : {true, false}) {
       button(SDL_BUTTON_LEFT, down);
       frames(2);
     }
   }
-  /// The same with a key held, KMOD_CTRL or another.
+  /// Clicks while a key such as KMOD_CTRL is held.
   void click_with(Uint16 modifiers) {
     SDL_SetModState(static_cast<SDL_Keymod>(modifiers));
-    SDL_Event event{};  // ImGui asks for the keys that are held when one is pressed
+    SDL_Event event{};  // ImGui reads the modifiers when a button is pressed
     event.type = SDL_KEYDOWN;
     event.key.keysym.sym = SDLK_LCTRL;
     event.key.keysym.scancode = SDL_SCANCODE_LCTRL;
@@ -129,13 +129,13 @@ class Driven {
     move(static_cast<int>(place.x + 0.5F * place.width), static_cast<int>(place.y + 0.5F * place.height));
   }
 
-  /// Moves the mouse onto a button, a box or a field of a panel. @param path its ImGui window, what pushes an
-  /// identity within it, and its label @return whether it was found; it must be in sight
+  /// Moves the mouse onto a visible widget of a panel. @param path its ImGui window, further parts of its
+  /// ImGui identity, its label @return whether it was found
   bool point_at(std::initializer_list<std::string_view> path) {
     ImGuiID wanted = 0;
     for (const std::string_view name : path) wanted = ImHashStr(name.data(), name.size(), wanted);
     const std::string window(*path.begin());
-    for (int attempt = 0; attempt < 10; ++attempt) {  // what has just been opened may move for some frames
+    for (int attempt = 0; attempt < 10; ++attempt) {  // an opened panel may move for some frames
       const std::optional<ImVec2> middle = middle_of(window, wanted);
       if (middle) move(static_cast<int>(middle->x), static_cast<int>(middle->y));
       frames(1);
@@ -143,7 +143,7 @@ class Driven {
     }
     return false;
   }
-  /// Points at it and presses the left button. @return whether it was found
+  /// Points at a widget and presses the left button. @return whether it was found
   bool press(std::initializer_list<std::string_view> path) {
     if (!point_at(path)) return false;
     click();
@@ -154,8 +154,8 @@ class Driven {
   virtual bool frame() = 0;
 
  private:
-  /// Where an item of a window was drawn: ImGui notes it of the item that the keyboard is at, which is this
-  /// one for a frame.
+  /// Centre of a widget. ImGui stores the rectangle of the focused item, so this focuses the widget for one
+  /// frame.
   std::optional<ImVec2> middle_of(const std::string& name, ImGuiID wanted) {
     ImGuiContext& all = *ImGui::GetCurrentContext();
     ImGuiWindow* window = ImGui::FindWindowByName(name.c_str());
@@ -184,7 +184,7 @@ class Driven {
   int y_ = 0;
 };
 
-/// The window on a session of its own.
+/// Window with a new session.
 class DrivenWindow final : public Driven {
  public:
   explicit DrivenWindow(const scene::Overrides& request, WindowOptions options = {})
@@ -203,14 +203,14 @@ class DrivenWindow final : public Driven {
   Window window_;
 };
 
-/// A viewer on a recording.
+/// Viewer of a recording.
 class DrivenViewer final : public Driven {
  public:
   explicit DrivenViewer(const std::filesystem::path& recording, const ViewerOptions& options = {})
       : viewer_(std::make_unique<RecordedView>(recording, true), options) {}
 
   [[nodiscard]] Viewer& viewer() noexcept { return viewer_; }
-  /// Frames until the picture shows where playback is.
+  /// Runs frames until the requested tick is shown.
   bool until_there() {
     frames(2);
     return until([this] { return viewer_.there(); });

@@ -1,4 +1,4 @@
-// The panels of a run's window, used by mouse clicks and typing.
+// Mouse clicks and typing in the panels of a run's window.
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr std::string_view kFirstHand("\0\0\0\0", 4);  // ImGui's identity of the number 0
+constexpr std::string_view kFirstHand("\0\0\0\0", 4);  // ImGui's identity of hand 0
 
 class PanelsTest : public WindowTest {
  protected:
@@ -27,7 +27,7 @@ class PanelsTest : public WindowTest {
     options.no_cache = true;
     return options;
   }
-  /// The first file in the folder with that ending that comes to be; empty: none did.
+  /// Waits for a file with this extension to appear. @return the first one, or an empty path
   std::filesystem::path wait_for_file(DrivenWindow& driven, const std::string& ending) {
     std::filesystem::path found;
     driven.until([&] {
@@ -58,7 +58,7 @@ TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) 
     driven.button(SDL_BUTTON_LEFT, false);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
     ASSERT_TRUE(driven.press({"left", "preset", "##preset"}));
-    driven.frames(20);  // the slider's last change has been taken by now
+    driven.frames(20);  // the slider's last change is applied by now
     const std::uint64_t before_heart = driven.window().snapshot().change;
     ASSERT_TRUE(driven.press({"##Combo_00", "heart"}));
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change > before_heart; }));
@@ -81,7 +81,7 @@ TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
   DrivenWindow driven(ball("mouse"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
   ASSERT_TRUE(driven.point_at({"left", "numbers", "##Stiffness k\u2081"}));
-  driven.click_with(KMOD_CTRL);  // as a double click does, whatever the time between
+  driven.click_with(KMOD_CTRL);  // opens the field, like a double click of any speed
   driven.key(SDLK_a, KMOD_CTRL);
   driven.type("77.5");
   driven.key(SDLK_RETURN);
@@ -175,8 +175,7 @@ TEST_F(PanelsTest, ALostDeviceIsSaidInWordsAndResetByAClick) {
   EXPECT_EQ(driven.window().snapshot().commands[0].gripper_force, 0.0);
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.8; }));
   EXPECT_EQ(device_force(driven.window().traces().newest(0)), 0.0) << "latched";
-  // The rows above the button come and go with the hand's state: as a user would, it is clicked until it was
-  // hit.
+  // The rows above the button change with the hand's state, so that it moves: click until it was hit.
   for (int attempt = 0; attempt < 5 && !driven.window().banner().empty(); ++attempt) {
     (void)driven.press({"right", kFirstHand, "Reset the fault  (R)"});
     driven.frames(10);
@@ -202,7 +201,7 @@ TEST_F(PanelsTest, ARunIsPausedWhereNoHandHoldsTheDevice) {
     }));
     driven.frames(5);
     EXPECT_EQ(driven.window().snapshot().tick, stands);
-    for (int i = 0; i < 12; ++i) driven.key(SDLK_n);  // more than may wait for a loop
+    for (int i = 0; i < 12; ++i) driven.key(SDLK_n);  // more than a loop's queue can hold
     driven.key(SDLK_SPACE, KMOD_CTRL);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().tick > stands + 20; }));
     EXPECT_EQ(driven.window().snapshot().change, 1U) << "the newest of what was changed meanwhile";

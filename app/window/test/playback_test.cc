@@ -1,4 +1,4 @@
-// Where a viewer is in a recording, and what it knows of the whole: without a window.
+// Playback position, overview and replay of a viewer, without a window.
 #include "app/window/playback.h"
 
 #include <chrono>
@@ -109,12 +109,12 @@ TEST(Overview, AShortRunFillsItsTimelineAndNothingComesEarly) {
   ASSERT_GT(hand.deepest_mm, 1.0);
   ASSERT_EQ(hand.depth.size(), Overview::kColumns);
   for (std::size_t column = 0; column < Overview::kColumns; ++column) {
-    const std::size_t tick = ((column + 1) * 300 - 1) / Overview::kColumns;  // the last that has begun
+    const std::size_t tick = ((column + 1) * 300 - 1) / Overview::kColumns;  // last tick of the column
     EXPECT_EQ(hand.depth[column].most, 1e3 * seen.row(tick, 0).depth) << column;
   }
 }
 
-/// What a replay on its thread says of the tick that was asked for.
+/// Result of a replay thread for the requested tick.
 struct Answer {
   std::optional<std::uint64_t> tick;
   std::string failure;

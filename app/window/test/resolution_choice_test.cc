@@ -8,7 +8,7 @@ namespace {
 constexpr bool kMayCheapen = true;
 constexpr bool kCheapest = false;
 
-/// Whether the last of so many frames said that they fit.
+/// Adds this many frames of equal time. @return the last result
 bool add(ResolutionChoice& choice, int frames, double time, bool may_cheapen = kCheapest) {
   bool fits = false;
   for (int i = 0; i < frames; ++i) fits = choice.add(time, may_cheapen);
@@ -63,7 +63,7 @@ TEST(ResolutionChoice, ComesBackWhenThereIsRoomAndDoesNotSwing) {
   int changes = 0;
   double before = choice.now();
   for (int i = 0; i < 16'000; ++i) {
-    choice.add(choice.now() > 0.5 ? 0.045 : 0.020, kCheapest);  // the lower ones seem easy
+    choice.add(choice.now() > 0.5 ? 0.045 : 0.020, kCheapest);  // only the lower resolutions fit
     if (choice.now() != before) ++changes;
     before = choice.now();
   }

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 class ViewerTest : public WindowTest {
  protected:
-  /// A press on the ball that is recorded in no time: 7 s of it.
+  /// Records 7 s of a press on the ball, faster than real time.
   std::filesystem::path recorded(const std::string& name,
                                  const scene::Overrides& request = ball("scripted")) {
     (void)Session(scene::load(request)).run({file(name), true});
@@ -250,7 +250,7 @@ TEST_F(ViewerTest, LivesThroughAnySizeAndScale) {
   ASSERT_TRUE(driven.until_there());
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(2880, 1800), std::pair(300, 900), std::pair(1000, 600)}) {
-    const int wide = width;  // clang 14 lets no lambda have a structured binding
+    const int wide = width;  // clang 14: a lambda cannot capture a structured binding
     Driven::resize(width, height);
     ASSERT_TRUE(driven.until([&] { return viewer.picture().width == wide; })) << wide;
     driven.frames(2);

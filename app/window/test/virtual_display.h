@@ -1,5 +1,5 @@
 #pragma once
-// A display of the test's own: Xvfb, an X server that draws to memory.
+// Xvfb, an X server that draws to memory, for one test process.
 #include <csignal>
 #include <cstdlib>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace palpate::app {
 
-/// Starts Xvfb and makes it this process's display. Gone at the end.
+/// Starts Xvfb and sets DISPLAY; the destructor stops it.
 class VirtualDisplay final {
  public:
   VirtualDisplay() {
@@ -31,7 +31,7 @@ class VirtualDisplay final {
     std::string number;
     while (read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
     close(ends[0]);
-    if (number.empty()) return;  // there is no Xvfb, or it would not start
+    if (number.empty()) return;  // Xvfb is missing or did not start
     name_ = ":" + number;
     setenv("DISPLAY", name_.c_str(), 1);
     unsetenv("WAYLAND_DISPLAY");
@@ -39,7 +39,7 @@ class VirtualDisplay final {
     setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   }
   ~VirtualDisplay() { end(SIGTERM); }
-  /// As when the server crashes.
+  /// Kills the server, as in a crash.
   void crash() { end(SIGKILL); }
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;

@@ -1,5 +1,5 @@
 #pragma once
-// What the tests of windows share: a display of their own, a quick session, and what stands in a picture.
+// Fixture for window tests: a display, a session that is quick to prepare, and measures of a picture.
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -18,7 +18,7 @@
 
 namespace palpate::app {
 
-/// Small pictures: they are drawn without a graphics card, beside other tests.
+/// Options for small pictures, because they are drawn without a graphics card.
 inline WindowOptions small(std::filesystem::path recording = {}) {
   WindowOptions options;
   options.size = {1000, 600};
@@ -26,7 +26,7 @@ inline WindowOptions small(std::filesystem::path recording = {}) {
   return options;
 }
 
-/// A ball, quickly prepared, under a small ball as tool.
+/// Scene with a ball as organ, which is quick to prepare, and a small ball as tool.
 inline scene::Overrides ball(const std::string& device) {
   scene::Overrides request;
   request.organ = "ball";
@@ -36,7 +36,7 @@ inline scene::Overrides ball(const std::string& device) {
   return request;
 }
 
-/// A device that fails in a way and at a time, in the emulated hand.
+/// Emulated hand whose device has a fault of this kind at this time.
 inline scene::Overrides failing(const std::filesystem::path& file, const std::string& kind,
                                 const std::string& time_s, const std::string& duration_s) {
   std::ofstream(file) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
@@ -49,7 +49,7 @@ inline scene::Overrides failing(const std::filesystem::path& file, const std::st
 
 class WindowTest : public testing::Test {
  protected:
-  /// Whether there is a display; else the reason is said, and the test can show nothing.
+  /// Whether a display is available. If not, prints the reason; the test must then return.
   [[nodiscard]] bool display_is_there() const {
     if (display_.there()) return true;
     std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
@@ -64,7 +64,7 @@ class WindowTest : public testing::Test {
   VirtualDisplay display_;
 };
 
-/// The pixels of a part of a picture, row by row.
+/// Pixels of a rectangle of a picture, row by row.
 inline std::vector<std::uint8_t> cut_out(const render::Image& image, const Rectangle& place) {
   std::vector<std::uint8_t> part;
   for (int y = static_cast<int>(place.y); y < static_cast<int>(place.y + place.height); ++y) {
@@ -75,7 +75,7 @@ inline std::vector<std::uint8_t> cut_out(const render::Image& image, const Recta
   return part;
 }
 
-/// How many different colours there are in a part of a picture: 1 in an empty one, many where things are.
+/// Number of different colours in a rectangle of a picture: 1 if it is empty, many if it shows something.
 inline std::size_t colours_in(const render::Image& image, const Rectangle& place) {
   std::set<std::uint32_t> colours;
   for (int y = static_cast<int>(place.y); y < static_cast<int>(place.y + place.height); ++y) {
@@ -89,7 +89,7 @@ inline std::size_t colours_in(const render::Image& image, const Rectangle& place
   return colours.size();
 }
 
-/// Share of the pixels that are much redder than green and blue.
+/// Fraction of the pixels that are much redder than green and blue.
 inline double red_share(const render::Image& image, const Rectangle& place) {
   std::size_t red = 0;
   std::size_t all = 0;
@@ -104,7 +104,7 @@ inline double red_share(const render::Image& image, const Rectangle& place) {
   return static_cast<double>(red) / static_cast<double>(all);
 }
 
-/// The user closes the window.
+/// Closes the window as the user does, and expects that it leaves at the next frame.
 inline void close_and_expect_order(Driven& driven) {
   Driven::close();
   driven.frames(2);

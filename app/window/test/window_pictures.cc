@@ -1,4 +1,4 @@
-// Pictures of the window for docs/pictures, on a display of their own: palpate_window_pictures FOLDER
+// Draws the pictures of the window in docs/pictures: palpate_window_pictures FOLDER
 #include <atomic>
 #include <filesystem>
 #include <iostream>
@@ -15,9 +15,9 @@ namespace {
 using palpate::app::Driven;
 using palpate::app::DrivenWindow;
 
-constexpr double kSlow = 240.0;  // s: this machine may have no graphics card
+constexpr double kSlow = 240.0;  // s: long enough without a graphics card
 
-/// Turns the wheel notch by notch, as a hand would.
+/// Turns the wheel by single notches, as a user would.
 void wheel(DrivenWindow& driven, int notches) {
   const int one = notches > 0 ? 1 : -1;
   for (int i = 0; i != notches; i += one) {
@@ -27,7 +27,7 @@ void wheel(DrivenWindow& driven, int notches) {
   }
 }
 
-/// A mouse presses or pulls, and holds; all panels are there.
+/// Press or pull by mouse and hold, with all panels open.
 void experiment(const std::filesystem::path& file, const char* task) {
   palpate::scene::Overrides request;
   request.task = task;
@@ -47,14 +47,14 @@ void experiment(const std::filesystem::path& file, const char* task) {
     wheel(driven, 6);
   }
   driven.window().hold_full_quality();
-  driven.frames(1);  // the panels still say how the moving pictures before it were
+  driven.frames(1);  // the panels still show the rates of the moving pictures
   palpate::render::write_png(driven.window().picture(), file);
   Driven::close();
   driven.frames(1);
   (void)driven.finish();
 }
 
-/// The viewer on a recording of a press, paused where it is nearly deepest, with the displacement map.
+/// Viewer of a press, paused near the largest depth, with the displacement map.
 void viewer(const std::filesystem::path& file) {
   const std::filesystem::path recording = std::filesystem::temp_directory_path() / "press.h5";
   (void)palpate::session::Session(palpate::scene::load({})).run({recording, true});

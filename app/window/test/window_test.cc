@@ -1,4 +1,4 @@
-// The real window on a display that Xvfb draws to memory, driven by synthetic events.
+// The window on Xvfb, driven by synthetic events.
 #include "app/window/window.h"
 
 #include <cstdlib>
@@ -70,12 +70,12 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
     DrivenWindow driven(ball("mouse"), small(recording));
     driven.frames(3);
     driven.move_to_picture();
-    for (int notch = 0; notch < 14; ++notch) Driven::wheel(1);  // 10 mm to the organ, and 4 mm on
+    for (int notch = 0; notch < 14; ++notch) Driven::wheel(1);  // 10 mm to the organ, then 4 mm deep
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3e-3; }));
     depth = driven.window().snapshot().results[0].depth;
     EXPECT_EQ(driven.window().snapshot().results[0].phase, contact::Phase::kPress);
     EXPECT_GT(driven.window().snapshot().commands[0].force.z(), 0.01) << "it pushes up";
-    close_and_expect_order(driven);  // in mid-contact
+    close_and_expect_order(driven);  // during contact
     const WindowOutcome outcome = driven.finish();
     EXPECT_EQ(outcome.result.loop.fault, haptics::Fault::kNone);
     EXPECT_TRUE(outcome.result.loop.stopped_early);
@@ -212,7 +212,7 @@ TEST_F(WindowTest, TissueAndNoiseChangeWhileTheyAreFelt) {
     Driven::drop(tissue.string());
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change == 2; }));
     ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest(0).tissue_force > 2.0 * before; }));
-    // The noise is faded out over 50 ms; the traces are a frame behind the snapshot.
+    // The noise fades out within 50 ms. The traces lag the snapshot by one frame.
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().tick > noise_off + 200; }));
     EXPECT_EQ(driven.window().traces().newest(0).noise_force, 0.0);
     close_and_expect_order(driven);
@@ -259,7 +259,7 @@ TEST_F(WindowTest, LivesThroughAnySize) {
   driven.frames(3);
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(3840, 2160), std::pair(300, 900), std::pair(1000, 600)}) {
-    const int wide = width;  // clang 14 lets no lambda have a structured binding
+    const int wide = width;  // clang 14: a lambda cannot capture a structured binding
     Driven::resize(width, height);
     ASSERT_TRUE(driven.until([&] { return driven.window().picture().width == wide; })) << wide;
     driven.frames(2);

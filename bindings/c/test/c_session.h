@@ -1,5 +1,5 @@
 #pragma once
-// A simulation of the C interface for tests, closed at the end of the test.
+// RAII wrapper of a C-interface simulation, for tests.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace palpate::tests {
 
-/// A struct of the interface with its size set and all else zero.
+/// A struct of the interface with its size set and zeros otherwise.
 template <typename Struct>
 Struct fresh() {
   Struct made{};
@@ -18,7 +18,7 @@ Struct fresh() {
   return made;
 }
 
-/// Throws with the interface's own message when a call fails that a test takes for granted.
+/// Throws with the interface's message if a call fails.
 inline void require(palpate_status status) {
   if (status != PALPATE_OK) throw std::runtime_error(palpate_last_error());
 }
@@ -37,17 +37,17 @@ class Session final {
   Session& operator=(const Session&) = delete;
 
   [[nodiscard]] palpate_simulation* get() const { return simulation_; }
-  /// Closes it now. @return what palpate_close() says
+  /// Closes the simulation. @return the status of palpate_close()
   palpate_status close() { return palpate_close(std::exchange(simulation_, nullptr)); }
-  /// One tick with the samples as they stand.
+  /// Computes one tick with the current samples.
   void tick() { require(palpate_tick(simulation_, samples.data(), results.data(), samples.size())); }
-  /// Takes the scripted samples of a tick into `samples`.
+  /// Sets `samples` to the scripted samples of a tick.
   void script(std::uint64_t number) {
     for (std::uint32_t hand = 0; hand < info.hands; ++hand) {
       require(palpate_scripted_sample(simulation_, hand, number, &samples[hand]));
     }
   }
-  /// Ticks `first` up to, not including, `last`, scripted.
+  /// Runs scripted ticks from `first` up to, but without, `last`.
   void run(std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t number = first; number < last; ++number) {
       script(number);
@@ -63,7 +63,7 @@ class Session final {
   palpate_simulation* simulation_ = nullptr;
 };
 
-/// The built-in press with samples that nobody's hand gives.
+/// The built-in press without a hand.
 inline palpate_options unheld() {
   palpate_options options = fresh<palpate_options>();
   options.no_hand = 1;

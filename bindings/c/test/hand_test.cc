@@ -1,4 +1,4 @@
-// What a held hand gets, faults, recordings and the purity of a tick, through the C interface.
+// Held hands, faults, recordings and the real-time safety of a tick, through the C interface.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 double norm(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-#ifdef PALPATE_GUARDED  // a sanitizer allocates and locks in the program's name
+#ifdef PALPATE_GUARDED  // a sanitizer itself allocates and locks
 TEST(Tick, UsesNoHeapAndNoLock) {
   Session session(unheld());
   palpate_law* law = nullptr;
@@ -58,7 +58,7 @@ TEST(Tick, GuardSeesTheHeapOfTheLibraryToo) {
 #endif
 
 TEST(HeldHand, GetsNoForceBeforeItHasBeenStillOutsideAndAllOfItAfterTheRamp) {
-  Session session;  // a hand holds the device unless the program says otherwise
+  Session session;  // by default a hand holds the device
   EXPECT_EQ(session.info.held, 1U);
   session.run(0, 240);
   EXPECT_EQ(session.results[0].engagement, 0.0);
@@ -132,7 +132,7 @@ TEST(Fault, ThatTheProgramKnowsOfComesWithTheSample) {
   EXPECT_EQ(session.results[0].fault, static_cast<std::uint32_t>(PALPATE_FAULT_DEVICE)) << "a number of none";
 }
 
-// The device's frame is the world's turned by 90 degrees about z: its x is the world's y.
+// The device frame is the world frame rotated by 90 degrees about z: its x axis is the world's y axis.
 TEST(DeviceForce, IsTheWorldsTurnedIntoTheDevicesFrame) {
   palpate_options options = unheld();
   options.scene_text =

@@ -1,4 +1,4 @@
-// The picture, the law and the noise through the C interface; what it refuses; what the library shows.
+// Display, force law and noise through the C interface, rejected calls, and the library's exported symbols.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -32,7 +32,7 @@ std::vector<double> vertices_of(const Session& session) {
   return xyz;
 }
 
-/// A call's message, when it is refused in the way expected.
+/// Message of a call that fails with the expected status.
 std::string refusal(palpate_status wanted, palpate_status given) {
   return given == wanted ? palpate_last_error() : "status " + std::to_string(given);
 }
@@ -64,7 +64,7 @@ TEST(Surface, IsTheOrgansOwnMeshAtRest) {
   }
 }
 
-// The other way to it: the same run recorded, played again to one tick, and the deform module asked itself.
+// Independent computation: records the same run, replays it to one tick and calls the deform module directly.
 TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
   constexpr std::uint64_t kTick = 2600;
   const Folder folder;
@@ -95,7 +95,8 @@ TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
   EXPECT_EQ(picture.tool_position[0][2], snapshot.tools[0].pose_W.position.z());
 }
 
-// The picture's thread beside the loop's, as in a game engine: each tick's surface is whole, none goes back
+// A display thread beside the loop, as in a game engine: every surface belongs to one tick, and ticks never
+// go backwards.
 // in time.
 TEST(Surface, MayBeReadWhileAnotherThreadTicks) {
   Session session(unheld());
@@ -363,7 +364,7 @@ TEST(Library, SaysItsVersions) {
   EXPECT_THAT(palpate_fault_words(99), HasSubstr("no fault of that number"));
 }
 
-/// What a shell command prints.
+/// Standard output of a shell command.
 std::string output_of(const std::string& command) {
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return "cannot be run";
@@ -382,7 +383,7 @@ TEST(Library, ShowsItsOwnFunctionsAndNothingElse) {
     std::string name;
     std::string kind;
     words >> name >> kind;
-    if (name.starts_with("PALPATE_0") && kind == "A") continue;  // the version that the symbols carry
+    if (name.starts_with("PALPATE_0") && kind == "A") continue;  // the version node of the symbols
     EXPECT_TRUE(name.starts_with("palpate_") && kind == "T") << line;
     ++functions;
   }
@@ -416,7 +417,7 @@ TEST(CtypesExample, FindsTheForceOfTheProgram) {
   EXPECT_EQ(said_force, largest);
 }
 
-// The C compiler says with -pedantic -Werror that the header is C99; here that the program runs.
+// The build compiles the example with -pedantic -Werror, so the header is C99. This test runs it.
 TEST(CExample, PrintsTheSameFiguresAsTheOneInPython) {
   const std::string c = output_of("PALPATE_CACHE=off '" PALPATE_C_EXAMPLE "' 2>&1");
   const std::string python = output_of("PALPATE_CACHE=off /usr/bin/python3 -I '" PALPATE_EXAMPLES

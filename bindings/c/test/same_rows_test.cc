@@ -1,4 +1,4 @@
-// The C interface against `palpate run --offline`: the same samples give the same rows bit for bit.
+// The C interface gives the same rows as `palpate run --offline`, bit for bit.
 #include <cfenv>
 #include <cstring>
 #include <string>
@@ -15,9 +15,9 @@
 namespace palpate::tests {
 namespace {
 
-// NOLINTBEGIN(bugprone-suspicious-memory-comparison): the bits are what is compared, -0 and NaN too
+// NOLINTBEGIN(bugprone-suspicious-memory-comparison): compares bits, with -0 and NaN
 
-/// One experiment, as the program's words and as the interface's options.
+/// One experiment, as arguments of the program and as options of the interface.
 struct Experiment {
   const char* name;
   std::vector<std::string> words;
@@ -46,7 +46,7 @@ bool same(const std::array<double, kSize>& a, const double (&b)[kSize]) {
 }
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// The first field in which a result is not the row, empty: none.
+/// Name of the first field that differs between result and row; empty: none.
 std::string difference(const haptics::TickRow& row, const palpate_result& result) {
   if (row.tick != result.tick || !same(row.time, result.time)) return "tick";
   if (!same(row.force, result.force)) return "force";
@@ -124,7 +124,7 @@ TEST_P(SameRows, AlsoWithTheScriptedSamplesThatTheInterfaceGives) {
 INSTANTIATE_TEST_SUITE_P(All, SameRows, testing::ValuesIn(kExperiments),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// A hand that is computed and held: what the device is to give depends on what it was given.
+// An emulated hand that holds the device, so that its samples depend on the previous forces.
 TEST(HeldDevice, HasTheRowsOfTheProgramsOwnEmulatedHand) {
   const Folder folder;
   std::ofstream(folder / "held.toml")
@@ -144,7 +144,7 @@ TEST(HeldDevice, HasTheRowsOfTheProgramsOwnEmulatedHand) {
   EXPECT_EQ(session.results[0].engagement, 1.0);
 }
 
-// Game engines flush denormal numbers to zero, and some round otherwise.
+// Game engines flush denormal numbers to zero, and some change the rounding mode.
 TEST(FloatEnvironment, OfTheProgramAroundChangesNoBitAndIsAsItWasAfterwards) {
   Session plain(unheld());
   Session strange(unheld());

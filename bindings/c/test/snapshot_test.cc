@@ -1,4 +1,4 @@
-// What the pictures of a ticked simulation are made from.
+// Snapshots of a simulation, for display.
 #include <gtest/gtest.h>
 
 #include "io/system/clock.h"

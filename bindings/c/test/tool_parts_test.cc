@@ -1,4 +1,4 @@
-// The instruments' meshes and poses through the C interface.
+// Meshes and poses of the instruments through the C interface.
 #include <limits>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A call's message, when it is refused in the way expected.
+/// Message of a call that fails with the expected status.
 std::string parts_refusal(palpate_status wanted, palpate_status given) {
   return given == wanted ? palpate_last_error() : "status " + std::to_string(given);
 }

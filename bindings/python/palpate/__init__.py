@@ -1,7 +1,7 @@
-"""Palpate: how soft tissue feels through a force-feedback device.
+"""Palpate: haptic simulation of soft tissue for force-feedback devices.
 
-Everything is SI inside (m, N, s); arrays are NumPy's. Bad input raises palpate.InputError, a ValueError, with the
-message that the program prints. docs/python.md has examples.
+All values are in SI units (m, N, s); arrays are NumPy arrays. Invalid input raises palpate.InputError, a ValueError, with the
+message of the program. docs/python.md has examples.
 """
 from . import _palpate
 from ._palpate import *  # noqa: F401,F403

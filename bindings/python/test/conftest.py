@@ -1,4 +1,4 @@
-"""What the tests share: the program to compare with, and no files of theirs outside their own folder."""
+"""Fixtures: the program for comparisons, and a separate state folder per test."""
 import json
 import os
 import subprocess
@@ -9,10 +9,10 @@ PROGRAM = os.environ.get('PALPATE_PROGRAM', 'palpate')
 
 
 class Program:
-    """`palpate`, as a person runs it."""
+    """The `palpate` program."""
 
     def __call__(self, *words):
-        """What it prints, when it ends well."""
+        """Standard output of a successful call."""
         done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         return done.stdout
@@ -21,7 +21,7 @@ class Program:
         return json.loads(self(*words, '--json'))
 
     def refusal(self, *words):
-        """What it says on standard error, when it refuses."""
+        """Standard error of a call that fails with exit code 2."""
         done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True)
         assert done.returncode == 2, done.stdout
         return done.stderr
@@ -34,5 +34,5 @@ def program():
 
 @pytest.fixture(autouse=True)
 def own_state_folder(tmp_path, monkeypatch):
-    """The last ticks before a fault go to the user's state folder: here to the test's own."""
+    """Sends recordings of faults, which go to the user's state folder, to the test's folder."""
     monkeypatch.setenv('XDG_STATE_HOME', str(tmp_path))

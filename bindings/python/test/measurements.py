@@ -1,4 +1,4 @@
-"""Measurements made of a tissue's own equations, as files that the readers take."""
+"""Synthetic measurements from the equations of a tissue, written as input files."""
 import struct
 import zlib
 
@@ -13,7 +13,7 @@ def write_columns(file, names, *columns):
 
 
 def profile_of(reach, depth, radius, distance):
-    """u(r) of docs/model.md, section 3, written once more."""
+    """Independent implementation of u(r) from docs/model.md, section 3."""
     contact, first, ratio, weight = reach
     r1 = min(contact * np.sqrt(radius * depth), radius)
     weights = weight ** np.arange(6)
@@ -23,7 +23,7 @@ def profile_of(reach, depth, radius, distance):
 
 
 def write_gray_png(file, picture):
-    """8-bit grey, from an array of 0 .. 1."""
+    """8-bit grey PNG of an array with values from 0 to 1."""
     lines = b''.join(b'\0' + line.tobytes() for line in (255.0 * picture).round().astype(np.uint8))
 
     def chunk(kind, body):
@@ -35,7 +35,7 @@ def write_gray_png(file, picture):
 
 
 def side_view(depth, pixel, radius):
-    """Light above, tissue below, a dark ball on a shaft in the dent of that depth [m]."""
+    """Side view of an indentation of this depth [m]: bright background, tissue below, a dark ball on a shaft."""
     rows, columns = np.mgrid[0:460, 0:900].astype(float)
     tissue = palpate.tissue_preset('liver')
     r = np.abs(np.arange(900) - 450.0) * pixel

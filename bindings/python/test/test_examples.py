@@ -1,4 +1,4 @@
-"""The examples run and draw."""
+"""The examples run and draw their figures."""
 import os
 import pathlib
 import re
@@ -17,7 +17,7 @@ ROOT = EXAMPLES.parents[1]
 
 
 def measure(folder):
-    """The files that docs/python.md names, made with the package itself."""
+    """Writes the input files that docs/python.md names."""
     liver = palpate.tissue_preset('liver')
     depth = np.linspace(0.0, 14e-3, 40)
     force = palpate.LayeredSpringLaw(liver).force_at(depth)
@@ -31,14 +31,14 @@ def measure(folder):
 
 @pytest.fixture(scope='session')
 def run(tmp_path_factory):
-    """run(folder, *words): Python with the words, in the folder."""
+    """run(folder, *arguments) runs Python with these arguments in the folder."""
     environment = {**os.environ, 'MPLCONFIGDIR': str(tmp_path_factory.mktemp('matplotlib'))}
 
     def python(folder, *words):
         return subprocess.run([sys.executable, '-B', *map(str, words)], cwd=folder, timeout=240, capture_output=True,
                               text=True, env=environment)
 
-    # Its list of fonts, once: where that takes more than 5 s matplotlib says so on standard error.
+    # Builds matplotlib's font cache once. If that takes over 5 s, matplotlib writes a message to standard error.
     python(None, '-c', 'import matplotlib.font_manager')
     return python
 

@@ -1,4 +1,4 @@
-"""Simulations that run in real time while Python looks on."""
+"""Simulations in real time, controlled from Python."""
 import gc
 import signal
 import subprocess
@@ -34,7 +34,7 @@ def without_times(rows):
 
 
 def until(true, seconds=20.0):
-    """Waits for something that another thread does."""
+    """Waits until `true` returns true, because another thread works meanwhile."""
     end = time.monotonic() + seconds
     while not true():
         if time.monotonic() > end:
@@ -140,7 +140,7 @@ def test_run_tells_a_fault_in_words_and_resets_it():
 
 def test_run_shows_the_surface_that_its_recording_shows(tmp_path):
     file = tmp_path / 'press.h5'
-    # The scripted tool has pressed about 10 mm deep after 3 s.
+    # The scripted tool is about 10 mm deep after 3 s.
     with palpate.Simulation(duration_s=3.0, record=file, tool='sphere:5') as simulation:
         assert simulation.wait(60.0)
     surface = simulation.surface()
@@ -174,7 +174,7 @@ def test_end_comes_once_and_in_good_order_for_an_object_that_is_dropped(tmp_path
 def test_end_comes_in_good_order_when_the_program_ends(tmp_path):
     file = tmp_path / 'left.h5'
     code = ('import palpate, sys\nkept = [palpate.Simulation(duration_s=600.0, record=sys.argv[1])]\n'
-            'kept.append(kept)\nkept[0].start()\n')  # a ring, which nobody takes apart
+            'kept.append(kept)\nkept[0].start()\n')  # a reference cycle, which is never collected
     subprocess.run([sys.executable, '-B', '-c', code, file], check=True, timeout=120)
     assert palpate.read_recording(file).complete
 

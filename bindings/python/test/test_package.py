@@ -1,4 +1,4 @@
-"""What belongs to the package beside its functions: type stubs, pandas tables."""
+"""Type stubs and pandas tables of the package."""
 import ast
 import inspect
 import pathlib
@@ -66,6 +66,6 @@ def test_tables_have_the_rows_with_phase_and_fault_in_words(tmp_path):
 
 
 def test_tables_need_pandas(monkeypatch):
-    monkeypatch.setitem(sys.modules, 'pandas', None)  # as where it is not installed
+    monkeypatch.setitem(sys.modules, 'pandas', None)  # as if it was not installed
     with pytest.raises(ImportError):
         palpate.to_pandas(palpate.simulate(duration_s=0.01))

@@ -1,4 +1,4 @@
-"""The Python package against the program: the same numbers, the same messages."""
+"""The Python package gives the numbers and messages of the program."""
 import pathlib
 import threading
 import time
@@ -50,7 +50,7 @@ def test_law_keeps_the_shape_of_what_it_is_asked():
     assert isinstance(float(law.force_at(0.005)), float)
     assert law.force_at(np.zeros((3, 4, 2))).shape == (3, 4, 2)
     assert law.force_at([]).shape == (0,)
-    backwards = np.linspace(0.0, 0.01, 7)[::-2]  # neither in order nor without gaps
+    backwards = np.linspace(0.0, 0.01, 7)[::-2]  # reversed and not contiguous
     assert (law.force_at(backwards) == [law.force_at(depth) for depth in backwards]).all()
     np.testing.assert_allclose(law.depth_under(law.force_at(backwards)), backwards, rtol=1e-12, atol=1e-15)
 
@@ -152,7 +152,7 @@ def test_meshes_are_what_the_program_says_of_them(program, tmp_path):
             out.write('f {} {} {}\n'.format(*triangle))
     mesh, findings = palpate.read_mesh(file, 'mm')
     assert_findings(mesh, findings, program.json('inspect', file, '--unit', 'mm'))
-    # The reader keeps the triangles in their order, not the vertices.
+    # The reader keeps the order of the triangles, but not of the vertices.
     np.testing.assert_allclose(mesh.vertices[mesh.triangles], organ.vertices[organ.triangles], atol=1e-8)
 
 
@@ -181,7 +181,7 @@ def test_meshes_are_refused_in_words():
 
 
 def assert_rows_of(rows, csv):
-    """Every number of the program's own export, bit for bit (but for the two that are words there)."""
+    """Asserts that rows equal the program's export bit for bit, except the columns that are text in the export."""
     lines = pathlib.Path(csv).read_text().splitlines()
     names = lines[0].split(',')
     assert list(rows.dtype.names) == names
@@ -206,7 +206,7 @@ def test_runs_simulated_are_the_programs_bit_for_bit(program, tmp_path, task):
 
 
 def hash_of(rows):
-    """FNV-1a of the rows' bits without the measured times, as tests/golden_hash.cc has it."""
+    """FNV-1a hash of the rows without measured times, as in tests/golden_hash.cc."""
     kept = [name for name in rows.dtype.names if name not in ('tick_ns', 'late_ns')]
     found = 14695981039346656037
     for byte in repack_fields(rows[kept]).tobytes():
@@ -245,7 +245,7 @@ def test_runs_recorded_here_are_read_and_verified_everywhere(program, tmp_path):
     program('replay', file, '--verify')
     program('export', file, '--csv', csv)
     assert_rows_of(recording.rows, csv)
-    kept = palpate.read_recording(file).rows  # the rows outlive the recording they came from
+    kept = palpate.read_recording(file).rows  # the rows outlive their recording
     assert kept.tobytes() == rows.tobytes()
 
 

@@ -1,4 +1,4 @@
-"""Simulations that Python itself ticks, against whole runs."""
+"""Simulations that Python ticks give the rows of offline runs."""
 import numpy as np
 import pytest
 
@@ -15,9 +15,9 @@ def test_ticks_are_those_of_a_whole_run_bit_for_bit():
     assert (simulation.hand_count, simulation.rate_Hz, simulation.max_force) == (1, 1000.0, 20.0)
     assert simulation.scripted_ticks > 3000
     samples = scripted(simulation, 3000)
-    results = np.concatenate([simulation.tick(samples[:1000]),  # many at once
-                              np.stack([simulation.tick(one) for one in samples[1000:2000]]),  # one by one
-                              simulation.tick(np.repeat(samples[2000:], 2, axis=0)[::2])])[:, 0]  # with gaps
+    results = np.concatenate([simulation.tick(samples[:1000]),  # many ticks in one call
+                              np.stack([simulation.tick(one) for one in samples[1000:2000]]),  # one tick per call
+                              simulation.tick(np.repeat(samples[2000:], 2, axis=0)[::2])])[:, 0]  # not contiguous
     assert results['tissue_force'].max() > 0.0
     for ours, theirs in (('tick', 'tick'), ('time', 'time_s'), ('tissue_force', 'tissue_force_N'),
                          ('noise_force', 'noise_force_N'), ('depth', 'depth_m'), ('distance', 'distance_m'),
@@ -101,7 +101,7 @@ def test_deformed_surface_goes_down_by_the_depth_at_the_contact_and_nowhere_else
     moved = palpate.deformed_surface(box, [press], 'liver')
     down = box.vertices[:, 2] - moved.vertices[:, 2]
     assert down.max() == pytest.approx(2e-3, abs=1e-8)  # vertices move in single precision
-    # R_6 of docs/model.md, section 3: beyond it every vertex keeps its bits.
+    # Beyond R_6 of docs/model.md, section 3, no vertex changes.
     contact, first, ratio, _ = palpate.tissue_preset('liver').reach
     reach = contact * np.sqrt(4e-3 * 2e-3) * (1.0 + first * (ratio ** 5 - 1.0) / (ratio - 1.0))
     far = np.linalg.norm(box.vertices - middle, axis=1) > reach

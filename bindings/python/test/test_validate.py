@@ -1,4 +1,4 @@
-"""palpate.validate() against `palpate validate`."""
+"""palpate.validate() gives the results of `palpate validate`."""
 import numpy as np
 import pytest
 
@@ -38,7 +38,7 @@ def assert_zeros_are(ours, theirs):
 @pytest.mark.parametrize('zeros', ['given', 'fitted'])
 def test_validate_takes_the_zeros_that_the_program_takes(program, tmp_path, zeros):
     depth = np.linspace(0.0, 12e-3, 40)
-    # It touches 0.3 mm late, and the sensor shows 0.02 N without load.
+    # Contact begins 0.3 mm late, and the sensor has an offset of 0.02 N.
     force = 0.02 + palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(np.maximum(0.0, depth - 3e-4))
     file = tmp_path / 'late.csv'
     write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth, force)
@@ -54,7 +54,7 @@ def test_validate_takes_the_zeros_that_the_program_takes(program, tmp_path, zero
 
 
 def test_validate_draws_the_surface_as_the_program_does(program, tmp_path):
-    # Of a tissue that gives way so near to the ball that the law alone would have it above the ball's side.
+    # A falloff so steep that the law alone would put the surface above the side of the ball.
     tissue = palpate.tissue_preset('liver')
     tissue.reach = (0.4, 0.3, 1.3, 0.5)
     toml, file = tmp_path / 'narrow.toml', tmp_path / 'side.csv'
@@ -102,7 +102,7 @@ def test_validate_finds_the_exponent_of_several_depths_that_the_program_finds(pr
     distance = np.linspace(0.0, 30e-3, 60)
     profiles, columns = [], []
     for depth in (1e-3, 2e-3, 4e-3):
-        # c (D/R)^p for the c sqrt(D/R) that profile_of() has.
+        # profile_of() computes c sqrt(D/R); the ratio is scaled to give c (D/R)^p.
         scaled = (ratios[0] * (depth / 5e-3) ** (exponent - 0.5), *ratios[1:])
         u = profile_of(scaled, depth, 5e-3, distance)
         profiles.append(palpate.Deformation('side', distance, u))

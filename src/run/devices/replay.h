@@ -11,7 +11,7 @@ namespace palpate::devices {
 /// ignored.
 class ReplayDevice final : public haptics::Device {
  public:
-  /// [setup] The samples of one hand, tick 0 first. @throws InputError when there is none.
+  /// [setup] Takes the samples of one hand, tick 0 first. @throws InputError without any sample.
   explicit ReplayDevice(std::vector<haptics::DeviceState> samples);
 
   /// [rt]

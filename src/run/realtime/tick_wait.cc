@@ -15,7 +15,7 @@ constexpr double kMargin = 100e3;     // ns
 constexpr double kShortestShare = 0.4;  // of a period, at high rates
 constexpr double kMarginShare = 0.25;
 
-/// Tells the processor that this is a spin loop.
+/// Marks a spin loop for the processor.
 void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();

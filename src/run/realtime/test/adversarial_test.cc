@@ -28,8 +28,8 @@ long samples_wanted() {
   return text != nullptr ? std::strtol(text, nullptr, 10) : kSamplesByDefault;
 }
 
-/// A sample that no hand gives. It jumps in and out of the block, and often has a value that is not finite or
-/// that no device can mean.
+/// A sample that no hand can produce. It jumps in and out of the block, and often has a value that is not
+/// finite or that no device would report.
 DeviceState adversarial(std::mt19937_64& random) {
   static constexpr double kOdd[] = {kNaN, kInf, -kInf, 1e308, -1e308, 1e30, 5e-324, 1e-310, 0.0, -0.0};
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -124,8 +124,8 @@ void run_samples(bool held, long count, std::uint64_t seed, bool changes = false
   TickRow row;
   std::uint64_t in_contact = 0;
   for (long i = 0; i < count; ++i) {
-    // Hand-like motion ends the soft start and forms contacts that last. A burst of samples that no hand
-    // gives follows.
+    // Hand-like motion ends the soft start and forms contacts that last. A burst of
+    // impossible samples follows.
     DeviceState sample;
     const long phase = i % 2000;
     if (phase < 1900) {

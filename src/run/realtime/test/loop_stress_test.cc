@@ -52,7 +52,7 @@ class HangingDevice final : public Device {
   std::atomic<std::uint64_t> stops_{0};
 };
 
-/// Everybody who looks at the loop from outside, until it is told to stop.
+/// All observers of the loop on other threads, until `over` is set.
 struct Observers final : TickObserver {
   void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
   void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
@@ -63,7 +63,7 @@ struct Observers final : TickObserver {
   RunControl control;
   std::uint64_t snapshots = 0;  // received by the drawing thread
   std::uint64_t torn = 0;
-  std::uint64_t heard = 0;  // faults received by the talking thread
+  std::uint64_t heard = 0;  // faults received by the reporting thread
 
   void draw(const std::atomic<bool>& over) {
     std::uint64_t last = 0;

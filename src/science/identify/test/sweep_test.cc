@@ -107,9 +107,8 @@ TEST(Sweep, NoValueFitsClearlyBetterThanTheFitOfRandomSprings) {
   }
 }
 
-/// RMS error, divided by the force range, of the best o + k max(0, d - c) with
-/// c
-/// <= `farthest`: least squares in o and k for each of 400 values of c.
+/// RMS error, divided by the force range, of the best o + k max(0, d - c) for c up to `farthest`: least
+/// squares in o and k for each of 400 values of c.
 double best_spring(const Specimen& specimen, double farthest) {
   const auto n = static_cast<double>(specimen.size());
   double least = 1e300;
