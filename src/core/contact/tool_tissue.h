@@ -21,7 +21,7 @@ struct ToolTissue {
   [[nodiscard]] bool uniform() const noexcept { return inclusions.empty() && map.empty(); }
 };
 
-/// The tissue at one place c of the rest surface, where it is not uniform (docs/lumps.md). Its energy is
+/// The tissue at one point c of the rest surface, where it is not uniform (docs/lumps.md). Its energy is
 ///
 ///     U(D, c) = U_0(D) k(c) prod_j (1 + e_j(D, s_j^2)),   s_j^2 = |c - centre_j|^2 - h_j^2,
 ///

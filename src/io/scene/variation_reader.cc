@@ -1,5 +1,7 @@
 #include "io/scene/variation_reader.h"
 
+#include <cmath>
+
 #include <fmt/core.h>
 
 #include "core/base/text.h"

@@ -8,7 +8,7 @@
 
 namespace palpate::scene {
 
-/// An [[organ.inclusion]] table, checked except for its place in the organ. SI units.
+/// An [[organ.inclusion]] table, checked except for its position in the organ. SI units.
 struct InclusionTable {
   InclusionSetup setup;         // its centre only with `has_centre`
   bool has_centre = false;      // position_mm was given
