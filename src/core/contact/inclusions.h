@@ -8,7 +8,7 @@
 
 namespace palpate::contact {
 
-/// An inclusion with its place in the organ. Plain data.
+/// An inclusion in the organ. Plain data.
 struct PlacedInclusion {
   /// The null inclusion: ratio 1.
   PlacedInclusion() = default;
