@@ -7,6 +7,7 @@
 
 #include <valgrind/callgrind.h>
 
+#include "io/scene/default_path.h"
 #include "io/scene/make_world.h"
 #include "palpate/scene.h"
 #include "palpate/scripted_device.h"
@@ -76,9 +77,17 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
 }
 
 /// Counts ticks shortly before and after first contact. @return false when the path has none
+/// @param inclusions their number, under the place of the press
 template <typename Approach, typename Contact>
-bool count_tick(std::size_t tool_triangles, Approach dump_approach, Contact dump_contact) {
-  const scene::Scene setup = bench::bench_scene("press", 0, tool_triangles);
+bool count_tick(std::size_t tool_triangles, std::size_t inclusions, Approach dump_approach,
+                Contact dump_contact) {
+  scene::Scene setup = bench::bench_scene("press", 0, tool_triangles);
+  for (std::size_t i = 0; i < inclusions; ++i) {
+    setup.inclusions.push_back({});
+    setup.inclusions.back().inclusion.radius = 1e-3;
+    setup.inclusions.back().inclusion.centre_S = setup.organ_pose.inverse() * scene::default_touch(setup, 0) -
+                                                 Vec3(0.0, 0.0, 5e-3 + 0.5e-3 * static_cast<double>(i));
+  }
   const haptics::SimulationWorld world = scene::make_world(setup);
   devices::ScriptedDevice device(bench::hand_path(setup));
   const std::uint64_t last = device.last_tick(world.rate_Hz);
@@ -100,10 +109,16 @@ bool count_tick(std::size_t tool_triangles, Approach dump_approach, Contact dump
 int main() {
   count_law_and_noise();
   const bool counted = count_tick(
-                           0, [] { PALPATE_COUNTED("tick in approach", 200); },
+                           0, 0, [] { PALPATE_COUNTED("tick in approach", 200); },
                            [] { PALPATE_COUNTED("tick in contact", 200); }) &&
                        count_tick(
-                           97'000, [] { PALPATE_COUNTED("dense tool in approach", 200); },
+                           0, 1, [] { PALPATE_COUNTED("tick in approach with 1 inclusion", 200); },
+                           [] { PALPATE_COUNTED("tick in contact with 1 inclusion", 200); }) &&
+                       count_tick(
+                           0, 8, [] { PALPATE_COUNTED("tick in approach with 8 inclusions", 200); },
+                           [] { PALPATE_COUNTED("tick in contact with 8 inclusions", 200); }) &&
+                       count_tick(
+                           97'000, 0, [] { PALPATE_COUNTED("dense tool in approach", 200); },
                            [] { PALPATE_COUNTED("dense tool in contact", 200); });
   if (counted) return 0;
   std::fputs("palpate_counted: the path never came into contact\n", stderr);

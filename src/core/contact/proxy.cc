@@ -193,8 +193,7 @@ double Proxy::press_at_place(const ToolTissue& tissue) noexcept {
   Vec3 lateral = now.lateral_S;
   for (std::size_t i = 0; i < relaxation.count(); ++i) {
     const double relaxed = relaxation.relaxed_after(load_.memory, i, now.normal);
-    relaxed_depth_[i] = place.depth_under(law, relaxed, relaxed_depth_[i]);
-    lateral -= relaxation.share(i) * place.force_at(law, relaxed_depth_[i]).lateral_S;
+    lateral -= relaxation.share(i) * place.follow(law, relaxed, relaxed_depth_[i]);
   }
   lateral_force_ = lateral - lateral.dot(load_.normal) * load_.normal;
   return now.normal;

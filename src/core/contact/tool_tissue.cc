@@ -28,32 +28,19 @@ TissueAt::Force TissueAt::force_at(const model::SpringLaw& law, double depth) co
     by_depth += extra.by_depth / factor;
     by_place += (2.0 * extra.by_square / factor) * (place_S_ - inclusions_[j].centre_S);
   }
+  const model::ContactResponse uniform = law.force_at(depth);
   const double uniform_energy = law.energy_at(depth);
-  return {factor_.value * (law.force_at(depth).force * energy + uniform_energy * energy * by_depth),
-          -uniform_energy * energy * (factor_.value * by_place + factor_.gradient_S)};
+  return {factor_.value * energy * (uniform.force + uniform_energy * by_depth),
+          -uniform_energy * energy * (factor_.value * by_place + factor_.gradient_S),
+          factor_.value * energy * (uniform.stiffness + 2.0 * uniform.force * by_depth)};
 }
 
-double TissueAt::depth_under(const model::SpringLaw& law, double force, double guess) const noexcept {
-  if (force <= 0.0) return 0.0;
-  constexpr int kMostSteps = 50;
-  constexpr double kClose = 1e-12;  // of the force
-  double low = 0.0;
-  double high = law.max_depth();
-  double depth = std::clamp(guess, low, high);
-  for (int step = 0; step < kMostSteps; ++step) {
-    const double here = force_at(law, depth).normal;
-    const double missing = force - here;
-    if (std::abs(missing) <= kClose * force) break;
-    (missing > 0.0 ? low : high) = depth;
-    if (!(low < high)) break;
-    // Newton's step with the slope of the uniform tissue, scaled by the force; bisection where it leaves the
-    // bracket.
-    const model::ContactResponse uniform = law.force_at(depth);
-    const double slope = uniform.force > 0.0 ? uniform.stiffness * here / uniform.force : uniform.stiffness;
-    const double next = depth + missing / slope;
-    depth = next > low && next < high ? next : 0.5 * (low + high);
-  }
-  return depth;
+Vec3 TissueAt::follow(const model::SpringLaw& law, double normal, double& depth) const noexcept {
+  const Force here = force_at(law, depth);
+  depth = normal > 0.0 && here.slope > 0.0
+              ? std::clamp(depth + (normal - here.normal) / here.slope, 0.0, law.max_depth())
+              : 0.0;
+  return here.lateral_S;
 }
 
 }  // namespace palpate::contact

@@ -35,12 +35,15 @@ class TissueAt final {
   struct Force {
     double normal = 0.0;            // dU/dD [N]
     Vec3 lateral_S = Vec3::Zero();  // -dU/dc [N]; the component along the normal has no meaning
+    double slope = 0.0;             // about d(normal)/dD [N/m]
   };
   /// [rt] The elastic force at a depth D [m] >= 0. @param law of this tissue, press or pull
   [[nodiscard]] Force force_at(const model::SpringLaw& law, double depth) const noexcept;
 
-  /// [rt] Inverse of the normal force: D [m] with dU/dD = `force` [N]. @param guess a depth near it [m]
-  [[nodiscard]] double depth_under(const model::SpringLaw& law, double force, double guess) const noexcept;
+  /// [rt] One step of Newton's method towards the depth at which the normal force is `normal` [N]: the depth
+  /// follows a slowly changing force from tick to tick.
+  /// @param depth the depth so far [m], changed @return the lateral force at the depth so far [N]
+  [[nodiscard]] Vec3 follow(const model::SpringLaw& law, double normal, double& depth) const noexcept;
 
  private:
   std::span<const InclusionNow> inclusions_;

@@ -145,15 +145,19 @@ TEST(Lumps, TheNormalForceRisesWithDepthOverSoftAndHardInclusions) {
   }
 }
 
-TEST(Lumps, DepthUnderAForceInvertsTheForceAtADepth) {
+TEST(Lumps, FollowedFromAnyDepthTheDepthOfANormalForceIsFound) {
   std::mt19937_64 random(9);
   for (int i = 0; i < 1000; ++i) {
     const FlatTissue flat(random, i % 2 == 0 ? model::LawKind::kSmooth : model::LawKind::kLayered);
     const ToolTissue tissue{flat.laws, flat.inclusions, flat.map, kBall};
     const TissueAt place(tissue, {Vec3(between(random, -25e-3, 25e-3), 0.0, 0.0), 0});
     const double depth = between(random, 0.1e-3, 15e-3);
-    const double force = place.force_at(flat.laws.press, depth).normal;
-    EXPECT_NEAR(place.depth_under(flat.laws.press, force, between(random, 0.0, 15e-3)), depth, 1e-9);
+    const TissueAt::Force force = place.force_at(flat.laws.press, depth);
+    double found = between(random, 0.0, 15e-3);
+    for (int tick = 0; tick < 40; ++tick) (void)place.follow(flat.laws.press, force.normal, found);
+    EXPECT_NEAR(found, depth, 1e-9);
+    const Vec3 lateral = place.follow(flat.laws.press, force.normal, found);
+    EXPECT_LT((lateral - force.lateral_S).norm(), 1e-6 * force.lateral_S.norm() + 1e-12);
   }
 }
 
