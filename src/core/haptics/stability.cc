@@ -31,11 +31,12 @@ std::string rounded(double value) {
 }  // namespace
 
 StabilityCheck check_stability(const model::TissueParameters& tissue, model::Direction direction,
-                               double period, double max_force, double scale, const DeviceMechanics& device) {
+                               double period, double max_force, double scale, const DeviceMechanics& device,
+                               double variation) {
   const model::SpringLaw law(tissue, direction, period);
   StabilityCheck check;
   const double along_surface = tissue.contact.friction > 0.0 ? tissue.tangential_stiffness() : 0.0;
-  check.stiffness = scale * std::max(largest_tangent(law, max_force), along_surface);
+  check.stiffness = scale * std::max(variation * largest_tangent(law, max_force), along_surface);
   // Normal direction: K and B. Along the surface: k_t and c_t. Each axis is a virtual wall of its own
   // [Colgate, Schenkel 1997]; the larger values cover both.
   check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
@@ -45,6 +46,25 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, model::Dir
   check.damping_short = device.damping < check.damping_needed;
   check.friction_short = check.stiffness > check.stiffness_allowed;
   return check;
+}
+
+double stiffness_ratio_of(const model::TissueParameters& tissue, model::Direction direction, double period,
+                          const model::Inclusion& inclusion, double depth, double tip_radius) {
+  const model::SpringLaw uniform(tissue, direction, period);
+  const model::InclusionLaw law(inclusion.radius, depth, inclusion.ratio);
+  const auto force_at = [&](double d) {
+    const model::InclusionLaw::Extra extra = law.at(model::PressedTip(tip_radius, d), 0.0);
+    return uniform.force_at(d).force * (1.0 + extra.energy) + uniform.energy_at(d) * extra.by_depth;
+  };
+  constexpr int kSteps = 150;
+  constexpr double kStep = kDepthWithinReach / kSteps;
+  double largest = 1.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double low = kStep * i;
+    const double plain = uniform.force_at(low + kStep).force - uniform.force_at(low).force;
+    if (plain > 0.0) largest = std::max(largest, (force_at(low + kStep) - force_at(low)) / plain);
+  }
+  return largest;
 }
 
 double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction, double period,

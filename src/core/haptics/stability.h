@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/inclusion.h"
 #include "palpate/tissue.h"
 
 namespace palpate::haptics {
@@ -33,10 +34,18 @@ inline constexpr double kDepthWithinReach = 15e-3;
 /// kDepthWithinReach whose force is at most max_force.
 /// @param period T [s] @param max_force of the gate [N] @param scale workspace scale: the hand feels the
 /// stiffness times it
+/// @param variation largest ratio of the stiffness to the uniform tissue's (stiffness_ratio_of)
 /// @throws ParameterError for a bad tissue or period, as the law does
 [[nodiscard]] StabilityCheck check_stability(const model::TissueParameters& tissue,
                                              model::Direction direction, double period, double max_force,
-                                             double scale, const DeviceMechanics& device);
+                                             double scale, const DeviceMechanics& device,
+                                             double variation = 1.0);
+
+/// [setup] How many times as stiff as the uniform tissue the tissue above an inclusion gets within reach.
+/// @param depth of the inclusion's centre below the surface [m] @param tip_radius of the tool [m]
+[[nodiscard]] double stiffness_ratio_of(const model::TissueParameters& tissue, model::Direction direction,
+                                        double period, const model::Inclusion& inclusion, double depth,
+                                        double tip_radius);
 
 /// [setup] The smallest depth [m] at which a tissue's tangent stiffness exceeds `stiffness` [N/m]; infinite
 /// if none within reach.

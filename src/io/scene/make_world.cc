@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/text.h"
+#include "core/geometry/signed_distance.h"
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
 #include "palpate/error.h"
@@ -24,12 +25,34 @@ haptics::GateLimits gate_limits(const Scene& setup) {
   return limits;
 }
 
+/// How many times as stiff as the uniform tissue the scene's tissue gets.
+double largest_variation(const Scene& setup, const model::TissueParameters& tissue,
+                         model::Direction direction) {
+  constexpr double kTipRadius = 5e-3;  // m, of a tool whose radius the scene does not give
+  double map = 1.0;
+  for (const model::StiffnessPoint& one : setup.stiffness) map = std::max(map, one.factor);
+  if (setup.inclusions.empty()) return map;
+  const geometry::SignedDistance surface(setup.organ);
+  double largest = 1.0;
+  for (const InclusionSetup& one : setup.inclusions) {
+    const double depth = -surface.nearest(one.inclusion.centre_S).distance - one.inclusion.pulse;
+    if (!(depth > 0.0)) continue;  // make_world() reports it
+    for (const geometry::Tool& tool : setup.tools) {
+      largest =
+          std::max(largest, haptics::stiffness_ratio_of(tissue, direction, 1.0 / setup.rate_Hz, one.inclusion,
+                                                        depth, tool.tip_radius.value_or(kTipRadius)));
+    }
+  }
+  return map * largest;
+}
+
 haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
                                      const model::TissueParameters& tissue,
                                      const haptics::DeviceMechanics& mechanics) {
   const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   return haptics::check_stability(tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force,
-                                  device.workspace_scale * device.force_scale, mechanics);
+                                  device.workspace_scale * device.force_scale, mechanics,
+                                  largest_variation(setup, tissue, direction));
 }
 
 std::string rounded(double value) { return brief(value, 3); }

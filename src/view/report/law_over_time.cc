@@ -55,6 +55,19 @@ double LawOverTime::force_at(const haptics::TickRow& row) {
   return relaxation_.next(memory_, law_.force_at(row.depth).force);
 }
 
+namespace {
+
+std::string change_text(const haptics::ParameterUpdate& change) {
+  if ((change.what & haptics::kTissueChanged) != 0) return tissue_text(tissue_of(change));
+  if ((change.what & haptics::kNoiseChanged) != 0) return noise_text(change.noise);
+  const haptics::LiveInclusion& inclusion = change.inclusion;
+  return fmt::format("inclusion {} at {} with stiffness ratio {}", inclusion.index + 1,
+                     point_mm({inclusion.centre_S[0], inclusion.centre_S[1], inclusion.centre_S[2]}),
+                     brief(inclusion.ratio, 3));
+}
+
+}  // namespace
+
 std::vector<std::string> changes_text(const record::Recording& recording) {
   constexpr std::size_t kMostTold = 20;
   std::vector<std::string> words;
@@ -65,9 +78,7 @@ std::vector<std::string> changes_text(const record::Recording& recording) {
     }
     const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
     words.push_back(fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick,
-                                fixed(time, 3),
-                                (change.what & haptics::kTissueChanged) != 0 ? tissue_text(tissue_of(change))
-                                                                             : noise_text(change.noise)));
+                                fixed(time, 3), change_text(change)));
   }
   return words;
 }

@@ -5,6 +5,9 @@
 #include <ctime>
 
 #include <fmt/chrono.h>
+#include <fmt/core.h>
+
+#include "core/base/text.h"
 
 namespace palpate::report {
 
@@ -53,6 +56,21 @@ std::string base64(std::string_view bytes) {
 std::string utc_time(std::int64_t unix_ns) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC",
                      fmt::gmtime(static_cast<std::time_t>(unix_ns / 1'000'000'000)));
+}
+
+std::string number(double value, const char* unit) {
+  constexpr int kDigits = 12;
+  return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
+}
+
+std::string millimetres(double metres) { return number(metres * kMilli, "mm"); }
+
+std::string point_mm(const Vec3& p) {
+  const auto bare = [](double metres) {
+    const std::string text = millimetres(metres);
+    return text.substr(0, text.size() - 3);
+  };
+  return fmt::format("{}, {}, {} mm", bare(p.x()), bare(p.y()), bare(p.z()));
 }
 
 }  // namespace palpate::report

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/pose.h"
+
 namespace palpate::report {
 
 inline constexpr double kMilli = 1e3;  // m to mm, N to mN
@@ -12,6 +14,13 @@ inline constexpr double kMilli = 1e3;  // m to mm, N to mN
 
 /// [any] A count with commas between thousands: 2,110.
 [[nodiscard]] std::string grouped(std::uint64_t value);
+
+/// [any] A value with its unit, at most 12 digits: 1.5 mm; `unit` may be empty.
+[[nodiscard]] std::string number(double value, const char* unit);
+/// [any] A length [m]: 1.5 mm.
+[[nodiscard]] std::string millimetres(double metres);
+/// [any] A point [m]: 1, 2.5, 3 mm.
+[[nodiscard]] std::string point_mm(const Vec3& p);
 
 /// [any] `text` with &, <, > and quotes escaped for HTML text and attributes.
 [[nodiscard]] std::string escaped(std::string_view text);

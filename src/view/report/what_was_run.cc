@@ -19,21 +19,6 @@ namespace {
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 /// A number and its unit, without rounding errors of the conversion from SI.
-std::string number(double value, const char* unit) {
-  constexpr int kDigits = 12;
-  return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
-}
-
-std::string millimetres(double metres) { return number(metres * kMilli, "mm"); }
-
-std::string point_mm(const Vec3& p) {
-  const auto bare = [](double metres) {
-    const std::string text = millimetres(metres);
-    return text.substr(0, text.size() - 3);
-  };
-  return fmt::format("{}, {}, {} mm", bare(p.x()), bare(p.y()), bare(p.z()));
-}
-
 std::string mesh_text(const geometry::TriangleMesh& mesh) {
   const Vec3 size = geometry::bounds(mesh).size() * kMilli;
   return fmt::format("{} vertices, {} triangles, {} × {} × {} mm", grouped(mesh.vertices.size()),
@@ -71,6 +56,20 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   };
   if (!setup.organ_motion.empty()) {
     facts.emplace_back("organ's motion", motion_text(setup.organ_motion));
+  }
+  for (const scene::InclusionSetup& one : setup.inclusions) {
+    const model::Inclusion& inclusion = one.inclusion;
+    std::string text = fmt::format(
+        "{}: sphere of {} radius, {} times as stiff as the tissue, centre at {} in the organ", one.name,
+        millimetres(inclusion.radius), brief(inclusion.ratio, 3), point_mm(inclusion.centre_S));
+    if (inclusion.pulse > 0.0) {
+      text += fmt::format(", rises {} every {} s", millimetres(inclusion.pulse),
+                          fixed(inclusion.pulse_period, 3));
+    }
+    facts.emplace_back("inclusion", text);
+  }
+  if (!setup.stiffness.empty()) {
+    facts.emplace_back("stiffness map", fmt::format("{} points on the surface", setup.stiffness.size()));
   }
   for (const geometry::Tool& tool : setup.tools) {
     std::string text = tool.name;

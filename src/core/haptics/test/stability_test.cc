@@ -37,6 +37,21 @@ TEST(Stability, NeedsHalfATickOfTheLargestTangentAndTheVirtualDamping) {
   EXPECT_FALSE(check.warns());
 }
 
+// Above an inclusion of the ratio m the energy is at most U_0 (1 + gamma), gamma < 1 / beta = 2.22.
+TEST(Stability, AnInclusionRaisesTheStiffnessByItsRatio) {
+  const model::TissueParameters tissue = two_slopes();
+  const auto ratio_of = [&](double ratio) {
+    return stiffness_ratio_of(tissue, Direction::kPress, 1e-3, {Vec3::Zero(), 5e-3, ratio}, 7e-3, 5e-3);
+  };
+  EXPECT_EQ(ratio_of(1.0), 1.0);
+  EXPECT_EQ(ratio_of(0.1), 1.0);
+  EXPECT_GT(ratio_of(10.0), 1.2);
+  EXPECT_GT(ratio_of(100.0), ratio_of(10.0));
+  const StabilityCheck plain = check_stability(tissue, Direction::kPress, 1e-3, 20.0, 1.0, {});
+  const StabilityCheck stiff = check_stability(tissue, Direction::kPress, 1e-3, 20.0, 1.0, {}, 1.5);
+  EXPECT_NEAR(stiff.stiffness, 1.5 * plain.stiffness, 1e-9);
+}
+
 TEST(Stability, DampingAlongTheSurfaceCountsWhereItIsTheLarger) {
   const auto damping_of = [](double tangential) {
     model::TissueParameters tissue = two_slopes();

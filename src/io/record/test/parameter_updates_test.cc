@@ -1,4 +1,4 @@
-// Updates of tissue and noise during a run: recorded, read, exported and replayed bit for bit.
+// Updates of tissue, noise and inclusions during a run: recorded, read, exported and replayed bit for bit.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -39,12 +39,19 @@ scene::Scene block_and_ball() {
   setup.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
   setup.devices.emplace_back();
+  setup.inclusions.resize(2);
+  setup.inclusions[1].inclusion = {Vec3(0.002, 0.0, 0.012), 3e-3, 20.0, 1e-3, 0.5};  // 8 mm deep, it pulses
   return setup;
 }
 
 /// Offers a random tissue or noise, as a user at the sliders would.
 void offer_something(haptics::ParameterUpdates& changes, std::mt19937_64& dice) {
   const auto share = [&dice] { return static_cast<double>(dice() >> 11U) * 0x1p-53; };
+  if (dice() % 3 == 0) {
+    (void)changes.offer(haptics::LiveInclusion{
+        1, {0.01 * share() - 0.005, 0.004 * share(), 0.010 + 0.005 * share()}, 0.1 + 99.0 * share()});
+    return;
+  }
   if (dice() % 3 == 0) {
     (void)changes.offer(haptics::LiveNoise{dice() % 2 == 0, 1e-4 * share(), 1e-3 + 5e-3 * share()});
     return;
@@ -258,7 +265,7 @@ TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
   EXPECT_EQ(lines[1],
             "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
-            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,\"a,\"\"\"");
+            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,0,0,0,0,0,\"a,\"\"\"");
   EXPECT_EQ(changes_csv_path("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
