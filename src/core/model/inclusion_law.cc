@@ -23,7 +23,7 @@ constexpr double kWidthByContact = 2.3;  // kappa_2
 std::span<const InclusionPreset> inclusion_presets() {
   constexpr double kBeat = 60.0 / 70.0;  // s
   static const InclusionPreset kPresets[] = {
-      {"nodule", {Vec3::Zero(), 5e-3, 6.0, 0.0, kBeat}, 10e-3},
+      {"nodule", {Vec3::Zero(), 5e-3, 10.0, 0.0, kBeat}, 10e-3},
       {"stone", {Vec3::Zero(), 5e-3, 100.0, 0.0, kBeat}, 8e-3},
       {"plaque", {Vec3::Zero(), 3e-3, 30.0, 0.0, kBeat}, 5e-3},
       {"vessel", {Vec3::Zero(), 3e-3, 3.0, 1e-3, kBeat}, 6e-3},

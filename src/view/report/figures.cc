@@ -196,11 +196,15 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
   figure.caption = fmt::format(
       "Force along the contact normal over depth, one tick in {}, on the law of one contact. Several "
       "contacts on one organ share the tissue and lie above that line; damping and the fades at the start "
-      "and at letting go part from it for a moment.{}{}",
+      "and at letting go part from it for a moment.{}{}{}",
       stride,
       setup.tissue.relaxation.empty()
           ? ""
           : " This tissue relaxes: the longer it is held, the farther its force lies below the line.",
+      setup.inclusions.empty() && setup.stiffness.empty()
+          ? ""
+          : " The line is that of the uniform tissue; the inclusions and the stiffness map make the "
+            "difference.",
       recording.changes.empty() ? "" : " The line is the law at the start; it was changed while it ran.");
   return drawn(figure, script, {curve, in, out});
 }

@@ -89,10 +89,12 @@ std::vector<std::string> marks_of(const ExperimentResults& worked) {
                          fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
                                      is_pull(worked) ? "Pulled" : "Pressed",
                                      fixed(hand.peak_depth * kMilli, 2), fixed(kGoalDepth * kMilli, 0))));
+  const bool uniform = recording.setup.inclusions.empty() && recording.setup.stiffness.empty();
   if (hand.law.rows > 0) {
     marks.push_back(
-        marked(Mark::kTold, fmt::format("Normal force beside the law of one contact, over {} ticks: half "
+        marked(Mark::kTold, fmt::format("Normal force beside the law of {}, over {} ticks: half "
                                         "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
+                                        uniform ? "one contact" : "the uniform tissue",
                                         grouped(hand.law.rows), fixed(hand.law.median * kMilli, 2),
                                         fixed(hand.law.p95 * kMilli, 2), fixed(hand.law.peak, 3))));
   }

@@ -59,9 +59,10 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   }
   for (const scene::InclusionSetup& one : setup.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;
-    std::string text = fmt::format(
-        "{}: sphere of {} radius, {} times as stiff as the tissue, centre at {} in the organ", one.name,
-        millimetres(inclusion.radius), brief(inclusion.ratio, 3), point_mm(inclusion.centre_S));
+    std::string text =
+        fmt::format("{}: sphere of {} radius, {} times as stiff as the tissue, centre at {} in the organ",
+                    one.name, millimetres(inclusion.radius), brief(inclusion.ratio, 3),
+                    point_mm(Vec3((inclusion.centre_S * 1e5).array().round() * 1e-5)));
     if (inclusion.pulse > 0.0) {
       text += fmt::format(", rises {} every {} s", millimetres(inclusion.pulse),
                           fixed(inclusion.pulse_period, 3));

@@ -53,7 +53,7 @@ class Palpation {
     for (int i = 1; i <= ticks; ++i) work += at(from + (goal - from) * (static_cast<double>(i) / ticks));
     return work;
   }
-  /// Presses at a place and waits until all depth is admitted. @return the force on the tool [N]
+  /// Presses at a point and waits until all depth is admitted. @return the force on the tool [N]
   Vec3 press(double x, double y, double depth) {
     go(Vec3(x, y, 5e-3), 0.1);
     go(Vec3(x, y, -depth), 0.05);
