@@ -351,6 +351,23 @@ pose = { position_mm = [1, 2, 3], rotation_deg = [0, 90, 0] }
 [[organ.motion]]
 kind = "breathing"
 amplitude_mm = 5.0
+[[organ.inclusion]]
+preset = "nodule"
+[[organ.inclusion]]
+name = "a"
+under = [1, 2, 3]
+depth_mm = 9
+radius_mm = 4
+stiffness_ratio = 10
+visible = false
+pulse_mm = 1
+pulse_period_s = 0.8
+[[organ.inclusion]]
+position_mm = [1, 2, 3]
+radius_mm = 4
+stiffness_ratio = 0.1
+[organ.stiffness]
+map = "map.csv"
 [[tool]]
 mesh = "sphere:3"
 tip_radius_mm = 3.0
@@ -429,6 +446,7 @@ void add_the_rest(const Seeds& seeds) {
   model::TissueParameters fitted = model::tissue_preset("liver");
   fitted.source = model::SourceParameters{"ball", 3e-3};
   seeds.add("tissue", "fitted", scene::to_toml(fitted));
+  seeds.add("stiffness_map", "two", "x_mm,y_mm,z_mm,factor\n1,2,3,0.5\n-4e1,5,6,2\n");
   seeds.add("tool_path", "places", "time_s,x_m,y_m,z_m\n0,0,0,0.1\n0.5,0,1e-3,-0.1\n");
   seeds.add("tool_path", "all",
             "time_s,x_m,y_m,z_m,qw,qx,qy,qz,gripper\n0,0,0,1,1,0,0,0,1\n1,0,0,0,0,1,0,0,0\n");
