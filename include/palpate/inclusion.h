@@ -77,7 +77,8 @@ class PressedTip final {
 /// normal force is dU/dD and the lateral force -dU/ds, so no closed path gives energy. e = gamma(D) g(s, D):
 ///
 ///     gamma = (m - 1) X / (P + X),   X = A a^3 c / (h^2 - b a^2 + k c^2)^2,
-///     P = 1 + beta (1 + eta (a/h)^3) (m - 1),   g = (1 + s^2 / (kappa_1 h^2 + kappa_2 c^2))^-3.
+///     P = 1 + beta (1 + eta (a/h)^3) (m - 1),   g = (1 + s^2 / w^2)^-3,
+///     w^2 = (1 - zeta (a/h)^3 (m - 1) / P) (kappa_1 h^2 + kappa_2 c^2).
 ///
 /// X and g have the shape of the energy that a point load's stress has in a far inclusion. The constants are
 /// fitted to finite elements (tools/update_lump_references).
@@ -99,11 +100,12 @@ class InclusionLaw final {
   [[nodiscard]] Extra at(const PressedTip& tip, double square) const noexcept;
 
  private:
-  double strength_ = 0.0;  // A a^3 [m^3]
-  double depth_ = 1.0;     // h^2 - b a^2 [m^2]
-  double width_ = 1.0;     // kappa_1 h^2 [m^2]
-  double contrast_ = 0.0;  // m - 1
-  double bound_ = 1.0;     // P
+  double strength_ = 0.0;          // A a^3 [m^3]
+  double depth_ = 1.0;             // h^2 - b a^2 [m^2]
+  double width_ = 1.0;             // w^2 where c = 0 [m^2]
+  double width_by_contact_ = 0.0;  // d(w^2)/d(c^2)
+  double contrast_ = 0.0;          // m - 1
+  double bound_ = 1.0;             // P
 };
 
 }  // namespace palpate::model

@@ -9,14 +9,15 @@ namespace palpate::model {
 namespace {
 
 // Shape constants of the law, fitted by tools/update_lump_references.
-constexpr double kStrength = 2.4;        // A
-constexpr double kRise = 0.56;           // b
+constexpr double kStrength = 2.3;        // A
+constexpr double kRise = 0.6;            // b
 constexpr double kReach = 1.4;           // k
 constexpr double kBound = 0.45;          // beta
-constexpr double kNear = 0.45;           // eta
-constexpr double kFlattening = 0.6;      // omega
-constexpr double kWidthByDepth = 0.86;   // kappa_1
+constexpr double kNear = 0.4;            // eta
+constexpr double kFlattening = 0.45;     // omega
+constexpr double kWidthByDepth = 0.88;   // kappa_1
 constexpr double kWidthByContact = 2.3;  // kappa_2
+constexpr double kNarrowing = 0.18;      // zeta
 
 }  // namespace
 
@@ -52,10 +53,13 @@ PressedTip::PressedTip(double tip_radius, double depth) noexcept {
 InclusionLaw::InclusionLaw(double radius, double depth, double ratio) noexcept
     : strength_(kStrength * radius * radius * radius),
       depth_(depth * depth - kRise * radius * radius),
-      width_(kWidthByDepth * depth * depth),
       contrast_(ratio - 1.0) {
   const double share = radius / depth;
-  bound_ = 1.0 + kBound * (1.0 + kNear * share * share * share) * contrast_;
+  const double cubed = share * share * share;
+  bound_ = 1.0 + kBound * (1.0 + kNear * cubed) * contrast_;
+  const double narrowed = 1.0 - kNarrowing * cubed * contrast_ / bound_;
+  width_ = narrowed * kWidthByDepth * depth * depth;
+  width_by_contact_ = narrowed * kWidthByContact;
 }
 
 InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const noexcept {
@@ -65,11 +69,11 @@ InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const
   const double whole = 1.0 / (bound_ + x);
   const double gamma = contrast_ * x * whole;
   const double gamma_by_depth = contrast_ * bound_ * whole * whole * x_by_depth;
-  const double width = width_ + kWidthByContact * tip.square;
+  const double width = width_ + width_by_contact_ * tip.square;
   const double far = 1.0 / (width + square);
   const double v = width * far;
   const double g = v * v * v;
-  const double g_by_depth = 3.0 * v * v * square * far * far * kWidthByContact * tip.by_depth;
+  const double g_by_depth = 3.0 * v * v * square * far * far * width_by_contact_ * tip.by_depth;
   return {gamma * g, gamma_by_depth * g + gamma * g_by_depth, -3.0 * gamma * g * far};
 }
 
