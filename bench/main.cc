@@ -264,7 +264,7 @@ void run(Plan plan, std::string command_line) {
 
 int main(int argc, char** argv) {
   namespace app = palpate::app;
-  CLI::App program{"How fast a tick, its parts, many hands and preparation are here, beside other libraries"};
+  CLI::App program{"Measure the time of a tick, many hands and preparation, and compare with other libraries"};
   program.name("palpate bench");
   palpate::bench::Plan flags;
   palpate::bench::add_flags(program, flags);

@@ -1,5 +1,7 @@
 #include "core/haptics/workspace.h"
 
+#include "core/contact/distance_cache.h"
+
 namespace palpate::haptics {
 
 Pose WorkspaceMapping::apply(const Vec3& position_D, const Quat& orientation_D,
@@ -20,7 +22,7 @@ DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const D
   if (track.has_sample) {
     const Vec3 way_D = sample.position_D - track.position_D;
     if (clutched) track.index_D -= mapping.scale * way_D;
-    if (way_D.norm() <= kFastestHand * period) {
+    if (way_D.norm() <= contact::kFastestHand * period) {
       const Quat turn = orientation * track.orientation_D.conjugate();
       const double sign = turn.w() < 0.0 ? -2.0 : 2.0;  // 2 sin(a/2) approximates a
       motion.translation = mapping.base.rotation * way_D;

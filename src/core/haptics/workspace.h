@@ -37,10 +37,8 @@ struct DeviceTrack {
   bool clutched = false;        // the clutch was held in that sample
 };
 
-/// A device faster than this [m/s] has jumped: its motion counts as zero and does no work.
-inline constexpr double kFastestHand = 20.0;
-
-/// [rt] Processes the next valid sample. While the clutch is held the tool's position stays and its rotation
+/// [rt] Processes the next valid sample. A device faster than contact::kFastestHand has jumped: its motion
+/// counts as zero and does no work. While the clutch is held the tool's position stays and its rotation
 /// follows the hand; after release the position continues from there (indexing).
 /// @param period T [s] @return the device's motion
 DeviceMotion follow(const WorkspaceMapping& mapping, DeviceTrack& track, const DeviceState& sample,

@@ -5,6 +5,8 @@
 #include <exception>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "core/base/statistics.h"
 #include "io/system/clock.h"
 #include "palpate/error.h"
