@@ -15,12 +15,14 @@
 #include "palpate/scene.h"
 #include "palpate/units.h"
 #include "science/identify/fit_many.h"
+#include "science/identify/map_fit.h"
 #include "science/identify/sweep.h"
 #include "science/tasks/communicator.h"
 #include "view/report/fit_report.h"
 
 #include "app/commands.h"
 #include "app/fit_summary.h"
+#include "app/map_summary.h"
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/progress.h"
@@ -43,6 +45,10 @@ struct FitFlags {
   std::string report;
   std::vector<std::string> sweeps;
   std::string sweep_csv;
+  bool is_map = false;
+  std::string radius;
+  std::string max_inclusions = "6";
+  std::string stiffness_map;
   bool as_json = false;
 };
 
@@ -176,6 +182,42 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }
 
+void require_no_map_flags(const FitFlags& flags) {
+  if (!flags.radius.empty()) throw InputError("--radius-mm: needs --map");
+  if (!flags.stiffness_map.empty()) throw InputError("--stiffness-map: needs --map");
+}
+
+void fit_one_map(const FitFlags& flags) {
+  if (flags.files.size() != 1) {
+    throw InputError(fmt::format("--map: {} files, must be one", flags.files.size()));
+  }
+  if (flags.radius.empty())
+    throw InputError("--radius-mm: missing, must be the radius of the ball that pressed");
+  identify::MapSettings settings;
+  settings.tip_radius = parse_positive("--radius-mm", flags.radius) * kMillimetre;
+  settings.max_inclusions = parse_whole("--max-inclusions", flags.max_inclusions);
+  if (settings.max_inclusions > model::kMaxInclusions) {
+    throw InputError(
+        fmt::format("--max-inclusions {}: must be at most {}", flags.max_inclusions, model::kMaxInclusions));
+  }
+  const std::vector<NamedFile> outputs = {{"--out", flags.out}, {"--stiffness-map", flags.stiffness_map}};
+  require_no_overwrite(outputs, std::vector<NamedFile>{{"the measurements", flags.files.front()}});
+  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
+  if (!flags.stiffness_map.empty()) require_writable_file(flags.stiffness_map, "--stiffness-map");
+  const std::vector<identify::MapRow> rows = identify::read_map(flags.files.front());
+  identify::MapFit fit;
+  try {
+    Progress bar("fit");
+    fit = identify::fit_map(rows, settings,
+                            [&bar](double share, const std::string& what) { bar.update(share, what); });
+  } catch (const InputError& error) {
+    throw InputError(flags.files.front() + ": " + error.what());
+  }
+  if (!flags.out.empty()) write_output(flags.out, map_toml(fit), "--out");
+  if (!flags.stiffness_map.empty()) write_output(flags.stiffness_map, map_csv(fit), "--stiffness-map");
+  std::cout << (flags.as_json ? map_json(fit) : map_text(fit));
+}
+
 }  // namespace
 
 void add_fit(CLI::App& program, const std::string& command_line, int& exit_code) {
@@ -206,6 +248,13 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "fit the other parameters again, and report the values that the data allow (repeat the flag for more "
       "parameters; default: 21 values around the interval)");
   command->add_option("--sweep-csv", flags->sweep_csv, "CSV file for the sweeps, one line per value");
+  command->add_flag("--map", flags->is_map,
+                    "DATA is one map of many probes: columns probe, x_mm, y_mm, z_mm, depth_mm, force_N and "
+                    "optionally nx, ny, nz; finds the inclusions under the surface (docs/lumps.md)");
+  command->add_option("--radius-mm", flags->radius, "with --map, required: radius of the ball that pressed");
+  command->add_option("--max-inclusions", flags->max_inclusions, "with --map: at most so many (default 6)");
+  command->add_option("--stiffness-map", flags->stiffness_map,
+                      "with --map: CSV file of the stiffness at every probe, for [organ.stiffness]");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"
@@ -213,10 +262,16 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "  palpate fit hold.csv --direction press --relaxation --bootstrap 200 --json\n"
       "  palpate fit liver-1.csv liver-2.csv --sweep q=0.5:0.9:41 --sweep-csv q.csv --report liver-fit\n"
       "  mpirun -n 8 palpate fit specimens/*.csv --bootstrap 200 --out liver.toml\n"
+      "  palpate fit --map probes.csv --radius-mm 3.16 --out lumps.toml --stiffness-map stiffness.csv\n"
       "With --out the same command continues a fit that was interrupted.\n"
       "docs/fitting.md explains how to measure and how to read the intervals.");
   command->callback([flags, command_line, &exit_code] {
-    fit_all(*flags, command_line);
+    if (flags->is_map) {
+      fit_one_map(*flags);
+    } else {
+      require_no_map_flags(*flags);
+      fit_all(*flags, command_line);
+    }
     exit_code = kDone;
   });
 }

@@ -163,6 +163,50 @@ TEST(FitCommand, SaysNothingOfItsLibrariesTroubleFarFromTheBest) {
   EXPECT_EQ(outcome.err, "");
 }
 
+/// A map of 5 x 5 probes 8 mm apart; above the lump at the middle the force is twice as large.
+std::string small_map() {
+  std::string text = "probe,x_mm,y_mm,z_mm,depth_mm,force_N\n";
+  for (int probe = 0; probe < 25; ++probe) {
+    for (int step = 1; step <= 6; ++step) {
+      const double depth = 0.5 * step;
+      const double x = 8.0 * (probe % 5 - 2);
+      const double y = 8.0 * (probe / 5 - 2);
+      const double force = 0.03 * std::pow(depth, 1.5) * (1.0 + std::exp(-(x * x + y * y) / 40.0));
+      text += std::to_string(probe) + ',' + std::to_string(x) + ',' + std::to_string(y) + ",0," +
+              std::to_string(depth) + ',' + std::to_string(force) + '\n';
+    }
+  }
+  return text;
+}
+
+TEST(FitCommand, FindsTheLumpOfAMapAndWritesItForAScene) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << small_map();
+  const Outcome outcome = run(folder, {"fit", "--map", "map.csv", "--radius-mm", "5", "--json", "--out",
+                                       "lumps.toml", "--stiffness-map", "stiffness.csv"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json fit = json::parse(outcome.out);
+  ASSERT_GE(fit["inclusions"].size(), 1U);
+  EXPECT_NEAR(fit["inclusions"][0]["x_mm"]["value"].get<double>(), 0.0, 2.0);
+  EXPECT_NEAR(fit["inclusions"][0]["y_mm"]["value"].get<double>(), 0.0, 2.0);
+  std::ifstream scene(folder / "lumps.toml");
+  const std::string text((std::istreambuf_iterator<char>(scene)), {});
+  EXPECT_NE(text.find("[[organ.inclusion]]"), std::string::npos);
+  std::ifstream map(folder / "stiffness.csv");
+  std::string header;
+  std::getline(map, header);
+  EXPECT_EQ(header, "x_mm,y_mm,z_mm,factor");
+}
+
+TEST(FitCommand, AMapNeedsTheBallsRadius) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << small_map();
+  const Outcome missing = run(folder, {"fit", "--map", "map.csv"});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_NE(missing.err.find("--radius-mm: missing"), std::string::npos) << missing.err;
+  EXPECT_EQ(run(folder, {"fit", "map.csv", "--radius-mm", "5"}).exit_code, 2);
+}
+
 TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "a.csv");
