@@ -176,7 +176,7 @@ Values with_one_more(const MapProblem& map, const Values& values) {
   return solve_map(map, best);
 }
 
-/// Whether the last inclusion has its place beside the others: two spheres cannot overlap.
+/// Whether the last inclusion is clear of the others: two spheres cannot overlap.
 bool is_apart(const MapProblem& map, const Values& values) {
   constexpr double kTouching = 0.7;  // of the sum of the radii; the law is fitted to spheres that are apart
   const auto inclusion = [&](std::size_t i) { return std::span(values).subspan(i, kMapInclusion); };

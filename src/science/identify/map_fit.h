@@ -48,7 +48,7 @@ struct MapFit {
   std::size_t map_terms = 1;  // of the polynomial: 1, 3 or 6
   std::vector<FoundInclusion> inclusions;
   double error = 0.0;          // RMS of the residuals [N]
-  double uniform_error = 0.0;  // the same of the background tissue alone [N]
+  double uniform_error = 0.0;  // RMS of the residuals of the background tissue alone [N]
   double range = 0.0;          // of the measured force [N]
   std::size_t rows = 0;
   std::size_t probes = 0;

@@ -1,4 +1,5 @@
-// Fits of palpation maps: synthetic maps with known inclusions, and measured phantoms where they are there.
+// Fits of palpation maps: synthetic maps with known inclusions, and measured phantoms if PALPATE_DATA has
+// them.
 #include "science/identify/map_fit.h"
 
 #include <cmath>
