@@ -129,7 +129,7 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
 }
 
 /// Where the residuals ask most for another inclusion: the probe with the largest sum over its neighbourhood,
-/// each residual relative to the background. @return its place in the map's frame [mm], and the sign
+/// each residual relative to the background. @return the point in the map's frame [mm], and the sign
 std::pair<Vec3, double> most_wanted(const MapProblem& map, std::span<const double> values) {
   const Values forces = map.model().forces(values, map.rows());
   std::map<int, std::pair<double, double>> by_probe;  // sums of the residual and of the force
