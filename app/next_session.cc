@@ -31,6 +31,7 @@ NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::p
       setup.noise = *kept_.noise;
       setup.noise.rate_Hz = rate_Hz;
     }
+    if (kept_.inclusions) setup.inclusions = *kept_.inclusions;
     if (check_) check_(setup);
     if (!recording_.empty()) {
       require_regular_file(recording_, "recording");

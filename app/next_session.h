@@ -19,6 +19,7 @@ class NextSession final {
   struct Kept {
     std::optional<model::TissueParameters> tissue;
     std::optional<noise::NoiseSettings> noise;
+    std::optional<std::vector<scene::InclusionSetup>> inclusions;
   };
   /// Checks the scene while the previous session still runs. @throws InputError to reject the scene.
   using Check = std::function<void(const scene::Scene&)>;

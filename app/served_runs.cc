@@ -7,7 +7,9 @@
 #include "core/haptics/simulation.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/names.h"
+#include "io/scene/variation_reader.h"
 #include "io/system/clock.h"
+#include "net/live_inclusions.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
 
@@ -35,6 +37,17 @@ void require_made_up(const std::string& device) {
                   "device");
 }
 
+/// @throws InputError for an inclusion that is not inside the organ
+void require_inside(const scene::InclusionSetup& inclusion, const geometry::TriangleMesh& organ) {
+  scene::InclusionTable table;
+  table.setup = inclusion;
+  table.has_centre = true;
+  table.where = "set_inclusion";
+  scene::Scene probe;
+  probe.organ = organ;
+  scene::place_inclusions({table}, probe);
+}
+
 }  // namespace
 
 void require_windowless(const scene::Scene& setup) {
@@ -49,7 +62,8 @@ ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
       tissue_(first_->setup().tissue),
-      noise_(first_->setup().noise) {}
+      noise_(first_->setup().noise),
+      inclusions_(first_->setup().inclusions) {}
 
 const scene::Scene& ServedRuns::setup() const {
   return run_ != nullptr ? run_->session().setup() : first_->setup();
@@ -88,6 +102,7 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   const scene::Scene& played = run_->session().setup();
   tissue_ = played.tissue;
   noise_ = played.noise;
+  inclusions_ = played.inclusions;
   send_event("run", {{"run", about_run()}});
 }
 
@@ -119,6 +134,7 @@ ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net
   if (std::holds_alternative<net::Stop>(command)) return stop(client);
   if (const auto* tissue = std::get_if<net::SetTissue>(&command)) return set_tissue(tissue->edit);
   if (const auto* noise = std::get_if<net::SetNoise>(&command)) return set_noise(noise->edit);
+  if (const auto* inclusion = std::get_if<net::SetInclusion>(&command)) return set_inclusion(inclusion->edit);
   if (std::holds_alternative<net::ResetFaults>(command)) {
     if (!running()) throw LiveError("state", "reset_faults: nothing is running");
     run_->session().control().reset_faults();
@@ -159,9 +175,10 @@ net::LiveState ServedRuns::newest() {
 }
 
 ServedRuns::Answer ServedRuns::describe() const {
-  return Json{{"scene", net::scene_json(setup())},
-              {"tissue", net::tissue_json(tissue_)},
-              {"noise", net::noise_json(live(noise_))}};
+  Json scene = net::scene_json(setup());
+  scene.update(net::inclusions_json(inclusions_));
+  return Json{
+      {"scene", scene}, {"tissue", net::tissue_json(tissue_)}, {"noise", net::noise_json(live(noise_))}};
 }
 
 ServedRuns::Answer ServedRuns::surface(bool at_rest) {
@@ -230,6 +247,7 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
   request.task = wanted.task;
   request.organ = name_or_file("organ", wanted.organ);
   request.organ_unit = wanted.organ_unit;
+  request.inclusions = wanted.inclusions;
   request.tissue = name_or_file("tissue", wanted.tissue);
   if (const auto tool = name_or_file("tool", wanted.tool)) request.tools.push_back(*tool);
   request.tool_unit = wanted.tool_unit;
@@ -254,11 +272,12 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
 ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
-  if (first_ != nullptr && !first_->devices().empty()) {
+  const bool same_inclusions = first_ != nullptr && first_->setup().inclusions == inclusions_;
+  if (same_inclusions && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
   }
-  next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_},
+  next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_, inclusions_},
                                         next_recording(), require_windowless);
   next_is_clients_ = request_is_clients_;
   next_client_ = client;
@@ -300,6 +319,28 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
   if (running()) answer["change"] = run_->session().updates().offer(noise).number;
   noise_ = settings;
   send_event("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
+  return answer;
+}
+
+ServedRuns::Answer ServedRuns::set_inclusion(const net::InclusionEdit& edit) {
+  const std::size_t index = net::find_inclusion(inclusions_, edit);
+  const scene::InclusionSetup changed = net::edited(inclusions_[index], edit);
+  model::validate(changed.inclusion);
+  Json answer{{"change", nullptr}};
+  if (running()) {
+    const Vec3& centre_S = changed.inclusion.centre_S;
+    answer["change"] = run_->session()
+                           .updates()
+                           .offer(haptics::LiveInclusion{static_cast<std::uint32_t>(index),
+                                                         {centre_S.x(), centre_S.y(), centre_S.z()},
+                                                         changed.inclusion.ratio})
+                           .number;
+  } else if (edit.centre_S) {
+    require_inside(changed, setup().organ);
+  }
+  inclusions_[index] = changed;
+  send_event("inclusion",
+             {{"change", answer["change"]}, {"inclusion", net::inclusion_json(inclusions_[index], index)}});
   return answer;
 }
 

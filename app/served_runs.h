@@ -69,6 +69,7 @@ class ServedRuns final : public net::RunService {
   Answer stop(const net::ClientRef& client);
   Answer set_tissue(const net::TissueEdit& edit);
   Answer set_noise(const net::NoiseEdit& edit);
+  Answer set_inclusion(const net::InclusionEdit& edit);
   [[nodiscard]] scene::Overrides request_of(const net::Load& wanted) const;
   [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
   [[nodiscard]] std::filesystem::path next_recording() const;
@@ -98,6 +99,7 @@ class ServedRuns final : public net::RunService {
   std::vector<net::ClientRef> stop_clients_;
   model::TissueParameters tissue_;  // of the current run, or of the next one
   noise::NoiseSettings noise_;
+  std::vector<scene::InclusionSetup> inclusions_;
   std::vector<net::Event> events_;
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t runs_ = 0;

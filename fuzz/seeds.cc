@@ -413,7 +413,10 @@ constexpr const char* kLiveMessages[] = {
 "q":0.7,"rest_length_mm":14,"max_length_mm":22,"min_length_mm":6,"t1_us":1,"relaxation":[{"share":0.1,
 "time_s":1}],"reach":{"bar_ratio":2},"contact":{"friction":0,"tangential_N_per_m":null}}})",
     R"({"do":"set_noise","noise":{"enabled":true,"threshold_mm":5,"user_threshold_N":0.02,
-"share_of_threshold":0.6}})"};
+"share_of_threshold":0.6}})",
+    R"({"do":"load","inclusions":["nodule","cyst"]})",
+    R"({"do":"set_inclusion","inclusion":{"number":1,"position_mm":[1,-2.5,3e1],"stiffness_ratio":10}})",
+    R"({"do":"set_inclusion","inclusion":{"name":"nodule","stiffness_ratio":0.5}})"};
 
 /// PNG of 64 x 64 pixels with one bit, white above black.
 constexpr char kPicture[] =

@@ -94,6 +94,92 @@ TEST(Serve, ChangesThatClientsMakeReachTheTicksAreRecordedAndReplayed) {
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }
 
+/// A scene with a visible nodule and a hidden stone in the gallbladder.
+void write_scene_with_inclusions(const std::filesystem::path& file) {
+  std::ofstream(file) << "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"sphere:5\"\n"
+                         "[device]\nkind = \"emulated\"\n"
+                         "[[organ.inclusion]]\npreset = \"nodule\"\n"
+                         "[[organ.inclusion]]\nname = \"secret\"\nradius_mm = 2\nstiffness_ratio = 20\n"
+                         "depth_mm = 6\nvisible = false\n";
+}
+
+TEST(Serve, AnInclusionChangesDuringTheRunForAllClientsAndStaysForTheNextRun) {
+  const Folder folder;
+  write_scene_with_inclusions(folder / "lump.toml");
+  Serve serve(folder, {"lump.toml", "--record", "run.h5", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  LiveClient other(serve.port());
+  client.greet();
+  other.greet();
+  client.ask(R"({"do": "stream", "rate_Hz": 20})");
+  const json nodule = client.ask(R"({"do": "scene"})")["scene"]["inclusions"][0];
+  EXPECT_EQ(nodule["name"], "nodule");
+  EXPECT_EQ(nodule["number"], 1);
+  json moved = nodule["position_mm"];
+  moved[2] = moved[2].get<double>() - 0.5;
+  const json answer =
+      client.ask(json{{"do", "set_inclusion"},
+                      {"inclusion", {{"name", "nodule"}, {"position_mm", moved}, {"stiffness_ratio", 3}}}}
+                     .dump());
+  EXPECT_EQ(answer["change"], 1) << answer;
+  const json frame = client.hear_until(
+      [](const json& message) { return message.contains("state") && message["state"]["change"] == 1; });
+  EXPECT_FALSE(frame.is_null());
+  const json event =
+      other.hear_until([](const json& message) { return message.value("event", "") == "inclusion"; });
+  EXPECT_EQ(event["change"], 1) << event;
+  EXPECT_EQ(event["inclusion"]["stiffness_ratio"], 3.0);
+  EXPECT_NEAR(event["inclusion"]["position_mm"][2].get<double>(), moved[2].get<double>(), 1e-12);
+  const json hard = client.ask(R"({"do":"set_inclusion","inclusion":{"number":1,"stiffness_ratio":101}})");
+  EXPECT_EQ(hard["error"]["field"], "stiffness_ratio") << hard;
+  const json outside =
+      client.ask(R"({"do":"set_inclusion","inclusion":{"number":1,"position_mm":[0,0,500]}})");
+  EXPECT_NE(outside["error"]["words"].get<std::string>().find("outside the organ"), std::string::npos)
+      << outside;
+  client.ask(R"({"do": "stop"})");
+  const json waiting =
+      client.ask(R"({"do":"set_inclusion","inclusion":{"number":1,"position_mm":[0,0,500]}})");
+  EXPECT_NE(waiting["error"]["words"].get<std::string>().find("outside the organ"), std::string::npos)
+      << waiting;
+  EXPECT_TRUE(client.ask(R"({"do":"set_inclusion","inclusion":{"number":1,"stiffness_ratio":4}})")["change"]
+                  .is_null());
+  client.ask(R"({"do": "start"})");
+  await_tick(client, 2);
+  EXPECT_EQ(client.ask(R"({"do": "scene"})")["scene"]["inclusions"][0]["stiffness_ratio"], 4.0);
+  EXPECT_EQ(serve.end().exit_code, 0);
+  const record::Recording first = record::read_recording(folder / "run.h5");
+  ASSERT_EQ(first.changes.size(), 1U);
+  EXPECT_EQ(first.changes[0].inclusion.ratio, 3.0);
+  const record::Recording second = record::read_recording(folder / "run-2.h5");
+  ASSERT_EQ(second.setup.inclusions.size(), 2U);
+  EXPECT_EQ(second.setup.inclusions[0].inclusion.ratio, 4.0);
+  EXPECT_NEAR(second.setup.inclusions[0].inclusion.centre_S.z(), 1e-3 * moved[2].get<double>(), 1e-12);
+  EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
+}
+
+TEST(Serve, AHiddenInclusionIsCountedAndNeitherShownNorChanged) {
+  const Folder folder;
+  write_scene_with_inclusions(folder / "lump.toml");
+  Serve serve(folder, {"lump.toml", "--wait"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json scene = client.ask(R"({"do": "scene"})");
+  EXPECT_EQ(scene["scene"]["inclusions"].size(), 1U);
+  EXPECT_EQ(scene["scene"]["hidden_inclusions"], 1);
+  EXPECT_EQ(scene["scene"]["stiffness_map"], false);
+  EXPECT_EQ(scene.dump().find("secret"), std::string::npos) << scene;
+  const json by_number = client.ask(R"({"do":"set_inclusion","inclusion":{"number":2,"stiffness_ratio":3}})");
+  EXPECT_EQ(by_number["error"]["code"], "refused") << by_number;
+  const json by_name = client.ask(R"({"do":"set_inclusion","inclusion":{"name":"secret"}})");
+  EXPECT_EQ(by_name["error"]["field"], "inclusion.name");
+  EXPECT_NE(by_name["error"]["words"].get<std::string>().find("1 (nodule)"), std::string::npos) << by_name;
+  const json loaded =
+      client.ask(R"({"do": "load", "organ": "liver", "inclusions": ["cyst"], "tool": "sphere:5"})");
+  EXPECT_FALSE(loaded.contains("error")) << loaded;
+  EXPECT_EQ(client.ask(R"({"do": "scene"})")["scene"]["inclusions"][0]["name"], "cyst");
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, TheSurfaceIsSentOnceAtRestAndThenWhereItHasMoved) {
   const Folder folder;
   Serve serve(folder, {"--tool", "sphere:5", "--wait", "--duration-s", "600"});

@@ -222,6 +222,36 @@ PALPATE_API palpate_status palpate_restart(palpate_simulation* simulation);
 PALPATE_API palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t hand,
                                                    uint64_t tick, palpate_sample* sample);
 
+// ---- Inclusions: spheres in the organ of another stiffness (docs/lumps.md)
+
+typedef struct palpate_inclusion {
+  size_t struct_size;
+  double position[3];      // m, of the centre, in the organ frame
+  double radius;           // m
+  double stiffness_ratio;  // Young's modulus divided by that of the tissue, 0.1 to 100
+  const char* name;        // valid as long as the simulation
+  int32_t visible;         // 0: hidden, for a search; do not draw it
+  int32_t reserved;
+} palpate_inclusion;
+
+/// [any] Number of inclusions of the scene, visible and hidden; 0 for a null simulation.
+PALPATE_API size_t palpate_inclusion_count(const palpate_simulation* simulation);
+
+/// [any] The inclusion as the scene or the last palpate_set_inclusion() gives it. May wait for another thread
+/// in palpate_set_inclusion(). @param index less than palpate_inclusion_count()
+/// @return PALPATE_ERROR_USE for an inclusion that does not exist
+PALPATE_API palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_t index,
+                                                 palpate_inclusion* inclusion);
+
+/// [any] Moves an inclusion and sets its stiffness ratio; a recording contains the change. The next tick
+/// applies the change, or a later one while other changes wait. Allocates and may wait for another caller, so
+/// do not call it from the thread of the haptic loop.
+/// @param inclusion position and stiffness_ratio; the other fields are not used
+/// @return PALPATE_ERROR_USE for an inclusion that does not exist; PALPATE_ERROR_INPUT for a ratio out of
+/// range, a position that is not inside the organ by the radius, or when eight changes wait
+PALPATE_API palpate_status palpate_set_inclusion(palpate_simulation* simulation, size_t index,
+                                                 const palpate_inclusion* inclusion);
+
 // ---- The picture
 
 /// Poses at the tick of the surface, in the world frame.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/haptics/prepared_update.h"
 #include "io/system/clock.h"
 #include "palpate/surface.h"
 
@@ -78,6 +79,7 @@ palpate_simulation::palpate_simulation(palpate::c_interface::Loaded loaded, cons
       commands_(world_.hands()),
       rows_(world_.hands()),
       deformer_(palpate::c_interface::visible_surface(setup_, options.surface_edge)) {
+  updates_.emplace(world_, setup_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   if (options.record_file != nullptr) {
     recorder_.emplace(options.record_file, setup_, options.record_waits != 0);
   }
@@ -91,6 +93,18 @@ void palpate_simulation::take_samples(const palpate_sample* samples) noexcept {
     samples_[hand] = palpate::c_interface::state_of(samples[hand]);
     if (((resets >> hand) & 1U) != 0) samples_[hand].events |= palpate::haptics::kResetFault;
   }
+}
+
+/// Applies the oldest change that waits, from this tick on.
+void palpate_simulation::take_update() noexcept {
+  const palpate::haptics::PreparedUpdate* update = updates_->waiting();
+  if (update == nullptr) return;
+  palpate::haptics::apply_update(world_, state_, *update);
+  palpate::haptics::ParameterUpdate noted = update->values;
+  noted.tick = next_tick_;
+  updates_->taken();
+  for (palpate::haptics::DeviceState& sample : samples_) sample.events |= palpate::haptics::kParameterUpdated;
+  if (recorder_) recorder_->on_update(noted);
 }
 
 void palpate_simulation::give_result(std::size_t hand, palpate_result& result) const noexcept {
@@ -137,6 +151,7 @@ void palpate_simulation::tick(const palpate_sample* samples, palpate_result* res
   const palpate::c_interface::DefaultFloatEnvironment environment;
   take_samples(samples);
   if (next_tick_ == 0 && recorder_) recorder_->on_start(palpate::unix_ns());
+  take_update();
   palpate::haptics::tick(world_, state_, next_tick_, samples_, commands_, rows_);
   ++next_tick_;
   for (std::size_t hand = 0; hand < hands(); ++hand) {
@@ -166,6 +181,7 @@ void palpate_simulation::scripted_sample(std::size_t hand, std::uint64_t tick_nu
 
 void palpate_simulation::restart() {
   state_ = palpate::haptics::SimulationState(world_);
+  updates_.emplace(world_, setup_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   std::fill(commands_.begin(), commands_.end(), palpate::haptics::ForceCommand{});
   next_tick_ = 0;
   resets_.store(0);

@@ -8,6 +8,7 @@
 
 #include "core/haptics/simulation.h"
 #include "io/record/recorder.h"
+#include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
 #include "palpate/surface.h"
@@ -45,6 +46,9 @@ struct palpate_simulation {
   void scripted_sample(std::size_t hand, std::uint64_t tick_number, palpate_sample& sample) noexcept;
   /// [any] Resets faults for palpate_reset_fault().
   void reset_faults(std::uint32_t hand_bits) noexcept { resets_.fetch_or(hand_bits); }
+  /// [any] Changes of inclusions; the next ticks apply them.
+  [[nodiscard]] palpate::haptics::ParameterUpdates& updates() noexcept { return *updates_; }
+  [[nodiscard]] const palpate::haptics::ParameterUpdates& updates() const noexcept { return *updates_; }
   /// [setup] Resets the state to that before tick 0.
   void restart();
   /// [setup] Closes the recording. @throws InputError if rows are missing from it
@@ -67,6 +71,7 @@ struct palpate_simulation {
 
  private:
   void take_samples(const palpate_sample* samples) noexcept;
+  void take_update() noexcept;
   void give_result(std::size_t hand, palpate_result& result) const noexcept;
   void publish() noexcept;
 
@@ -77,6 +82,7 @@ struct palpate_simulation {
   std::vector<palpate::haptics::DeviceState> samples_;
   std::vector<palpate::haptics::ForceCommand> commands_;  // world frame
   std::vector<palpate::haptics::TickRow> rows_;
+  std::optional<palpate::haptics::ParameterUpdates> updates_;
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // one bit per hand
   std::optional<palpate::record::Recorder> recorder_;

@@ -13,12 +13,14 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/haptics/tick_fields.h"
 #include "palpate/error.h"
 
 #include "bindings/python/docs.h"
+#include "bindings/python/inclusion_argument.h"
 #include "bindings/python/live_simulation.h"
 #include "bindings/python/scene_arguments.h"
 
@@ -131,6 +133,14 @@ std::vector<std::string> set_noise(LiveSimulation& live, std::optional<bool> ena
   if (gain) noise.gain = *gain;
   if (threshold) noise.threshold = *threshold;
   return live.changes().offer(noise).warnings;
+}
+
+std::vector<std::string> set_inclusion(LiveSimulation& live,
+                                       const std::variant<std::size_t, std::string>& which,
+                                       const std::optional<Numbers>& position, std::optional<double> ratio) {
+  const std::size_t index = inclusion_index(live.setup(), which);
+  const model::Inclusion now = live.changes().inclusions()[index];
+  return live.changes().offer(live_inclusion(index, now, position, ratio)).warnings;
 }
 
 void reset_fault(LiveSimulation& live, std::optional<std::size_t> hand) {
@@ -287,6 +297,11 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
           py::arg("threshold") = none,
           "Switches the touch noise on or off and sets gain (N m) and threshold (m); None keeps a value. The "
           "noise crossfades within 50 ms. Returns and raises as set_tissue() does.")
+      .def("set_inclusion", &set_inclusion, py::arg("inclusion"), py::kw_only(), py::arg("position") = none,
+           py::arg("stiffness_ratio") = none,
+           "Moves an inclusion (its name or number from 0) to `position` (m, organ frame) and sets its "
+           "stiffness ratio; None keeps a value. Returns and raises as set_tissue() does; InputError for a "
+           "position that is not inside the organ.")
       .def("reset_fault", &reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all hands, at the next tick. The force of a held "
            "device "
@@ -336,6 +351,10 @@ void bind_live(py::module_& module) {
             return parts;
           },
           "The touch noise of the last set_noise(), or of the scene: enabled, gain (N m), threshold (m).")
+      .def_property_readonly(
+          "inclusions",
+          [](LiveSimulation& live) { return inclusion_tables(live.setup(), live.changes().inclusions()); },
+          "The inclusions of the last set_inclusion(), or of the scene: a list of Inclusion.")
       .def_property_readonly("name", [](const LiveSimulation& live) { return live.setup().name; })
       .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.setup().rate_Hz; })
       .def_property_readonly("hand_count", &LiveSimulation::hands)

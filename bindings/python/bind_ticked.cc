@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "palpate/error.h"
@@ -13,6 +14,7 @@
 #include "bindings/c/palpate.h"
 #include "bindings/c/simulation.h"
 #include "bindings/python/docs.h"
+#include "bindings/python/inclusion_argument.h"
 #include "bindings/python/scene_arguments.h"
 #include "bindings/python/surface.h"
 
@@ -128,6 +130,21 @@ void restart(TickedSimulation& ticked) {
   });
 }
 
+void ticked_set_inclusion(TickedSimulation& ticked, const std::variant<std::size_t, std::string>& which,
+                          const std::optional<Numbers>& position, std::optional<double> ratio) {
+  ticked.with([&](palpate_simulation& simulation) {
+    const std::size_t index = inclusion_index(simulation.setup(), which);
+    const model::Inclusion now = simulation.updates().inclusions()[index];
+    (void)simulation.updates().offer(live_inclusion(index, now, position, ratio));
+  });
+}
+
+std::vector<scene::InclusionTable> ticked_inclusions(TickedSimulation& ticked) {
+  return ticked.with([](palpate_simulation& simulation) {
+    return inclusion_tables(simulation.setup(), simulation.updates().inclusions());
+  });
+}
+
 void ticked_reset_fault(TickedSimulation& ticked, std::optional<std::size_t> hand) {
   ticked.with([&](palpate_simulation& simulation) {
     if (!hand) return simulation.reset_faults(~0U);
@@ -215,6 +232,10 @@ void bind_ticked(py::module_& module) {
            "tool moves from above the middle of the organ into it and back. A held hand waits one second "
            "first.")
       .def("tick", &tick, py::arg("samples"), kAboutTick)
+      .def("set_inclusion", &ticked_set_inclusion, py::arg("inclusion"), py::kw_only(),
+           py::arg("position") = none, py::arg("stiffness_ratio") = none,
+           "Moves an inclusion (its name or number from 0) to `position` (m, organ frame) and sets its "
+           "stiffness ratio at the next tick; None keeps a value. Raises InputError, ParameterError.")
       .def("reset_fault", &ticked_reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all hands, at the next tick.")
       .def("restart", &restart, others_may_run,
@@ -229,6 +250,9 @@ void bind_ticked(py::module_& module) {
              const py::gil_scoped_release released;
              self.close();
            })
+      .def_property_readonly("inclusions", &ticked_inclusions,
+                             "The inclusions of the last set_inclusion(), or of the scene: a list of "
+                             "Inclusion.")
       .def_property_readonly("hand_count", [](TickedSimulation& self) { return info_of(self).hands; })
       .def_property_readonly("rate_Hz", [](TickedSimulation& self) { return info_of(self).rate; })
       .def_property_readonly(

@@ -23,6 +23,7 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// The parts of the module, one per file.
 void bind_model(py::module_& module);
+void bind_inclusions(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_runs(py::module_& module);
 void bind_fit(py::module_& module);

@@ -41,6 +41,7 @@ PYBIND11_MODULE(_palpate, module) {
   parameter_error.attr("__doc__") =
       "A parameter out of its range. The message names the field, its value and its unit.";
   palpate::python::bind_model(module);
+  palpate::python::bind_inclusions(module);
   palpate::python::bind_geometry(module);
   palpate::python::bind_surface(module);
   palpate::python::bind_runs(module);

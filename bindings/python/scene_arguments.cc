@@ -1,5 +1,7 @@
 #include "bindings/python/scene_arguments.h"
 
+#include <utility>
+
 #include "io/record/tick_columns.h"
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
@@ -12,6 +14,8 @@ namespace fs = std::filesystem;
 scene::Scene SceneArguments::load() const {
   scene::Scene setup = scene::load(request);
   if (tissue) setup.tissue = *tissue;
+  if (inclusions) set_inclusions(*inclusions, setup);
+  if (stiffness) setup.stiffness = *stiffness;
   return setup;
 }
 
@@ -29,7 +33,9 @@ SceneArguments parse_scene_arguments(
     const std::optional<TissueArgument>& tissue,
     const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
-    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise) {
+    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
+    std::optional<std::vector<InclusionArgument>> inclusions,
+    const std::optional<StiffnessArgument>& stiffness_map) {
   if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
   SceneArguments arguments;
   scene::Overrides& request = arguments.request;
@@ -54,6 +60,8 @@ SceneArguments parse_scene_arguments(
   request.rate_Hz = rate_Hz;
   request.seed = seed;
   request.no_noise = !noise;
+  arguments.inclusions = std::move(inclusions);
+  if (stiffness_map) arguments.stiffness = stiffness_of(*stiffness_map);
   return arguments;
 }
 

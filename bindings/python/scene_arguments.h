@@ -14,13 +14,16 @@
 #include "palpate/tick_row.h"
 
 #include "bindings/python/binding.h"
+#include "bindings/python/inclusion_argument.h"
 
 namespace palpate::python {
 
 /// Arguments of a call that override the scene file.
 struct SceneArguments {
   scene::Overrides request;
-  std::optional<model::TissueParameters> tissue;  // replaces a name or file
+  std::optional<model::TissueParameters> tissue;                // replaces a name or file
+  std::optional<std::vector<InclusionArgument>> inclusions;     // replace the scene's
+  std::optional<std::vector<model::StiffnessPoint>> stiffness;  // replaces the scene's
 
   /// [setup] @throws InputError as scene::load() does, ParameterError for an invalid tissue
   [[nodiscard]] scene::Scene load() const;
@@ -40,7 +43,9 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
     const std::optional<TissueArgument>& tissue,
     const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
-    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise);
+    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
+    std::optional<std::vector<InclusionArgument>> inclusions,
+    const std::optional<StiffnessArgument>& stiffness_map);
 
 /// Options for preparing the organ, with or without the user's cache.
 [[nodiscard]] contact::Preparation preparation_of(bool cache);
@@ -55,25 +60,28 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
                          py::arg("task") = none, py::arg("organ") = none, py::arg("organ_unit") = none,
                          py::arg("organ_motion") = std::vector<std::string>{}, py::arg("tissue") = none,
                          py::arg("tool") = none, py::arg("tool_unit") = none, py::arg("device") = none,
-                         py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true);
+                         py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true,
+                         py::arg("inclusions") = none, py::arg("stiffness_map") = none);
 }
 
 /// Wraps a function of a scene and `More` arguments: the result takes the arguments of
 /// parse_scene_arguments() and then `More`.
 template <typename... More, typename Function>
 auto of_a_scene(Function function) {
-  return
-      [function](const std::optional<std::filesystem::path>& scene,
-                 const std::optional<std::string>& scene_text, const std::optional<std::string>& task,
-                 const std::optional<std::string>& organ, const std::optional<std::string>& organ_unit,
-                 const std::vector<std::string>& organ_motion, const std::optional<TissueArgument>& tissue,
-                 const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
-                 const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
-                 std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise, More... more) {
-        return function(parse_scene_arguments(scene, scene_text, task, organ, organ_unit, organ_motion,
-                                              tissue, tool, tool_unit, device, rate_Hz, seed, noise),
-                        std::move(more)...);
-      };
+  return [function](const std::optional<std::filesystem::path>& scene,
+                    const std::optional<std::string>& scene_text, const std::optional<std::string>& task,
+                    const std::optional<std::string>& organ, const std::optional<std::string>& organ_unit,
+                    const std::vector<std::string>& organ_motion, const std::optional<TissueArgument>& tissue,
+                    const std::optional<std::variant<std::string, std::vector<std::string>>>& tool,
+                    const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
+                    std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
+                    std::optional<std::vector<InclusionArgument>> inclusions,
+                    const std::optional<StiffnessArgument>& stiffness_map, More... more) {
+    return function(
+        parse_scene_arguments(scene, scene_text, task, organ, organ_unit, organ_motion, tissue, tool,
+                              tool_unit, device, rate_Hz, seed, noise, std::move(inclusions), stiffness_map),
+        std::move(more)...);
+  };
 }
 
 }  // namespace palpate::python

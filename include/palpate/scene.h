@@ -142,6 +142,8 @@ struct InclusionSetup {
   std::string name;
   bool visible = true;  // in pictures; false: hidden until a task shows it
   model::Inclusion inclusion{};
+
+  bool operator==(const InclusionSetup&) const = default;
 };
 
 /// A file that was read for a scene, with the flag or line that names it.

@@ -120,6 +120,7 @@ Json scene_json(const scene::Scene& setup) {
           {"organ", setup.organ_name},
           {"organ_triangles", setup.organ.triangles.size()},
           {"organ_motion", motion},
+          {"stiffness_map", !setup.stiffness.empty()},
           {"hands", hands},
           {"max_force_N", setup.safety.max_force},
           {"repairs", setup.repairs},

@@ -215,6 +215,63 @@ NoiseEdit read_noise(Members& root) {
   return edit;
 }
 
+std::uint32_t read_number(const json& value, const std::string& path) {
+  const double number = value.is_number() ? value.get<double>() : 0.0;
+  if (!(number >= 1.0 && number <= static_cast<double>(model::kMaxInclusions)) ||
+      number != std::floor(number)) {
+    fail(path, value, "a whole number from 1 to " + std::to_string(model::kMaxInclusions));
+  }
+  return static_cast<std::uint32_t>(number);
+}
+
+Vec3 read_position(const json& value, const std::string& path) {
+  const bool numbers = value.is_array() && value.size() == 3 &&
+                       std::all_of(value.begin(), value.end(), [](const json& n) { return n.is_number(); });
+  if (!numbers) fail(path, value, "an array of three numbers");
+  return Vec3(value[0].get<double>(), value[1].get<double>(), value[2].get<double>()) * kMillimetre;
+}
+
+InclusionEdit read_inclusion(Members& root) {
+  InclusionEdit edit;
+  const json* object = root.find("inclusion");
+  if (object == nullptr) {
+    throw LiveError("field",
+                    "inclusion: missing, must be an object with name or number, and the inclusion's new "
+                    "values",
+                    "inclusion");
+  }
+  Members inclusion(*object, "inclusion");
+  edit.name = inclusion.text("name", kLongestText);
+  if (const json* number = inclusion.find("number")) {
+    edit.number = read_number(*number, inclusion.path_of("number"));
+  }
+  if (const json* position = inclusion.find("position_mm")) {
+    edit.centre_S = read_position(*position, inclusion.path_of("position_mm"));
+  }
+  edit.ratio = inclusion.number("stiffness_ratio");
+  inclusion.allow_no_more();
+  if (edit.name.has_value() == edit.number.has_value()) {
+    throw LiveError("field", "inclusion: must have name or number, and not both", "inclusion.name");
+  }
+  return edit;
+}
+
+std::vector<std::string> read_presets(Members& root) {
+  const json* value = root.find("inclusions");
+  if (value == nullptr) return {};
+  const bool texts =
+      value->is_array() && value->size() <= model::kMaxInclusions &&
+      std::all_of(value->begin(), value->end(), [](const json& preset) {
+        return preset.is_string() && preset.get_ref<const std::string&>().size() < kLongestName;
+      });
+  if (!texts) {
+    fail("inclusions", *value,
+         "an array of at most " + std::to_string(model::kMaxInclusions) + " names, such as [\"nodule\"]");
+  }
+  if (value->empty()) return {"none"};
+  return value->get<std::vector<std::string>>();
+}
+
 Hello read_hello(Members& root) {
   const json* version = root.find("palpate");
   if (version == nullptr || *version != kLiveProtocol) {
@@ -244,6 +301,7 @@ Load read_load(Members& root) {
   load.task = root.text("task", kLongestText);
   load.organ = root.text("organ", kLongestText);
   load.organ_unit = root.text("organ_unit", kLongestText);
+  load.inclusions = read_presets(root);
   load.tissue = root.text("tissue", kLongestText);
   load.tool = root.text("tool", kLongestText);
   load.tool_unit = root.text("tool_unit", kLongestText);
@@ -276,6 +334,7 @@ const std::map<std::string, Reader>& readers() {
       {"stop", [](Members&) { return LiveCommand(Stop{}); }},
       {"set_tissue", [](Members& root) { return LiveCommand(SetTissue{read_tissue(root)}); }},
       {"set_noise", [](Members& root) { return LiveCommand(SetNoise{read_noise(root)}); }},
+      {"set_inclusion", [](Members& root) { return LiveCommand(SetInclusion{read_inclusion(root)}); }},
       {"reset_faults", [](Members&) { return LiveCommand(ResetFaults{}); }},
   };
   return all;

@@ -10,6 +10,7 @@
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/parameter_updates.h"
+#include "palpate/pose.h"
 #include "palpate/tissue.h"
 
 // Commands of clients of the live interface (docs/live-interface.md): one JSON object per message.
@@ -53,6 +54,14 @@ struct NoiseEdit {
   std::optional<double> share;
 };
 
+/// Changes to an inclusion, which its name or its number selects; values that are not set stay.
+struct InclusionEdit {
+  std::optional<std::string> name;
+  std::optional<std::uint32_t> number;  // from 1, in the scene's order
+  std::optional<Vec3> centre_S;         // organ frame [m]
+  std::optional<double> ratio;          // stiffness ratio
+};
+
 // The commands: texts unchanged, numbers in SI.
 struct Hello {
   std::string token;
@@ -71,6 +80,7 @@ struct Load {
   std::optional<std::string> task;
   std::optional<std::string> organ;
   std::optional<std::string> organ_unit;
+  std::vector<std::string> inclusions;  // presets, or none
   std::optional<std::string> tissue;
   std::optional<std::string> tool;
   std::optional<std::string> tool_unit;
@@ -87,10 +97,13 @@ struct SetTissue {
 struct SetNoise {
   NoiseEdit edit;
 };
+struct SetInclusion {
+  InclusionEdit edit;
+};
 struct ResetFaults {};
 
 using LiveCommand = std::variant<Hello, GetVersion, GetState, GetScene, GetSurface, Stream, Load, Start, Stop,
-                                 SetTissue, SetNoise, ResetFaults>;
+                                 SetTissue, SetNoise, SetInclusion, ResetFaults>;
 
 /// The message that an answer belongs to.
 struct LiveReference {

@@ -171,6 +171,46 @@ TEST(LiveProtocol, NoiseIsSetByItsGainOrByTheUsersThresholdAndNotByHalves) {
                  "field", "noise.share_of_threshold", "together");
 }
 
+TEST(LiveProtocol, AnInclusionIsSelectedByNameOrByNumberAndNotByBoth) {
+  const auto by_number = read_as<SetInclusion>(
+      R"({"do":"set_inclusion","inclusion":{"number":2,"position_mm":[1,-2,30],"stiffness_ratio":4}})");
+  EXPECT_EQ(by_number.edit.number, 2U);
+  EXPECT_FALSE(by_number.edit.name);
+  EXPECT_LT((*by_number.edit.centre_S - Vec3(1e-3, -2e-3, 30e-3)).norm(), 1e-15);
+  EXPECT_EQ(by_number.edit.ratio, 4.0);
+  const auto by_name = read_as<SetInclusion>(R"({"do":"set_inclusion","inclusion":{"name":"nodule"}})");
+  EXPECT_EQ(by_name.edit.name, "nodule");
+  EXPECT_FALSE(by_name.edit.number || by_name.edit.centre_S || by_name.edit.ratio);
+  expect_refusal(R"({"do":"set_inclusion"})", "field", "inclusion", "missing");
+  expect_refusal(R"({"do":"set_inclusion","inclusion":{"stiffness_ratio":4}})", "field", "inclusion.name",
+                 "name or number");
+  expect_refusal(R"({"do":"set_inclusion","inclusion":{"name":"a","number":1}})", "field", "inclusion.name",
+                 "not both");
+  for (const char* number : {"0", "9", "1.5", "-1", "1e300", "\"1\"", "null"}) {
+    expect_refusal(std::string(R"({"do":"set_inclusion","inclusion":{"number":)") + number + "}}", "field",
+                   "inclusion.number", "a whole number from 1 to 8");
+  }
+  for (const char* position : {"[1,2]", "[1,2,3,4]", "5", "[1,2,null]", "{}"}) {
+    expect_refusal(
+        std::string(R"({"do":"set_inclusion","inclusion":{"number":1,"position_mm":)") + position + "}}",
+        "field", "inclusion.position_mm", "an array of three numbers");
+  }
+  expect_refusal(R"({"do":"set_inclusion","inclusion":{"number":1,"stifness_ratio":4}})", "field",
+                 "inclusion.stifness_ratio", "did you mean stiffness_ratio?");
+}
+
+TEST(LiveProtocol, ALoadNamesPresetsOfInclusionsAndNoneReplacesTheScenes) {
+  using testing::ElementsAre;
+  EXPECT_THAT(read_as<Load>(R"({"do":"load","inclusions":["nodule","cyst"]})").inclusions,
+              ElementsAre("nodule", "cyst"));
+  EXPECT_THAT(read_as<Load>(R"({"do":"load","inclusions":[]})").inclusions, ElementsAre("none"));
+  EXPECT_THAT(read_as<Load>(R"({"do":"load"})").inclusions, ElementsAre()) << "the scene's stay";
+  for (const char* wrong : {"\"nodule\"", "[1]", "[\"a\",\"a\",\"a\",\"a\",\"a\",\"a\",\"a\",\"a\",\"a\"]"}) {
+    expect_refusal(std::string(R"({"do":"load","inclusions":)") + wrong + "}", "field", "inclusions",
+                   "an array of at most 8 names");
+  }
+}
+
 TEST(LiveProtocol, ATissueStaysWhereAnEditDoesNotNameIt) {
   const model::TissueParameters heart = model::tissue_preset("heart");
   const auto edit = read_as<SetTissue>(

@@ -1,0 +1,67 @@
+// Functions of palpate.h for the inclusions of a simulation.
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "palpate/inclusion.h"
+#include "palpate/parameter_updates.h"
+
+#include "bindings/c/errors.h"
+#include "bindings/c/simulation.h"
+
+using palpate::c_interface::guarded;
+using palpate::c_interface::require_given;
+using palpate::c_interface::require_size;
+using palpate::c_interface::UseError;
+
+namespace {
+
+void require_inclusion(const palpate_simulation& simulation, std::size_t index) {
+  if (index >= simulation.setup().inclusions.size()) {
+    throw UseError("index: must be less than palpate_inclusion_count()");
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+size_t palpate_inclusion_count(const palpate_simulation* simulation) {
+  return simulation == nullptr ? 0 : simulation->setup().inclusions.size();
+}
+
+palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_t index,
+                                     palpate_inclusion* inclusion) {
+  return guarded([&] {
+    require_given(simulation, "simulation");
+    require_given(inclusion, "inclusion");
+    require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
+    require_inclusion(*simulation, index);
+    const palpate::scene::InclusionSetup& setup = simulation->setup().inclusions[index];
+    const palpate::model::Inclusion now = simulation->updates().inclusions()[index];
+    palpate_inclusion found{};
+    found.struct_size = sizeof found;
+    for (int axis = 0; axis < 3; ++axis) found.position[axis] = now.centre_S[axis];
+    found.radius = now.radius;
+    found.stiffness_ratio = now.ratio;
+    found.name = setup.name.c_str();
+    found.visible = setup.visible ? 1 : 0;
+    *inclusion = found;
+  });
+}
+
+palpate_status palpate_set_inclusion(palpate_simulation* simulation, size_t index,
+                                     const palpate_inclusion* inclusion) {
+  return guarded([&] {
+    require_given(simulation, "simulation");
+    require_given(inclusion, "inclusion");
+    require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
+    require_inclusion(*simulation, index);
+    const double* position = inclusion->position;
+    (void)simulation->updates().offer(palpate::haptics::LiveInclusion{static_cast<std::uint32_t>(index),
+                                                                      {position[0], position[1], position[2]},
+                                                                      inclusion->stiffness_ratio});
+  });
+}
+
+}  // extern "C"
