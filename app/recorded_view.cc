@@ -30,7 +30,8 @@ std::uint32_t RecordedView::hands() const noexcept {
 
 render::Subject RecordedView::subject() const {
   const scene::Scene& setup = recording_.setup;
-  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
+          scene::visible_inclusions(setup.inclusions)};
 }
 
 const haptics::TickRow& RecordedView::row(std::uint64_t tick, std::uint32_t hand) const {

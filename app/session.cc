@@ -202,8 +202,9 @@ void write_screenshot(const record::Recording& recording, const session::RunStat
       record::snapshots_at(recording, {statistics.deepest_tick}, OrganPreparation(no_cache).how());
   const haptics::Snapshot& deepest = snapshots.front();
   const contact::ToolResult& result = deepest.results[statistics.deepest_hand];
-  const render::Subject subject{recording.setup.organ, recording.setup.tools, recording.setup.tissue.reach,
-                                recording.setup.tissue.name};
+  const scene::Scene& setup = recording.setup;
+  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
+                                scene::visible_inclusions(setup.inclusions)};
   render::OffscreenRenderer renderer(subject, kWidth, kHeight);
   const bool touched = result.phase != contact::Phase::kApproach;
   const render::Camera camera = render::frame_contact(

@@ -45,6 +45,11 @@ void LivePicture::set_map_range(double range) {
   stale_ = true;
 }
 
+void LivePicture::show_inclusions(std::vector<model::Inclusion> inclusions) {
+  renderer_->show_inclusions(std::move(inclusions));
+  stale_ = true;
+}
+
 void LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& camera,
                        const Rectangle& place, const Viewport& viewport) {
   const PixelRectangle there = in_pixels(place, viewport);

@@ -24,6 +24,8 @@ class LivePicture final {
   void hold_full_quality();
   /// Colours the organ by its displacement, from 0 to `range` [m]; 0: its own colours.
   void set_map_range(double range);
+  /// Replaces the inclusions that the picture shows; organ frame.
+  void show_inclusions(std::vector<model::Inclusion> inclusions);
 
   /// Draws the picture if it has changed, and copies it to `place` in the window.
   void show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/parameter_updates.h"
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
 #include "palpate/tissue.h"
@@ -55,6 +56,7 @@ struct PanelModel {
   double age = 0.0;          // s, age of the snapshot when it is shown
   double largest_age = 0.0;  // s, within the last seconds
   std::uint64_t rows_left_out = 0;
+  std::span<const scene::InclusionSetup> inclusions{};  // in force, visible and hidden
   std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
 };
 
@@ -62,6 +64,7 @@ struct PanelModel {
 struct Commands {
   std::optional<model::TissueParameters> tissue;
   std::optional<noise::NoiseSettings> noise;
+  std::optional<haptics::LiveInclusion> inclusion;
   std::optional<scene::Overrides> request;  // start another session with its own tissue and noise
   std::optional<ChosenFile> file;
   bool again = false;  // restart the session with the same tissue and noise

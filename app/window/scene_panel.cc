@@ -1,9 +1,12 @@
 // The panel "Scene": organ, tool, task and recording.
 #include <algorithm>
+#include <cstdint>
+#include <string>
 
 #include <imgui.h>
 
 #include "palpate/builtin.h"
+#include "palpate/units.h"
 
 #include "app/window/panels.h"
 #include "app/window/rows.h"
@@ -64,6 +67,33 @@ void choose_task(const PanelModel& shown, Commands& commands) {
   if (ImGui::RadioButton("press", !pull) && pull) want("press");
   ImGui::SameLine();
   if (ImGui::RadioButton("pull", pull) && !pull) want("pull");
+}
+
+/// Draws a row for the stiffness ratio of an inclusion.
+void inclusion_row(const scene::InclusionSetup& setup, std::uint32_t index, Commands& commands) {
+  const Rows rows("inclusion");
+  const model::Inclusion& inclusion = setup.inclusion;
+  const std::string explanation = formatted("a sphere of %.1f mm in the tissue; the number: its stiffness ",
+                                            2.0 * inclusion.radius / kMillimetre) +
+                                  "divided by that of the tissue";
+  double ratio = inclusion.ratio;
+  if (!rows.number(setup.name.c_str(), ratio, 1.0, 0.05, model::kSoftestInclusion, model::kStiffestInclusion,
+                   "%.1f times as stiff", explanation.c_str())) {
+    return;
+  }
+  const Vec3& centre_S = inclusion.centre_S;
+  commands.inclusion = haptics::LiveInclusion{index, {centre_S.x(), centre_S.y(), centre_S.z()}, ratio};
+}
+
+/// Draws the visible inclusions. A hidden one is not shown, not even its number, because the user may be
+/// searching for it.
+void inclusion_rows(const PanelModel& shown, Commands& commands) {
+  for (std::size_t i = 0; i < shown.inclusions.size(); ++i) {
+    if (!shown.inclusions[i].visible) continue;
+    ImGui::PushID(static_cast<int>(i));
+    inclusion_row(shown.inclusions[i], static_cast<std::uint32_t>(i), commands);
+    ImGui::PopID();
+  }
 }
 
 /// Draws a button of half the panel's width with a tooltip. @return whether it was pressed
@@ -127,6 +157,7 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     rows.name("Task", "press: the law's limit when pressed; pull: the jaws grasp");
     choose_task(shown, commands);
   }
+  inclusion_rows(shown, commands);
   run_buttons(shown, commands);
   const bool recording = !shown.recording.empty() && !shown.ended;
   if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());

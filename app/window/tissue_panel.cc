@@ -48,15 +48,19 @@ bool numbers(std::string_view section, model::TissueNumbers& tissue) {
   return changed;
 }
 
+bool term_rows(model::RelaxationTerm& term) {
+  const Rows rows("term");
+  bool changed =
+      rows.number("Share", term.g, 1.0, 0.005, 0.001, 0.95, "%.3f", "of the elastic force that goes");
+  changed |= rows.number("Time", term.tau, 1.0, 0.02, 0.001, 1000.0, "%.2f s", "constant of its going");
+  return changed;
+}
+
 bool relaxation_rows(model::TissueParameters& tissue) {
   bool changed = false;
   for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
-    const Rows rows("term");
-    changed |= rows.number("Share", tissue.relaxation[i].g, 1.0, 0.005, 0.001, 0.95, "%.3f",
-                           "of the elastic force that goes");
-    changed |= rows.number("Time", tissue.relaxation[i].tau, 1.0, 0.02, 0.001, 1000.0, "%.2f s",
-                           "constant of its going");
+    changed |= term_rows(tissue.relaxation[i]);
     ImGui::PopID();
   }
   if (tissue.relaxation.size() < model::kMaxRelaxationTerms && ImGui::SmallButton("One more term")) {

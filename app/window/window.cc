@@ -197,6 +197,7 @@ std::string Window::banner_text(bool& fault) const {
 
 PanelModel Window::shown() const {
   PanelModel shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_texts()};
+  shown.inclusions = inclusions_;
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();

@@ -115,6 +115,7 @@ class Window final {
   void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
+  void apply_inclusion(const haptics::LiveInclusion& change);
   void restart(scene::Overrides request, bool keep_edits, std::filesystem::path recording);
   void look_at(const std::filesystem::path& recording);
   void make_renderer();
@@ -151,9 +152,11 @@ class Window final {
   bool snapshot_there_ = false;
   model::TissueParameters tissue_;  // in force
   noise::NoiseSettings noise_;
+  std::vector<scene::InclusionSetup> inclusions_;
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;
+  bool inclusions_wait_ = false;
   PanelState panels_;
   Commands commands_;  // of the keys; the panels add theirs
   Layout layout_;

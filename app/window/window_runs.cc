@@ -21,12 +21,14 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   const scene::Scene& setup = run_->session().setup();
   tissue_ = setup.tissue;
   noise_ = setup.noise;
+  inclusions_ = setup.inclusions;
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
   snapshot_there_ = false;
   paused_ = false;
   tissue_waits_ = false;
   noise_waits_ = false;
+  inclusions_wait_ = false;
   steering_.take(run_->session());
   viewport_.display().set_title("Palpate: " + title_of(setup));
 }
@@ -47,7 +49,7 @@ void Window::make_renderer() {
 
 render::Subject Window::subject() const {
   const scene::Scene& setup = run_->session().setup();
-  return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name};
+  return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name, scene::visible_inclusions(inclusions_)};
 }
 
 /// Ends the run: zero force, recording closed, devices free for the next session.
@@ -106,6 +108,7 @@ void Window::restart(scene::Overrides request, bool keep_edits, fs::path recordi
   if (keep_edits) {
     kept.tissue = tissue_;
     kept.noise = noise_;
+    kept.inclusions = inclusions_;
   }
   next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
 }
@@ -157,6 +160,23 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
   }
 }
 
+/// Changes an inclusion at one of the next ticks of the loop, or for the next run when none is running.
+void Window::apply_inclusion(const haptics::LiveInclusion& change) {
+  try {
+    if (run_->pausing()) {
+      inclusions_wait_ = true;
+    } else if (!run_->ended()) {
+      (void)run_->session().updates().offer(change);
+    }
+    model::Inclusion& inclusion = inclusions_.at(change.index).inclusion;
+    inclusion.centre_S = Vec3(change.centre_S[0], change.centre_S[1], change.centre_S[2]);
+    inclusion.ratio = change.ratio;
+    live_.show_inclusions(scene::visible_inclusions(inclusions_));
+  } catch (const InputError& error) {
+    viewport_.show_message(error.what());
+  }
+}
+
 /// Pauses or resumes the run. Parameter updates wait until it resumes; only the latest of each kind is kept.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
@@ -168,6 +188,14 @@ void Window::pause_run() {
   if (run_->pausing()) return;
   if (std::exchange(tissue_waits_, false)) apply_tissue(tissue_);
   if (std::exchange(noise_waits_, false)) apply_noise(noise_);
+  if (!std::exchange(inclusions_wait_, false)) return;
+  for (std::size_t i = 0; i < inclusions_.size(); ++i) {
+    const model::Inclusion& now = inclusions_[i].inclusion;
+    const model::Inclusion before = run_->session().updates().inclusions()[i];
+    if (now == before) continue;
+    apply_inclusion(
+        {static_cast<std::uint32_t>(i), {now.centre_S.x(), now.centre_S.y(), now.centre_S.z()}, now.ratio});
+  }
 }
 
 void Window::take_file(const ChosenFile& file) {
@@ -215,6 +243,7 @@ void Window::grant(const Commands& commands) {
   if (commands.leave) leaving_ = true;
   if (commands.tissue) apply_tissue(*commands.tissue);
   if (commands.noise) apply_noise(*commands.noise);
+  if (commands.inclusion) apply_inclusion(*commands.inclusion);
   if (commands.reset_faults) run_->session().control().reset_faults();
   if (commands.pause) paused_ = !paused_;
   if (commands.pause_run) pause_run();

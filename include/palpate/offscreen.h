@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/inclusion.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
@@ -72,6 +73,7 @@ struct Subject {
   std::vector<geometry::Tool> tools;
   model::FalloffRatios reach;
   std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
+  std::vector<model::Inclusion> inclusions{};  // the visible ones, at most model::kMaxInclusions
 };
 
 /// Position and direction of view. World frame.
@@ -124,6 +126,9 @@ class OffscreenRenderer final {
 
   /// [setup] Colours the organ by displacement, up to `range` [m]; 0: natural colours.
   void set_map_range(double range);
+  /// [setup] Replaces the inclusions that are drawn as translucent spheres inside the organ: pale where they
+  /// are stiffer than the tissue, blue where softer.
+  void show_inclusions(std::vector<model::Inclusion> inclusions);
   /// [setup] Switches the studio lamps, initially on. Off: ambient light only.
   void switch_lamps(bool on);
   /// [setup] Adapts the quality to the frame time, as in a window.

@@ -146,6 +146,9 @@ struct InclusionSetup {
   bool operator==(const InclusionSetup&) const = default;
 };
 
+/// [setup] The inclusions that pictures show.
+[[nodiscard]] std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetup>& inclusions);
+
 /// A file that was read for a scene, with the flag or line that names it.
 struct SourceFile {
   std::string named_by;  // "--organ", "FILE:LINE: organ.mesh"

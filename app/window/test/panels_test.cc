@@ -76,6 +76,52 @@ TEST_F(PanelsTest, SliderPresetAndNoiseBoxChangeWhatIsFeltAndTheRecordingKnows) 
   EXPECT_EQ(record::replay(read).rows_different, 0U);
 }
 
+TEST_F(PanelsTest, AVisibleInclusionHasASliderThatChangesWhatIsFeltAndAHiddenOneHasNone) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("inclusion.h5");
+  const std::filesystem::path lumps = file("lumps.toml");
+  std::ofstream(lumps) << "[organ]\nmesh = \"ball\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:5\"\n"
+                          "[device]\nkind = \"mouse\"\n"
+                          "[[organ.inclusion]]\npreset = \"cyst\"\nvisible = false\n"
+                          "[[organ.inclusion]]\npreset = \"nodule\"\n";
+  {
+    scene::Overrides request;
+    request.scene = lumps;
+    DrivenWindow driven(request, tall(recording));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+    const std::string_view second("\1\0\0\0", 4);  // ImGui's identity of inclusion 1
+    ASSERT_TRUE(driven.point_at({"left", second, "inclusion", "##nodule"}));
+    const auto [x, y] = driven.window().mouse_at();
+    driven.button(SDL_BUTTON_LEFT, true);
+    driven.frames(2);
+    driven.move(x + 40, y);
+    driven.frames(2);
+    driven.button(SDL_BUTTON_LEFT, false);
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
+    driven.frames(5);
+    EXPECT_FALSE(driven.point_at({"left", kFirstHand, "inclusion", "##cyst"}));
+    (void)driven.finish();
+  }
+  const record::Recording read = record::read_recording(recording);
+  ASSERT_GE(read.changes.size(), 1U);
+  EXPECT_EQ(read.changes.back().inclusion.index, 1U);
+  EXPECT_GT(read.changes.back().inclusion.ratio, read.setup.inclusions[1].inclusion.ratio);
+  EXPECT_EQ(record::replay(read).rows_different, 0U);
+}
+
+TEST_F(PanelsTest, ARelaxationTermIsAddedAndShown) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  ASSERT_TRUE(driven.press({"left", "Relaxation"}));
+  driven.frames(5);
+  ASSERT_TRUE(driven.press({"left", "Relaxation", "One more term"}));
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
+  const std::string_view first("\0\0\0\0", 4);  // ImGui's identity of term 0
+  EXPECT_TRUE(driven.point_at({"left", "Relaxation", first, "term", "##Share"}));
+  (void)driven.finish();
+}
+
 TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), tall());

@@ -148,6 +148,14 @@ void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup) {
   }
 }
 
+std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetup>& inclusions) {
+  std::vector<model::Inclusion> visible;
+  for (const InclusionSetup& one : inclusions) {
+    if (one.visible) visible.push_back(one.inclusion);
+  }
+  return visible;
+}
+
 std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file) {
   enum Column : std::size_t { kX, kY, kZ, kFactor };
   CsvTable table(file, {{"x_mm"}, {"y_mm"}, {"z_mm"}, {"factor"}});

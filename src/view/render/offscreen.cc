@@ -44,6 +44,7 @@ struct OffscreenRenderer::Impl {
     driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     upload_organ_at_rest();
     upload_tools();
+    painter.show_inclusions(subject.inclusions);
   }
 
   void upload_organ_at_rest() {
@@ -196,6 +197,10 @@ void OffscreenRenderer::resize(int width, int height) {
 }
 
 void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
+
+void OffscreenRenderer::show_inclusions(std::vector<model::Inclusion> inclusions) {
+  impl_->painter.show_inclusions(std::move(inclusions));
+}
 
 void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
 

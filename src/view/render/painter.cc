@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "view/render/shaders.h"
 
@@ -249,6 +250,19 @@ void Painter::set_studio(const Program& program, const View& view) const {
   program.set("pixel_size", texel_of(resolved_));
 }
 
+void Painter::set_inclusions(const Program& program) const {
+  const std::size_t count = std::min(inclusions_.size(), model::kMaxInclusions);
+  program.set("inclusion_count", static_cast<int>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const model::Inclusion& inclusion = inclusions_[i];
+    const std::string element = "[" + std::to_string(i) + "]";
+    program.set(("inclusion_centre" + element).c_str(),
+                Eigen::Vector3f((organ_.pose_W * inclusion.centre_S).cast<float>()));
+    program.set(("inclusion_radius" + element).c_str(), static_cast<float>(inclusion.radius));
+    program.set(("inclusion_soft" + element).c_str(), inclusion.ratio < 1.0 ? 1.0F : 0.0F);
+  }
+}
+
 void Painter::draw_materials(const View& view, bool each_sample) {
   const Program& tissue = materials()->tissue;
   set_studio(tissue, view);
@@ -256,6 +270,7 @@ void Painter::draw_materials(const View& view, bool each_sample) {
   tissue.set("vessel_share", look_.vessel_share);
   tissue.set("map_range", static_cast<float>(map_range_));
   tissue.set("model", matrix_of(organ_.pose_W));
+  set_inclusions(tissue);
   organ_.mesh.draw();
   const Program& steel = materials()->steel;
   set_studio(steel, view);

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "palpate/offscreen.h"
@@ -38,6 +39,8 @@ class Painter final {
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
   /// Displacement [m] that the colour map covers; 0: natural colours.
   void set_map_range(double range) noexcept { map_range_ = range; }
+  /// The inclusions to draw inside the organ, at most model::kMaxInclusions; organ frame.
+  void show_inclusions(std::vector<model::Inclusion> inclusions) { inclusions_ = std::move(inclusions); }
   /// Switches the studio lamps; initially on.
   void switch_lamps(bool on) noexcept { lamps_ = on; }
   /// Selects the quality. The first use of each compiles its shaders, which takes long; they are kept.
@@ -66,6 +69,7 @@ class Painter final {
   void draw_tools(const Program& program) const;
   void draw_scene(const Program& program) const;
   void set_studio(const Program& program, const View& view) const;
+  void set_inclusions(const Program& program) const;
   void draw_materials(const View& view, bool each_sample);
   void draw_shadow(const View& view);
   void draw_occlusion(const View& view);
@@ -79,6 +83,7 @@ class Painter final {
   int height_;
   double map_range_ = 0.0;  // m
   bool lamps_ = true;
+  std::vector<model::Inclusion> inclusions_;
   Solid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw

@@ -175,11 +175,39 @@ float vessels() {
   return clamp(lines, 0.0, 1.0) * vessel_share;
 }
 
+uniform int inclusion_count;
+uniform vec3 inclusion_centre[8];  // m, world frame
+uniform float inclusion_radius[8];
+uniform float inclusion_soft[8];  // 1: softer than the tissue
+
+uniform mat4 model;
+
+// The colour of the tissue with the inclusions that the view through this point meets: lit spheres in
+// translucent tissue, with soft edges, fainter the deeper they are. The tissue's rest position takes the place
+// of the point, so that an inclusion moves with the tissue above it.
+vec3 with_inclusions(vec3 albedo, vec3 v) {
+  vec3 at = (model * vec4(rest, 1.0)).xyz;
+  for (int i = 0; i < inclusion_count; ++i) {
+    vec3 to_centre = inclusion_centre[i] - at;
+    float along = -dot(to_centre, v);  // depth of the centre behind this point
+    vec3 across = -(to_centre + along * v) / inclusion_radius[i];
+    float off = dot(across, across);
+    if (off >= 1.0 || along <= 0.0) continue;
+    float facing = sqrt(1.0 - off);
+    float lit = 0.5 + 0.5 * dot(across + facing * v, key);
+    float faint = exp(-max(0.0, along - inclusion_radius[i]) / 0.05);
+    vec3 tint = mix(vec3(0.80, 0.60, 0.36), vec3(0.10, 0.24, 0.46), inclusion_soft[i]);
+    vec3 body = tint * mix(0.10, 1.0, lit * lit);
+    albedo = mix(albedo, body, 0.42 * faint * smoothstep(0.0, 0.8, facing));
+  }
+  return albedo;
+}
+
 #ifdef FULL
 void main() {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye - p_W);
-  vec3 albedo = mix(colour.rgb, vessel_colour, vessels());
+  vec3 albedo = with_inclusions(mix(colour.rgb, vessel_colour, vessels()), v);
   float fat = colour.a;
   float facing = clamp(dot(n, v), 0.0, 1.0);
   float flat_on = smoothstep(0.0, 0.5, facing);  // seen flat, bumps hide one another
@@ -217,7 +245,7 @@ void main() {
 #else
 void main() {
   vec3 v = normalize(eye - p_W);
-  vec3 albedo = mix(colour.rgb, vessel_colour, vessels());
+  vec3 albedo = with_inclusions(mix(colour.rgb, vessel_colour, vessels()), v);
   vec3 n = n_W;
 #ifndef FAST
   vec3 waves = noise(rest * 260.0).yzw * (0.034 * smoothstep(0.0, 0.5, dot(n, v)));

@@ -109,7 +109,8 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
   const scene::Scene& setup = recording.setup;
-  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
+                                scene::visible_inclusions(setup.inclusions)};
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
   set.width = options.picture_width;

@@ -268,6 +268,32 @@ TEST_F(Offscreen, APictureWithoutASizeIsRefused) {
   EXPECT_THROW(OffscreenRenderer(ball_subject(), 100, 100000), InputError);
 }
 
+TEST_F(Offscreen, ShowsInclusionsWhereTheyAreStifferPaleAndSofterBlue) {
+  const Camera camera = front_camera();
+  const Image plain = liver_->draw(far_tool(), camera);
+  const Vec3 towards_eye = camera.eye.normalized();
+  model::Inclusion inclusion;
+  inclusion.radius = 5e-3;
+  inclusion.centre_S = 0.8 * kBall * towards_eye;
+  liver_->show_inclusions({inclusion});
+  const Image stiff = liver_->draw(far_tool(), camera);
+  inclusion.ratio = 0.2;
+  liver_->show_inclusions({inclusion});
+  const Image soft = liver_->draw(far_tool(), camera);
+  liver_->show_inclusions({});
+  const auto [x, y] = pixel_of(camera, inclusion.centre_S);
+  EXPECT_GT(at(stiff, x, y).green, at(plain, x, y).green + 20);
+  EXPECT_GT(at(soft, x, y).blue, at(plain, x, y).blue + 20);
+  EXPECT_LT(at(soft, x, y).red, at(plain, x, y).red);
+  // Beyond the sphere's outline, which no ray that meets the sphere crosses.
+  const auto [rim, row] = pixel_of(camera, inclusion.centre_S + 1.2 * inclusion.radius * Vec3::UnitX());
+  for (int i = 0; i < kPictureWidth; ++i) {
+    if (std::abs(i - x) < rim - x) continue;
+    EXPECT_EQ(at(stiff, i, row).green, at(plain, i, row).green) << i;
+  }
+  EXPECT_EQ(liver_->draw(far_tool(), camera).rgb, plain.rgb) << "taken away again";
+}
+
 TEST(Png, IsReadBackAsItWasWritten) {
   Image image{3, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 10, 20, 30, 40, 50, 60, 70, 80, 90}};
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "palpate_png_test.png";
