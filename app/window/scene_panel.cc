@@ -69,29 +69,25 @@ void choose_task(const PanelModel& shown, Commands& commands) {
   if (ImGui::RadioButton("pull", pull) && !pull) want("pull");
 }
 
-/// Draws a row for the stiffness ratio of an inclusion.
-void inclusion_row(const scene::InclusionSetup& setup, std::uint32_t index, Commands& commands) {
-  const Rows rows("inclusion");
-  const model::Inclusion& inclusion = setup.inclusion;
-  const std::string explanation = formatted("a sphere of %.1f mm in the tissue; the number: its stiffness ",
-                                            2.0 * inclusion.radius / kMillimetre) +
-                                  "divided by that of the tissue";
-  double ratio = inclusion.ratio;
-  if (!rows.number(setup.name.c_str(), ratio, 1.0, 0.05, model::kSoftestInclusion, model::kStiffestInclusion,
-                   "%.1f times as stiff", explanation.c_str())) {
-    return;
-  }
-  const Vec3& centre_S = inclusion.centre_S;
-  commands.inclusion = haptics::LiveInclusion{index, {centre_S.x(), centre_S.y(), centre_S.z()}, ratio};
-}
-
-/// Draws the visible inclusions. A hidden one is not shown, not even its number, because the user may be
-/// searching for it.
+/// Draws a row for the stiffness ratio of each visible inclusion. A hidden one is not shown, not even its
+/// number, because the user may be searching for it.
 void inclusion_rows(const PanelModel& shown, Commands& commands) {
+  if (scene::visible_inclusions({shown.inclusions.begin(), shown.inclusions.end()}).empty()) return;
+  const Rows rows("inclusions");
   for (std::size_t i = 0; i < shown.inclusions.size(); ++i) {
     if (!shown.inclusions[i].visible) continue;
+    const model::Inclusion& inclusion = shown.inclusions[i].inclusion;
+    const std::string explanation = formatted("a sphere of %.1f mm in the tissue; the number: its stiffness ",
+                                              2.0 * inclusion.radius / kMillimetre) +
+                                    "divided by that of the tissue";
+    double ratio = inclusion.ratio;
     ImGui::PushID(static_cast<int>(i));
-    inclusion_row(shown.inclusions[i], static_cast<std::uint32_t>(i), commands);
+    if (rows.number(shown.inclusions[i].name.c_str(), ratio, 1.0, 0.05, model::kSoftestInclusion,
+                    model::kStiffestInclusion, "%.1f times as stiff", explanation.c_str())) {
+      const Vec3& centre_S = inclusion.centre_S;
+      commands.inclusion = haptics::LiveInclusion{
+          static_cast<std::uint32_t>(i), {centre_S.x(), centre_S.y(), centre_S.z()}, ratio};
+    }
     ImGui::PopID();
   }
 }

@@ -90,7 +90,7 @@ TEST_F(PanelsTest, AVisibleInclusionHasASliderThatChangesWhatIsFeltAndAHiddenOne
     DrivenWindow driven(request, tall(recording));
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
     const std::string_view second("\1\0\0\0", 4);  // ImGui's identity of inclusion 1
-    ASSERT_TRUE(driven.point_at({"left", second, "inclusion", "##nodule"}));
+    ASSERT_TRUE(driven.point_at({"left", "inclusions", second, "##nodule"}));
     const auto [x, y] = driven.window().mouse_at();
     driven.button(SDL_BUTTON_LEFT, true);
     driven.frames(2);
@@ -99,7 +99,7 @@ TEST_F(PanelsTest, AVisibleInclusionHasASliderThatChangesWhatIsFeltAndAHiddenOne
     driven.button(SDL_BUTTON_LEFT, false);
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
     driven.frames(5);
-    EXPECT_FALSE(driven.point_at({"left", kFirstHand, "inclusion", "##cyst"}));
+    EXPECT_FALSE(driven.point_at({"left", "inclusions", kFirstHand, "##cyst"}));
     (void)driven.finish();
   }
   const record::Recording read = record::read_recording(recording);
