@@ -210,9 +210,8 @@ TEST(MapFit, ASecondRunOverAStrandIsPredictedFromTheFirst) {
   const std::vector<MapRow> first = phantom("stiff_strand_run1.csv");
   const std::vector<MapRow> second = phantom("stiff_strand_run2.csv");
   if (first.empty() || std::getenv("PALPATE_MAPS") == nullptr) {
-    std::cout << "PALPATE_DATA and PALPATE_MAPS are not set: nothing compared, it takes minutes
-                 ";
-        return;
+    std::cout << "PALPATE_DATA and PALPATE_MAPS are not set: nothing compared, it takes minutes\n";
+    return;
   }
   MapSettings settings = quick_settings();
   settings.tip_radius = 3.16e-3;
