@@ -43,6 +43,7 @@ inline constexpr double kSmallestFactor = 0.01;       // of a stiffness map
 inline constexpr double kLargestFactor = 100.0;
 
 inline constexpr std::size_t kMaxStiffnessPoints = 20000;
+inline constexpr double kFarthestStiffnessPoint = 5e-3;  // m, from the surface
 
 /// An inclusion that a scene names: its numbers, and the usual depth of its centre.
 struct InclusionPreset {

@@ -16,7 +16,6 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kFarthest = 5e-3;    // m, of a point from the surface
 constexpr double kStiffness = 10e-3;  // m, of the interpolation: nearer points are joined as by a thin plate,
                                       // farther ones as by a membrane
 constexpr double kHeld = 1e4;         // weight of a point, in units of the membrane's
@@ -87,11 +86,11 @@ StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::S
   for (std::size_t i = 0; i < points.size(); ++i) {
     const model::StiffnessPoint& one = points[i];
     const geometry::NearestPoint nearest = surface.nearest(one.point_S, -1);
-    if (!(std::abs(nearest.distance) <= kFarthest)) {
+    if (!(std::abs(nearest.distance) <= model::kFarthestStiffnessPoint)) {
       throw InputError("point " + std::to_string(i + 1) + " of the stiffness map is " +
                        brief(std::abs(nearest.distance) / kMillimetre, 3) +
-                       " mm from the organ's surface: must be at most " + brief(kFarthest / kMillimetre, 3) +
-                       " mm");
+                       " mm from the organ's surface: must be at most " +
+                       brief(model::kFarthestStiffnessPoint / kMillimetre, 3) + " mm");
     }
     const geometry::Triangle& corners = mesh.triangles[at(nearest.triangle)];
     const Triangular there = triangular(mesh, corners, nearest.point);

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/core.h>
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "core/geometry/signed_distance.h"
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/emulated_reader.h"
@@ -18,6 +20,7 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
@@ -195,6 +198,16 @@ void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
 void load_stiffness_map(const LocatedString& map, Scene& setup) {
   try {
     setup.stiffness = read_stiffness_map(map.file());
+    const geometry::SignedDistance surface(setup.organ);
+    for (std::size_t i = 0; i < setup.stiffness.size(); ++i) {
+      const double distance = std::abs(surface.nearest(setup.stiffness[i].point_S).distance);
+      if (distance <= model::kFarthestStiffnessPoint) continue;
+      throw InputError(
+          fmt::format("{}: row {}: the point is {} mm from the organ's surface: must be at most {} mm, in "
+                      "the organ's frame",
+                      map.file().string(), i + 1, brief(distance / kMillimetre, 3),
+                      brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
+    }
   } catch (const InputError& error) {
     throw InputError(map.where + ": " + error.what());
   }

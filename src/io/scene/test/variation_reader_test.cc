@@ -109,12 +109,21 @@ TEST(StiffnessMapFile, IsReadInMillimetresAndRefusedWithItsLine) {
 
 TEST(StiffnessMapFile, ASceneThatNamesItReadsItAndListsItAmongItsFiles) {
   const TemporaryFolder folder;
-  const auto map = folder.write("map.csv", "x_mm,y_mm,z_mm,factor\n0,0,0,2\n");
+  const auto map = folder.write("map.csv", "x_mm,y_mm,z_mm,factor\n0,0,20,2\n");
   Overrides request;
   request.scene = folder.write("s.toml", kBoxScene + "[organ.stiffness]\nmap = \"map.csv\"\n");
   const Scene setup = load(request);
   ASSERT_EQ(setup.stiffness.size(), 1U);
   EXPECT_EQ(setup.files.back().path, map);
+}
+
+TEST(StiffnessMapFile, APointThatIsNotNearTheSurfaceIsRefusedWithFileAndRow) {
+  const TemporaryFolder folder;
+  const auto map = folder.write("far.csv", "x_mm,y_mm,z_mm,factor\n0,0,20,2\n0,0,50,2\n");
+  Overrides request;
+  request.scene = folder.write("s.toml", kBoxScene + "[organ.stiffness]\nmap = \"far.csv\"\n");
+  EXPECT_THAT(error_of([&] { (void)load(request); }),
+              AllOf(HasSubstr("far.csv: row 2"), HasSubstr("30 mm"), HasSubstr("at most 5 mm")));
 }
 
 }  // namespace
