@@ -264,7 +264,8 @@ void run(Plan plan, std::string command_line) {
 
 int main(int argc, char** argv) {
   namespace app = palpate::app;
-  CLI::App program{"Measure the time of a tick, many hands and preparation, and compare with other libraries"};
+  CLI::App program{
+      "Measure the time of a tick, many hands and preparation, and compare with other libraries"};
   program.name("palpate bench");
   palpate::bench::Plan flags;
   palpate::bench::add_flags(program, flags);

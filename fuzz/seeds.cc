@@ -458,8 +458,9 @@ void add_the_rest(const Seeds& seeds) {
     const std::string n = std::to_string(i);
     curve += n + ',' + n + ".5," + n + "e-2,a\n" + n + ',' + n + ",0." + n + ",b\n";
   }
-  seeds.add("map_data", "two",
-            "probe,x_mm,y_mm,z_mm,nx,ny,nz,depth_mm,force_N\n0,1,2,3,0,0,1,0.5,0.1\n1,4,5e0,-6,0,0,1,1,2e-1\n");
+  seeds.add(
+      "map_data", "two",
+      "probe,x_mm,y_mm,z_mm,nx,ny,nz,depth_mm,force_N\n0,1,2,3,0,0,1,0.5,0.1\n1,4,5e0,-6,0,0,1,1,2e-1\n");
   seeds.add("fit_data", "two", curve);
   seeds.add("fit_lines", "two", fit_lines());
   seeds.add("deformation", "two",

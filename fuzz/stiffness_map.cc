@@ -1,6 +1,7 @@
 // Stiffness maps from CSV. A map that is read has finite points and factors within their limits.
-#include "fuzz/input.h"
 #include "io/scene/variation_reader.h"
+
+#include "fuzz/input.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
