@@ -25,6 +25,7 @@
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
+#include "app/score_summary.h"
 #include "app/session.h"
 #include "app/window/window.h"
 
@@ -148,14 +149,15 @@ int run(const RunFlags& flags, const std::string& command_line) {
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
 
-  // Holds a recording that is needed only to draw the screenshot.
+  // Holds a recording that is needed only for the screenshot or the score.
   std::optional<ScratchFolder> temporary;
   if (!files.report.empty()) {
     report::make_report_folder(files.report);
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
-  if (recorded.empty() && !files.screenshot.empty()) {
+  const bool palpates = session->setup().task == scene::Task::kPalpate;
+  if (recorded.empty() && (palpates || !files.screenshot.empty())) {
     const fs::path folder = temporary.emplace("palpate-").path();
     if (folder.empty()) throw InputError(fs::temp_directory_path().string() + ": cannot make a folder in it");
     recorded = folder / "run.h5";
@@ -179,11 +181,16 @@ int run(const RunFlags& flags, const std::string& command_line) {
     files.report.clear();
     files.screenshot.clear();
   }
-  if (draw) {
+  std::optional<palpation::Score> score;
+  if (draw || (palpates && result.loop.ticks > 0 && result.recording_failure.empty())) {
     const record::Recording recording = record::read_recording(recorded);
-    if (!files.screenshot.empty())
+    if (palpates) {
+      std::unique_ptr<haptics::SimulationWorld> world;
+      score = score_of(recording, flags.no_cache, world).score;
+    }
+    if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);
-    if (!files.report.empty()) {
+    if (draw && !files.report.empty()) {
       Progress bar("report");
       files.report =
           report::write_report({{title, &recording, command_line}}, files.report,
@@ -191,9 +198,12 @@ int run(const RunFlags& flags, const std::string& command_line) {
     }
   }
   if (flags.json) {
-    std::cout << summary_json(result, files, tally).dump(2) << '\n';
+    nlohmann::ordered_json summary = summary_json(result, files, tally);
+    if (score) summary["score"] = nlohmann::ordered_json::parse(palpation::to_json(*score));
+    std::cout << summary.dump(2) << '\n';
   } else {
     print_summary(std::cout, result, files);
+    if (score) print_score(std::cout, *score);
   }
   const int code = exit_code_of(result, flags.max_missed);
   return played.later_fault ? kFault : code;

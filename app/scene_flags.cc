@@ -4,7 +4,7 @@ namespace palpate::app {
 
 void add_scene_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("SCENE", request.scene, "scene file (.toml); default: the gallbladder press");
-  command.add_option("--task", request.task, "press or pull");
+  command.add_option("--task", request.task, "press, pull or palpate (find hidden lumps)");
   command.add_option("--organ", request.organ, "built-in organ or mesh file");
   command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
   command

@@ -190,7 +190,10 @@ std::string title_of(const scene::Scene& setup) {
   organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));
   std::string tools;
   for (const geometry::Tool& tool : setup.tools) tools += (tools.empty() ? "" : " and ") + tool.name;
-  return organ + (setup.task == scene::Task::kPull ? " pulled with " : " pressed with ") + tools;
+  const char* done = setup.task == scene::Task::kPull      ? " pulled with "
+                     : setup.task == scene::Task::kPalpate ? " palpated with "
+                                                           : " pressed with ";
+  return organ + done + tools;
 }
 
 void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,

@@ -119,7 +119,7 @@ TickAccount time_ticks(const scene::Scene& setup, const haptics::SimulationWorld
   times.run(passes);
   TickAccount account;
   account.scene = setup.name;
-  account.phase = setup.task == scene::Task::kPull ? "pull" : "press";
+  account.phase = scene::to_string(setup.task);
   account.organ_triangles = setup.organ.triangles.size();
   account.tool_triangles = triangle_count(setup.tools[0]);
   account.repeats = passes;

@@ -97,7 +97,7 @@ typedef struct palpate_options {
   const char* scene_file;    // TOML (docs/file-formats.md)
   const char* scene_text;    // TOML text
   const char* scene_folder;  // folder of relative paths in scene_text; null: the working folder
-  const char* task;          // "press" or "pull"; null: the scene's task
+  const char* task;          // "press", "pull" or "palpate"; null: the scene's task
   const char* record_file;   // HDF5 file for every tick; null: no recording
   // 0: a recording that is too slow loses rows, which palpate_close() reports. 1: palpate_tick() waits for
   // the disk and is not [rt].

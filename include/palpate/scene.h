@@ -79,7 +79,12 @@ struct EmulatedHand {
   std::vector<EmulatedFault> faults{};
 };
 
-enum class Task { kPress, kPull };
+enum class Task { kPress, kPull, kPalpate };
+
+/// [any] "press", "pull" or "palpate", as in a scene.
+[[nodiscard]] const char* to_string(Task task) noexcept;
+/// [any] The task with this name; empty for an unknown name.
+[[nodiscard]] std::optional<Task> find_task(std::string_view name) noexcept;
 
 inline constexpr std::size_t kMaxHands = 4;      // tools (and devices) in one scene
 inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that contact supports
@@ -104,6 +109,8 @@ enum class PathInterpolation : std::uint8_t {
 [[nodiscard]] const char* to_string(PathInterpolation interpolation) noexcept;
 /// [any] The interpolation with this name; empty for an unknown name.
 [[nodiscard]] std::optional<PathInterpolation> interpolation_of(std::string_view name) noexcept;
+
+inline constexpr std::uint32_t kLastButton = 31;  // bit of DeviceState::buttons
 
 /// Device of a hand. The tool's pose follows from the device's sample: the translation times workspace_scale,
 /// then the rigid transform `base`.
@@ -146,6 +153,12 @@ struct InclusionSetup {
   bool operator==(const InclusionSetup&) const = default;
 };
 
+/// The task palpate: hidden inclusions are to be found (docs/lumps.md).
+struct SearchSetup {
+  double tolerance = 10e-3;  // m, from the surface above an inclusion: a mark within it finds the inclusion
+  std::uint32_t mark_button = 0;  // bit of DeviceState::buttons that marks a place
+};
+
 /// [setup] The inclusions that pictures show.
 [[nodiscard]] std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetup>& inclusions);
 
@@ -170,6 +183,7 @@ struct Scene {
   model::TissueParameters tissue;
   std::vector<InclusionSetup> inclusions;        // at most model::kMaxInclusions
   std::vector<model::StiffnessPoint> stiffness;  // of the stiffness map; empty: the factor is 1
+  SearchSetup search;                            // only for task palpate
   std::vector<geometry::Tool> tools;             // one per hand
   std::vector<DeviceSetup> devices;              // one per hand
   noise::NoiseSettings noise;
@@ -194,10 +208,11 @@ struct Setting {
 
 /// The scene file and the flags of a command line; flags override the file.
 struct Overrides {
-  std::optional<std::filesystem::path> scene;  // empty: the gallbladder press (task pull: the heart)
-  std::optional<SceneText> scene_text;         // instead of `scene`
-  std::optional<std::string> task;             // press | pull
-  std::optional<std::string> organ;            // built-in name or path
+  std::optional<std::filesystem::path>
+      scene;                            // empty: the gallbladder press (pull: the heart; palpate: the liver)
+  std::optional<SceneText> scene_text;  // instead of `scene`
+  std::optional<std::string> task;      // press | pull | palpate
+  std::optional<std::string> organ;     // built-in name or path
   std::optional<std::string> organ_unit;
   std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
   std::vector<std::string> inclusions;    // presets, or none; replace the scene's inclusions

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,7 +15,8 @@ struct PathRow {
   double time = 0.0;             // s
   Vec3 position = Vec3::Zero();  // m
   Quat orientation = Quat::Identity();
-  double gripper = 0.0;  // 0 closed .. 1 open
+  double gripper = 0.0;       // 0 closed .. 1 open
+  std::uint32_t buttons = 0;  // bits, pressed from this row to the next
 };
 
 /// A tool's motion over time. Between rows, positions follow PathInterpolation, orientations slerp, and the
@@ -56,9 +58,10 @@ class ToolPath final {
 /// [setup] The path of a scripted device without a file, in the device's frame. The tool points down (+z
 /// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. In a press it
 /// moves to a depth of 12 mm. In a pull it closes the jaws at the surface and lifts by 12 mm. Then it holds
-/// for 1 s and returns. If a single tool would slide off there, or start inside the organ, it presses along
-/// the normal of a flat region instead (docs/model.md, section 4). Several hands are side by side, at most 30
-/// mm apart. @throws InputError when the organ's mesh is not closed.
+/// for 1 s and returns. In task palpate it presses at the points of a grid over the organ's upper side. If a
+/// single tool would slide off there, or start inside the organ, it presses along the normal of a flat region
+/// instead (docs/model.md, section 4). Several hands are side by side, at most 30 mm apart. @throws
+/// InputError when the organ's mesh is not closed.
 [[nodiscard]] ToolPath default_path(const Scene& setup, std::size_t hand);
 
 }  // namespace palpate::scene

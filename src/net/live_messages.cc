@@ -114,7 +114,7 @@ Json scene_json(const scene::Scene& setup) {
   Json motion = Json::array();
   for (const auto& one : setup.organ_motion) motion.push_back(model::to_string(one.kind));
   return {{"name", setup.name},
-          {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
+          {"task", scene::to_string(setup.task)},
           {"rate_Hz", setup.rate_Hz},
           {"seed", setup.seed},
           {"organ", setup.organ_name},

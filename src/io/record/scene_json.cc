@@ -305,9 +305,16 @@ scene::SafetySetup safety_from(const Json& json) {
 }
 
 scene::Task task_from(const std::string& word) {
-  if (word == "press") return scene::Task::kPress;
-  if (word == "pull") return scene::Task::kPull;
-  throw InputError("task is \"" + word + "\", want press or pull");
+  if (const auto task = scene::find_task(word)) return *task;
+  throw InputError("task is \"" + word + "\", want press, pull or palpate");
+}
+
+scene::SearchSetup search_from(const Json& json) {
+  scene::SearchSetup search;
+  search.tolerance = json.at("tolerance_m").get<double>();
+  search.mark_button = whole_number<std::uint32_t>(json, "mark_button");
+  if (search.mark_button > scene::kLastButton) throw InputError("search.mark_button is over 31");
+  return search;
 }
 
 scene::Scene setup_from(const Json& json) {
@@ -327,6 +334,7 @@ scene::Scene setup_from(const Json& json) {
     setup.inclusions.push_back(inclusion_from(inclusion));
   }
   setup.stiffness = stiffness_from(json.at("organ").value("stiffness", Json::array()));
+  if (setup.task == scene::Task::kPalpate) setup.search = search_from(json.at("search"));
   setup.tissue = tissue_from(json.at("tissue"));
   for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
   for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
@@ -341,7 +349,7 @@ scene::Scene setup_from(const Json& json) {
 
 std::string setup_to_json(const scene::Scene& setup) {
   Json json = {{"name", setup.name},
-               {"task", setup.task == scene::Task::kPress ? "press" : "pull"},
+               {"task", scene::to_string(setup.task)},
                {"rate_Hz", setup.rate_Hz},
                {"seed", setup.seed},
                {"organ", {{"name", setup.organ_name}, {"pose", pose_json(setup.organ_pose)}}},
@@ -355,6 +363,9 @@ std::string setup_to_json(const scene::Scene& setup) {
     json["organ"]["inclusions"].push_back(inclusion_json(one));
   }
   if (!setup.stiffness.empty()) json["organ"]["stiffness"] = stiffness_json(setup.stiffness);
+  if (setup.task == scene::Task::kPalpate) {
+    json["search"] = {{"tolerance_m", setup.search.tolerance}, {"mark_button", setup.search.mark_button}};
+  }
   json["tools"] = Json::array();
   for (const geometry::Tool& tool : setup.tools) json["tools"].push_back(tool_json(tool));
   json["devices"] = Json::array();

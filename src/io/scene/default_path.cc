@@ -12,6 +12,7 @@
 #include "io/scene/approach.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
+#include "io/scene/search.h"
 #include "palpate/tool_path.h"
 #include "palpate/units.h"
 
@@ -149,7 +150,7 @@ PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip)
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};
-  if (setup.task != Task::kPress || setup.tools.size() > 1) return place;
+  if (setup.task == Task::kPull || setup.tools.size() > 1) return place;
 
   const HangingTool tool{hanging_points(setup.tools[hand], tip), kClearance};
   const ApproachFinder finder(setup.organ, surface, tool);
@@ -182,8 +183,8 @@ PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip)
 }
 
 std::vector<Leg> legs_of(Task task, double depth) {
-  const double approach = kClearance + (task == Task::kPress ? depth : kTouchDepth);
-  if (task == Task::kPress) {
+  const double approach = kClearance + (task == Task::kPull ? kTouchDepth : depth);
+  if (task != Task::kPull) {
     return {{-depth, 0.0, time_for(approach)}, {-depth, 0.0, kHold}, {kClearance, 0.0, time_for(approach)}};
   }
   const double top = kTravel - kTouchDepth;
@@ -198,6 +199,7 @@ std::vector<Leg> legs_of(Task task, double depth) {
 
 std::vector<std::string> default_path_remarks(const Scene& setup) {
   std::vector<std::string> remarks;
+  if (setup.task == Task::kPalpate) return remarks;
   for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
     const DeviceKind* kind = find_device_kind(setup.devices[hand].kind);
     if (kind == nullptr || kind->path != DevicePath::kToolPath || !setup.devices[hand].path.empty()) continue;
@@ -213,13 +215,21 @@ Vec3 default_touch(const Scene& setup, std::size_t hand) {
 
 ToolPath default_path(const Scene& setup, std::size_t hand) {
   const Vec3 tip = lowest_point(setup.tools[hand]);
+  const DeviceSetup& device = setup.devices[hand];
+  const Pose to_device = device.base.inverse();
+  if (setup.task == Task::kPalpate) {
+    std::vector<PathRow> rows = search_path(setup, hand, tip);
+    for (PathRow& row : rows) {
+      row.position = (to_device * row.position) / device.workspace_scale;
+      row.orientation = to_device.rotation * row.orientation;
+    }
+    return ToolPath(std::move(rows));
+  }
   const PressPoint place = press_point_of(setup, hand, tip);
   const Vec3& direction = place.approach.direction;
   const Quat turn = turn_from_down(direction);
   const Vec3 handle_at_touch = place.approach.touch - turn * tip;
   const Quat orientation = turn * downwards();
-  const DeviceSetup& device = setup.devices[hand];
-  const Pose to_device = device.base.inverse();
 
   std::vector<PathRow> rows;
   const auto add = [&](double time, double height, double gripper) {

@@ -36,11 +36,18 @@ Task task_of(const Overrides& request, Task otherwise) {
 /// The scene of a run without a scene file.
 SceneFile default_scene(Task task) {
   SceneFile scene;
-  const bool press = task == Task::kPress;
+  struct Default {
+    const char* organ;
+    const char* tool;
+  };
+  const Default made = task == Task::kPress  ? Default{"gallbladder", "curved-forceps"}
+                       : task == Task::kPull ? Default{"heart", "straight-forceps"}
+                                             : Default{"liver", "sphere:5"};
   scene.task = task;
-  scene.organ = LocatedString{press ? "gallbladder" : "heart", "organ", {}};
+  scene.search = read_search({});
+  scene.organ = LocatedString{made.organ, "organ", {}};
   ToolTable tool;
-  tool.mesh = LocatedString{press ? "curved-forceps" : "straight-forceps", "tool", {}};
+  tool.mesh = LocatedString{made.tool, "tool", {}};
   scene.tools.push_back(std::move(tool));
   return scene;
 }
@@ -173,8 +180,7 @@ SceneFile describe(const Overrides& request) {
                      alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
   if (!request.scene && !request.scene_text) {
-    scene.name = std::filesystem::path(scene.organ->value).stem().string() +
-                 (scene.task == Task::kPress ? " press" : " pull");
+    scene.name = std::filesystem::path(scene.organ->value).stem().string() + " " + to_string(scene.task);
   }
   return scene;
 }
@@ -366,6 +372,15 @@ Scene load(const Overrides& request) {
   load_hands(scene, setup, notes);
   load_organ(scene, setup, notes);
   place_inclusions(scene.inclusions, setup);
+  if (setup.task == Task::kPalpate) {
+    setup.search = scene.search.setup;
+    for (const DeviceSetup& device : setup.devices) {
+      if (device.clutch_button != setup.search.mark_button) continue;
+      throw InputError(fmt::format("{}.mark_button = {}: must differ from the device's clutch_button",
+                                   scene.search.where, setup.search.mark_button));
+    }
+    hide_inclusions(scene.search, setup);
+  }
   if (scene.stiffness_map) load_stiffness_map(*scene.stiffness_map, setup);
   setup.repairs = std::move(notes.repairs);
   setup.remarks = std::move(notes.remarks);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "palpate/read_mesh.h"
+#include "palpate/scene.h"
 
 namespace palpate::scene {
 
@@ -16,6 +17,25 @@ bool is_path(std::string_view text) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+const char* to_string(Task task) noexcept {
+  switch (task) {
+    case Task::kPull:
+      return "pull";
+    case Task::kPalpate:
+      return "palpate";
+    case Task::kPress:
+      break;
+  }
+  return "press";
+}
+
+std::optional<Task> find_task(std::string_view name) noexcept {
+  for (const Task task : {Task::kPress, Task::kPull, Task::kPalpate}) {
+    if (name == to_string(task)) return task;
+  }
+  return std::nullopt;
 }
 
 std::string alternatives(std::span<const std::string> words) {

@@ -12,11 +12,13 @@
 namespace palpate::scene {
 namespace {
 
-enum Column : std::size_t { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kGripper };
+enum Column : std::size_t { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kGripper, kButtons };
 
-const std::vector<CsvColumn> kColumns = {{"time_s"},    {"x_m"},       {"y_m"},
-                                         {"z_m"},       {"qw", false}, {"qx", false},
-                                         {"qy", false}, {"qz", false}, {"gripper", false}};
+constexpr double kAllButtons = 4294967295.0;  // 32 bits
+
+const std::vector<CsvColumn> kColumns = {{"time_s"},         {"x_m"},           {"y_m"},       {"z_m"},
+                                         {"qw", false},      {"qx", false},     {"qy", false}, {"qz", false},
+                                         {"gripper", false}, {"buttons", false}};
 
 /// Whether the path has rotations: all four components of a quaternion.
 bool has_rotations(const CsvTable& table) {
@@ -53,6 +55,11 @@ ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation int
     if (turns) row.orientation = rotation(table);
     row.gripper = table.number(kGripper);
     if (row.gripper < 0.0 || row.gripper > 1.0) table.fail(kGripper, "must be 0 (closed) to 1 (open)");
+    const double buttons = table.number(kButtons);
+    if (!(buttons >= 0.0 && buttons <= kAllButtons && buttons == std::floor(buttons))) {
+      table.fail(kButtons, "must be a whole number, the sum of 2^button over the pressed buttons");
+    }
+    row.buttons = static_cast<std::uint32_t>(buttons);
     if (!rows.empty() && row.time <= rows.back().time) {
       table.fail(kTime, "must be later than the row before, " + shortest(rows.back().time));
     }

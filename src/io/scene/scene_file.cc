@@ -15,7 +15,6 @@ constexpr double kMillisecondsPerSecond = 1000.0;  // slew rates are given per m
 
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
-constexpr std::uint64_t kLastButton = 31;    // of DeviceState::buttons
 
 /// Reads one scene file.
 class SceneReader final {
@@ -26,9 +25,10 @@ class SceneReader final {
   SceneFile read(const std::string& default_name) {
     SceneFile scene;
     scene.name = default_name;
-    root_.allow_only({"scene", "organ", "tool", "path", "device", "noise", "safety"});
+    root_.allow_only({"scene", "organ", "search", "tool", "path", "device", "noise", "safety"});
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
+    scene.search = read_search(root_.table("search"));
     for (const TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
     scene.tool_location = root_.location("tool") + ": tool.mesh";
     if (auto table = root_.table("path")) {
@@ -204,9 +204,8 @@ void LocatedString::fail(const std::string& want) const {
 }
 
 Task parse_task(const LocatedString& stated) {
-  if (stated.value == "press") return Task::kPress;
-  if (stated.value == "pull") return Task::kPull;
-  stated.fail("must be press or pull");
+  if (const auto task = find_task(stated.value)) return *task;
+  stated.fail("must be press, pull or palpate");
 }
 
 PathInterpolation parse_interpolation(const LocatedString& stated) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/scene/search.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
@@ -63,6 +64,7 @@ struct SceneFile {
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
   std::vector<InclusionTable> inclusions;
   std::optional<LocatedString> stiffness_map;
+  SearchTable search;
   std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
   std::vector<DeviceTable> devices;
@@ -82,7 +84,7 @@ struct SceneFile {
 [[nodiscard]] SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
                                         std::span<const Setting> settings = {});
 
-/// [setup] "press" or "pull". @throws InputError naming where `stated` was written.
+/// [setup] The task that `stated` names. @throws InputError naming where `stated` was written.
 [[nodiscard]] Task parse_task(const LocatedString& stated);
 
 /// [setup] The length unit that `stated` names. @throws InputError naming where `stated` was written.

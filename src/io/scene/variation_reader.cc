@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "core/geometry/signed_distance.h"
 #include "io/scene/default_path.h"
 #include "io/scene/names.h"
 #include "io/scene/scene_keys.h"
@@ -77,8 +76,8 @@ InclusionTable read_one(const TomlTable& table, std::size_t number) {
   return made;
 }
 
-/// The unit outward normal of the surface around a point: the mean over the faces whose middles lie within
-/// `radius`, on this side of the organ.
+}  // namespace
+
 Vec3 mean_normal(const geometry::TriangleMesh& organ, const geometry::NearestPoint& nearest, double radius) {
   Vec3 sum = nearest.normal * (1e-6 * radius * radius);
   for (const geometry::Triangle& triangle : organ.triangles) {
@@ -90,8 +89,6 @@ Vec3 mean_normal(const geometry::TriangleMesh& organ, const geometry::NearestPoi
   }
   return sum.normalized();
 }
-
-}  // namespace
 
 std::vector<InclusionTable> read_inclusions(const TomlTable& organ) {
   std::vector<InclusionTable> inclusions;

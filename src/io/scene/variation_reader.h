@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/signed_distance.h"
 #include "io/scene/toml_reader.h"
 #include "palpate/scene.h"
 
@@ -22,6 +23,11 @@ struct InclusionTable {
 
 /// [setup] An inclusion by its flag: the name of a preset. @throws InputError that lists the presets
 [[nodiscard]] std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& words);
+
+/// [setup] The unit outward normal of the surface around a point: the mean over the faces whose middles lie
+/// within `radius` [m], on this side of the organ.
+[[nodiscard]] Vec3 mean_normal(const geometry::TriangleMesh& organ, const geometry::NearestPoint& nearest,
+                               double radius);
 
 /// [setup] Finds the centres and sets the inclusions of a loaded scene.
 /// @throws InputError for an inclusion that is not inside the organ

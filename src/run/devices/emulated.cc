@@ -75,6 +75,7 @@ haptics::DeviceState EmulatedDevice::read(std::uint64_t tick, double time) noexc
   sample.orientation_D = wanted.orientation;
   sample.velocity_D = velocity_;
   sample.gripper = wanted.gripper;
+  sample.buttons = wanted.buttons;
   if (const auto fault = faults_.first_active(tick)) {
     last_fault_.store(static_cast<int>(*fault), std::memory_order_relaxed);
   }

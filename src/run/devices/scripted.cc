@@ -10,6 +10,7 @@ haptics::DeviceState ScriptedDevice::read(std::uint64_t /*tick*/, double time) n
   state.orientation_D = row.orientation;
   state.velocity_D = path_.velocity_at(time);
   state.gripper = row.gripper;
+  state.buttons = row.buttons;
   return state;
 }
 

@@ -50,7 +50,7 @@ std::string motion_text(const std::vector<model::OrganMotionParameters>& motions
 Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
   Facts facts{
       {"scene", setup.name},
-      {"task", setup.task == scene::Task::kPull ? "pull" : "press"},
+      {"task", scene::to_string(setup.task)},
       {"organ", setup.organ_name + ": " + mesh_text(setup.organ)},
       {"organ's position", point_mm(setup.organ_pose.position)},
   };

@@ -1,0 +1,70 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/geometry/cell.h"
+#include "palpate/tick_row.h"
+
+namespace palpate::palpation {
+
+/// What hands felt at a point of the organ's surface.
+struct FeltPlace {
+  // Felt normal force divided by the force of the uniform tissue at the same depths; NaN: never touched.
+  // 1: uniform tissue, above 1: stiffer.
+  double factor = std::numeric_limits<double>::quiet_NaN();
+  double depth = 0.0;  // m, largest depth nearby
+  double force = 0.0;  // N, largest normal force nearby
+};
+
+/// The map of the stiffness that hands felt, over the vertices of the organ's rest surface (organ frame). The
+/// factor at a vertex v is
+///
+///     sum w F_n / sum w F_0(D),   w = (1 - r^2 / R^2)^2,
+///
+/// over all ticks whose contact c is within R of v, r = |c - v|. R is the tip's radius, 3 to 10 mm, F_n the
+/// normal force, F_0 the press law of the scene's tissue, and D the depth. Damping cancels between pressing
+/// in and out.
+class FeltMap final {
+ public:
+  /// [setup] @param world must outlive this
+  explicit FeltMap(const contact::World& world);
+
+  /// [any] Adds one tick of one hand; a tick without a press changes nothing. @param organ_W the organ's pose
+  /// in that tick
+  void add(const haptics::TickRow& row, const Pose& organ_W);
+  /// [any] Forgets everything.
+  void clear();
+
+  [[nodiscard]] const geometry::TriangleMesh& surface() const noexcept { return world_.rest_surface(); }
+  /// [any] @param vertex index in surface()
+  [[nodiscard]] FeltPlace at(std::size_t vertex) const;
+  /// [any] The factor that the tissue has at a vertex: at the mean depth at which it was felt, or at
+  /// `otherwise` [m].
+  [[nodiscard]] double true_factor(std::size_t vertex, double otherwise) const;
+  /// [any] Mean depth [m] of all presses, weighted by force; 0: none.
+  [[nodiscard]] double mean_depth() const noexcept;
+  /// [any] The radius R [m] of a hand's tool.
+  [[nodiscard]] double reach(std::size_t hand) const noexcept;
+
+ private:
+  struct Sums {
+    double force = 0.0;    // sum w F_n
+    double uniform = 0.0;  // sum w F_0
+    double depth = 0.0;    // sum w F_0 D
+    float deepest = 0.0F;
+    float largest = 0.0F;
+  };
+
+  const contact::World& world_;
+  std::vector<Vec3> normals_;  // unit, per vertex
+  std::unordered_map<geometry::Cell, std::vector<std::int32_t>, geometry::ThreeWordsHash>
+      cells_;               // vertices by cell
+  std::vector<Sums> sums_;  // per vertex
+  Sums all_;                // over all presses
+};
+
+}  // namespace palpate::palpation

@@ -1,0 +1,71 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/recording.h"
+#include "science/palpation/felt_map.h"
+
+namespace palpate::palpation {
+
+/// A place that a hand marked.
+struct Mark {
+  std::uint64_t tick = 0;
+  std::uint32_t hand = 0;
+  Vec3 place_S = Vec3::Zero();        // on the rest surface
+  std::optional<std::size_t> lump{};  // within the tolerance of this one, index in Score::lumps
+  bool first = false;                 // the first mark of that lump
+  double distance = 0.0;              // m, to the nearest lump's place; 0 without lumps
+};
+
+/// An inclusion that was to be found.
+struct Lump {
+  std::string name;
+  Vec3 place_S = Vec3::Zero();  // on the rest surface, above its centre
+  bool found = false;
+  bool covered = false;  // touched within the tolerance
+};
+
+/// How a search for inclusions went. docs/lumps.md gives the sources of the measures.
+struct Score {
+  std::vector<Lump> lumps;
+  std::vector<Mark> marks;
+  std::size_t found = 0;
+  std::size_t missed = 0;
+  std::size_t wrong = 0;          // marks outside every lump's tolerance
+  std::size_t repeated = 0;       // further marks of a lump that is found
+  std::optional<double> error{};  // m, mean distance of found lumps to their first marks
+  double coverage = 0.0;          // share of the search area's surface that was touched, 0 to 1
+  double time = 0.0;              // s, from the first contact to the last mark (no mark: the last contact)
+  double contact_time = 0.0;      // s, of all hands together
+  double path = 0.0;              // m, of the tools' handles in that time
+  double mean_force = 0.0;        // N, tissue force over the ticks in contact
+  double largest_force = 0.0;     // N
+  double force_variation = 0.0;   // standard deviation of the tissue force in contact divided by its mean
+  double force_rate = 0.0;  // N/s, root mean square of dF/dt in contact, F averaged over 50 ms: smooth is low
+};
+
+/// The score, and the map that it was computed from.
+struct Palpation {
+  explicit Palpation(const contact::World& world) : map(world) {}
+  Score score;
+  FeltMap map;
+};
+
+/// [setup] The inclusions that a scene hides; in a scene that hides none, all. Their places on the surface.
+[[nodiscard]] std::vector<Lump> lumps_of(const scene::Scene& setup);
+
+/// [setup] Scores a recording of any task. @param world of the recording's scene @param progress 0..1
+[[nodiscard]] Palpation score_recording(const record::Recording& recording, const contact::World& world,
+                                        const record::Progress& progress = {});
+
+/// [setup] The score as a JSON document. Keys as in docs/file-formats.md.
+[[nodiscard]] std::string to_json(const Score& score);
+
+/// [setup] Writes x_mm, y_mm, z_mm, felt_factor, true_factor, depth_mm and force_N of every vertex; a vertex
+/// that was never touched has an empty felt_factor. @throws InputError that names the file
+void write_map(const FeltMap& map, const std::filesystem::path& file);
+
+}  // namespace palpate::palpation
