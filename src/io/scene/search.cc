@@ -125,6 +125,17 @@ double highest_near(const VerticalLines& lines, double x, double y, double radiu
   return highest;
 }
 
+/// Whether a tool that comes down there meets the search area all around: not at its rim.
+bool is_inside(const VerticalLines& lines, const SearchArea& area, double x, double y) {
+  constexpr double kRim = 5e-3;  // m
+  for (int k = 0; k < 8; ++k) {
+    const double angle = 0.25 * portable::kPi * k;
+    const auto hit = lines.at(x + kRim * std::cos(angle), y + kRim * std::sin(angle));
+    if (!hit || !area.contains(hit->triangle)) return false;
+  }
+  return true;
+}
+
 std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea& area, double spacing) {
   constexpr double kDepth = 8e-3;       // m
   constexpr double kOfThickness = 0.4;  // largest share of the thickness
@@ -139,7 +150,7 @@ std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea
       const double x = box.middle().x() + (column - 0.5 * (along - 1)) * spacing;
       const double y = box.middle().y() + (row - 0.5 * (rows - 1)) * spacing;
       const std::optional<Crossing> hit = lines.at(x, y);
-      if (!hit || !area.contains(hit->triangle)) continue;
+      if (!hit || !is_inside(lines, area, x, y)) continue;
       presses.push_back({Vec3(x, y, hit->top), std::min(kDepth, kOfThickness * (hit->top - hit->bottom)),
                          kClearance + highest_near(lines, x, y, spacing)});
     }

@@ -10,6 +10,7 @@
 namespace palpate::palpation {
 namespace {
 
+constexpr double kLeastDepth = 1e-3;     // m: shallower presses tell little
 constexpr double kLeastReach = 3e-3;     // m
 constexpr double kLargestReach = 10e-3;  // m; also the width of the grid's cells
 
@@ -26,7 +27,10 @@ std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh) {
 }  // namespace
 
 FeltMap::FeltMap(const contact::World& world)
-    : world_(world), normals_(vertex_normals(surface())), sums_(surface().vertices.size()) {
+    : world_(world),
+      normals_(vertex_normals(surface())),
+      sums_(surface().vertices.size()),
+      last_(world.tool_count()) {
   for (std::size_t v = 0; v < sums_.size(); ++v) {
     cells_[geometry::cell_at(surface().vertices[v], kLargestReach)].push_back(static_cast<std::int32_t>(v));
   }
@@ -36,21 +40,34 @@ double FeltMap::reach(std::size_t hand) const noexcept {
   return std::clamp(world_.tip_radius(hand), kLeastReach, kLargestReach);
 }
 
+double FeltMap::depth_rate(const haptics::TickRow& row) {
+  Last& last = last_[row.hand];
+  const bool follows = last.depth > 0.0 && row.tick > last.tick && row.time - last.time < 0.1;
+  const double rate =
+      follows ? (row.depth - last.depth) / (row.time - last.time) : std::numeric_limits<double>::quiet_NaN();
+  last = {row.tick, row.time, row.depth};
+  return rate;
+}
+
 void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
+  const double rate = depth_rate(row);
   if (static_cast<contact::Phase>(row.phase) != contact::Phase::kPress || !(row.depth > 0.0)) return;
   const Pose to_organ = organ_W.inverse();
   const Vec3 contact_S = to_organ * Vec3(row.contact[0], row.contact[1], row.contact[2]);
   const Vec3 normal_S = to_organ.rotation * Vec3(row.normal[0], row.normal[1], row.normal[2]);
-  const double force =
+  const double normal_force =
       std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
-  const double uniform = world_.press_law().force_at(row.depth).force;
+  const double force = normal_force - world_.tissue().contact.damping * rate;
+  const bool tells =
+      std::isfinite(rate) && row.depth >= kLeastDepth && (row.status & contact::kStartedInside) == 0;
+  const double uniform = tells ? world_.press_law().force_at(row.depth).force : 0.0;
   const double reach_squared = reach(row.hand) * reach(row.hand);
   const auto add_to = [&](Sums& sums, double weight) {
-    sums.force += weight * force;
+    if (tells) sums.force += weight * force;
     sums.uniform += weight * uniform;
     sums.depth += weight * uniform * row.depth;
     sums.deepest = std::max(sums.deepest, static_cast<float>(row.depth));
-    sums.largest = std::max(sums.largest, static_cast<float>(force));
+    sums.largest = std::max(sums.largest, static_cast<float>(normal_force));
   };
   add_to(all_, 1.0);
   const geometry::Cell middle = geometry::cell_at(contact_S, kLargestReach);
@@ -71,6 +88,7 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
 void FeltMap::clear() {
   std::fill(sums_.begin(), sums_.end(), Sums{});
   all_ = {};
+  std::fill(last_.begin(), last_.end(), Last{});
 }
 
 FeltPlace FeltMap::at(std::size_t vertex) const {

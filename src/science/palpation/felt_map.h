@@ -13,8 +13,8 @@ namespace palpate::palpation {
 
 /// What hands felt at a point of the organ's surface.
 struct FeltPlace {
-  // Felt normal force divided by the force of the uniform tissue at the same depths; NaN: never touched.
-  // 1: uniform tissue, above 1: stiffer.
+  // Felt normal force divided by the force of the uniform tissue at the same depths; above 1: stiffer. NaN:
+  // never pressed 1 mm deep.
   double factor = std::numeric_limits<double>::quiet_NaN();
   double depth = 0.0;  // m, largest depth nearby
   double force = 0.0;  // N, largest normal force nearby
@@ -25,9 +25,9 @@ struct FeltPlace {
 ///
 ///     sum w F_n / sum w F_0(D),   w = (1 - r^2 / R^2)^2,
 ///
-/// over all ticks whose contact c is within R of v, r = |c - v|. R is the tip's radius, 3 to 10 mm, F_n the
-/// normal force, F_0 the press law of the scene's tissue, and D the depth. Damping cancels between pressing
-/// in and out.
+/// over all ticks whose contact c is within R of v, r = |c - v|, and at least 1 mm deep. R is the tip's
+/// radius, 3 to 10 mm, F_n the normal force without the damping b dD/dt, F_0 the press law of the scene's
+/// tissue, and D the depth.
 class FeltMap final {
  public:
   /// [setup] @param world must outlive this
@@ -59,11 +59,20 @@ class FeltMap final {
     float largest = 0.0F;
   };
 
+  struct Last {
+    std::uint64_t tick = 0;
+    double time = 0.0;   // s
+    double depth = 0.0;  // m
+  };
+  /// dD/dt [m/s] since the hand's last row; NaN when it is unknown.
+  [[nodiscard]] double depth_rate(const haptics::TickRow& row);
+
   const contact::World& world_;
   std::vector<Vec3> normals_;  // unit, per vertex
   std::unordered_map<geometry::Cell, std::vector<std::int32_t>, geometry::ThreeWordsHash>
       cells_;               // vertices by cell
   std::vector<Sums> sums_;  // per vertex
+  std::vector<Last> last_;  // per hand
   Sums all_;                // over all presses
 };
 

@@ -188,7 +188,7 @@ TEST(Load, RefusesBadFlagsByTheirName) {
     change(request);
     return error_in(request);
   };
-  EXPECT_EQ(with([](Overrides& r) { r.task = "cut"; }), "--task = \"cut\": must be press or pull");
+  EXPECT_EQ(with([](Overrides& r) { r.task = "cut"; }), "--task = \"cut\": must be press, pull or palpate");
   EXPECT_THAT(with([](Overrides& r) { r.organ = "lung"; }),
               HasSubstr("--organ = \"lung\": must be gallbladder"));
   EXPECT_THAT(with([](Overrides& r) { r.organ = "./lung.stl"; }),

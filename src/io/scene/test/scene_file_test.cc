@@ -183,7 +183,7 @@ TEST(SceneFile, NamesTheNearestKnownKeyInEveryTable) {
 
 TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
   for (const auto& [line, want] : std::vector<std::pair<std::string, std::string>>{
-           {"[scene]\ntask = \"cut\"", ":6: scene.task = \"cut\": must be press or pull"},
+           {"[scene]\ntask = \"cut\"", ":6: scene.task = \"cut\": must be press, pull or palpate"},
            {"[scene]\ntask = 1", ":6: scene.task = 1: must be a text in quotes"},
            {"[scene]\nrate_Hz = 0", ":6: scene.rate_Hz = 0: must be a number >= 100 and <= 20000"},
            {"[scene]\nrate_Hz = -1000", ":6: scene.rate_Hz = -1000: must be a number >= 100"},
