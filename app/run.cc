@@ -186,7 +186,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
     const record::Recording recording = record::read_recording(recorded);
     if (palpates) {
       std::unique_ptr<haptics::SimulationWorld> world;
-      score = score_of(recording, flags.no_cache, world).score;
+      score = score_of(recording, flags.no_cache, world).score();
     }
     if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);

@@ -32,12 +32,12 @@ int score_file(const ScoreFlags& flags) {
   const record::Recording recording = record::read_recording(flags.file);
   if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
   std::unique_ptr<haptics::SimulationWorld> world;
-  const palpation::Palpation made = score_of(recording, flags.no_cache, world);
-  if (!flags.map.empty()) palpation::write_map(made.map, flags.map);
+  const palpation::Scorer made = score_of(recording, flags.no_cache, world);
+  if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);
   if (flags.json) {
-    std::cout << palpation::to_json(made.score) << '\n';
+    std::cout << palpation::to_json(made.score()) << '\n';
   } else {
-    print_score(std::cout, made.score);
+    print_score(std::cout, made.score());
   }
   return kDone;
 }

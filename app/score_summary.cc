@@ -29,8 +29,8 @@ double distance_of(const palpation::Score& score, std::size_t lump) {
 
 }  // namespace
 
-palpation::Palpation score_of(const record::Recording& recording, bool no_cache,
-                              std::unique_ptr<haptics::SimulationWorld>& world) {
+palpation::Scorer score_of(const record::Recording& recording, bool no_cache,
+                           std::unique_ptr<haptics::SimulationWorld>& world) {
   const OrganPreparation preparation(no_cache);
   world = std::make_unique<haptics::SimulationWorld>(scene::make_world(recording.setup, preparation.how()));
   Progress bar("score");

@@ -260,7 +260,7 @@ void hide_inclusions(const SearchTable& table, Scene& setup) {
     setup.inclusions.push_back(std::move(made));
     ++hidden;
   }
-  if (hidden < wanted) {
+  if (hidden < (table.lumps ? wanted : 1)) {
     throw InputError(fmt::format(
         "{}.lumps = {}: only {} of {} mm radius have room {} mm below the organ's upper side: must be fewer, "
         "smaller or at another depth",

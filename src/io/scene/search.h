@@ -43,8 +43,8 @@ class SearchArea final {
 };
 
 /// [setup] Adds hidden inclusions at random places under the search area, by the scene's seed: `lumps` of
-/// them, or by default 3 in a scene without hidden inclusions. Marks within the tolerance of one are outside
-/// that of another. @throws InputError when the organ has no room for them
+/// them, or by default as many as have room, at most 3, in a scene without hidden inclusions. Marks within
+/// the tolerance of one are outside that of another. @throws InputError when the organ has no room for them
 void hide_inclusions(const SearchTable& table, Scene& setup);
 
 /// [setup] The default path of task palpate, in the world: the tool points down and presses at the points of

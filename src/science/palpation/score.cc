@@ -22,127 +22,16 @@ constexpr double kRateWindow = 50e-3;  // s, over which the force is averaged fo
 
 Vec3 vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-/// Measures of the forces in contact, over all hands.
-class ForceMeasures final {
- public:
-  ForceMeasures(std::size_t hands, double rate_Hz)
-      : rate_Hz_(rate_Hz),
-        window_(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kRateWindow * rate_Hz)))),
-        last_(hands) {}
-
-  void add(const haptics::TickRow& row, bool touching) {
-    std::vector<double>& last = last_[row.hand];
-    if (!touching) {
-      last.clear();
-      return;
-    }
-    const double force = row.tissue_force;
-    ++ticks_;
-    sum_ += force;
-    squares_ += force * force;
-    largest_ = std::max(largest_, force);
-    // The mean over the window changes by (F_i - F_(i-n)) / n from tick to tick.
-    if (last.size() >= window_) {
-      const double rate = (force - last[last.size() - window_]) * rate_Hz_ / static_cast<double>(window_);
-      rates_ += rate * rate;
-      ++rate_count_;
-    }
-    last.push_back(force);
-  }
-
-  void write(Score& score) const {
-    if (ticks_ == 0) return;
-    const double count = static_cast<double>(ticks_);
-    score.contact_time = count / rate_Hz_;
-    score.mean_force = sum_ / count;
-    score.largest_force = largest_;
-    const double variance = squares_ / count - score.mean_force * score.mean_force;
-    if (score.mean_force > 0.0) score.force_variation = std::sqrt(std::max(0.0, variance)) / score.mean_force;
-    if (rate_count_ > 0) score.force_rate = std::sqrt(rates_ / static_cast<double>(rate_count_));
-  }
-
- private:
-  double rate_Hz_;
-  std::size_t window_;                     // ticks
-  std::vector<std::vector<double>> last_;  // per hand: the forces since its contact began
-  std::uint64_t ticks_ = 0;
-  std::uint64_t rate_count_ = 0;
-  double sum_ = 0.0;
-  double squares_ = 0.0;
-  double largest_ = 0.0;
-  double rates_ = 0.0;
-};
-
-/// Adds a mark to the score and decides which lump it finds.
-void add_mark(Mark mark, double tolerance, Score& score) {
-  std::optional<std::size_t> nearest;
-  for (std::size_t i = 0; i < score.lumps.size(); ++i) {
-    const double distance = (score.lumps[i].place_S - mark.place_S).norm();
-    if (nearest && distance >= mark.distance) continue;
-    nearest = i;
-    mark.distance = distance;
-  }
-  if (nearest && mark.distance <= tolerance) {
-    mark.lump = nearest;
-    mark.first = !score.lumps[*nearest].found;
-    score.lumps[*nearest].found = true;
-  }
-  score.marks.push_back(mark);
-}
-
-void count_marks(Score& score) {
-  double sum = 0.0;
-  for (const Mark& mark : score.marks) {
-    if (!mark.lump) {
-      ++score.wrong;
-    } else if (!mark.first) {
-      ++score.repeated;
-    } else {
-      ++score.found;
-      sum += mark.distance;
-    }
-  }
-  score.missed = score.lumps.size() - score.found;
-  if (score.found > 0) score.error = sum / static_cast<double>(score.found);
-}
-
-/// The share of the search area that was touched.
-double coverage_of(const FeltMap& map, const Pose& organ_pose) {
-  const geometry::TriangleMesh& surface = map.surface();
+/// The search area that belongs to each vertex [m^2]: a third of its triangles there.
+std::vector<double> areas_of(const geometry::TriangleMesh& surface, const Pose& organ_pose) {
+  std::vector<double> areas(surface.vertices.size(), 0.0);
   const scene::SearchArea area(surface, organ_pose);
-  double all = 0.0;
-  double touched = 0.0;
   for (const std::int32_t t : area.triangles()) {
     const geometry::Triangle& corners = surface.triangles[static_cast<std::size_t>(t)];
-    const double size = geometry::area_vector_doubled(surface, corners).norm();
-    const auto felt = std::count_if(corners.begin(), corners.end(), [&](std::int32_t v) {
-      return map.at(static_cast<std::size_t>(v)).depth > 0.0;
-    });
-    all += size;
-    touched += size * static_cast<double>(felt) / 3.0;
+    const double third = geometry::area_vector_doubled(surface, corners).norm() / 6.0;
+    for (const std::int32_t v : corners) areas[static_cast<std::size_t>(v)] += third;
   }
-  return all > 0.0 ? touched / all : 0.0;
-}
-
-/// Time and length of a search: from the first contact to the last mark or, without marks, the last contact.
-void measure_way(const record::Recording& recording, Score& score) {
-  std::optional<std::uint64_t> first;
-  std::uint64_t last = 0;
-  for (const haptics::TickRow& row : recording.rows) {
-    if (static_cast<contact::Phase>(row.phase) == contact::Phase::kApproach) continue;
-    if (!first) first = row.tick;
-    last = row.tick;
-  }
-  if (!first) return;
-  if (!score.marks.empty()) last = std::max(*first, score.marks.back().tick);
-  score.time = static_cast<double>(last - *first) / recording.setup.rate_Hz;
-  std::vector<std::optional<Vec3>> before(recording.setup.tools.size());
-  for (const haptics::TickRow& row : recording.rows) {
-    if (row.tick < *first || row.tick > last) continue;
-    const Vec3 tool = vec(row.tool);
-    if (before[row.hand]) score.path += (tool - *before[row.hand]).norm();
-    before[row.hand] = tool;
-  }
+  return areas;
 }
 
 nlohmann::ordered_json place_json(const Vec3& place) {
@@ -164,39 +53,131 @@ std::vector<Lump> lumps_of(const scene::Scene& setup) {
   return lumps;
 }
 
-Palpation score_recording(const record::Recording& recording, const contact::World& world,
-                          const record::Progress& progress) {
-  const scene::Scene& setup = recording.setup;
-  const double tolerance = setup.search.tolerance;
-  const std::uint32_t mark_bit = 1U << setup.search.mark_button;
-  const model::OrganMotion motion = scene::organ_motion_of(setup);
-  Palpation made(world);
-  Score& score = made.score;
-  score.lumps = lumps_of(setup);
-  ForceMeasures forces(setup.tools.size(), setup.rate_Hz);
-  std::vector<bool> pressed(setup.tools.size(), false);
-  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
-    const haptics::TickRow& row = recording.rows[i];
-    const Pose organ_W = motion.pose_at(setup.organ_pose, row.tick, setup.rate_Hz);
-    const Vec3 place_S = organ_W.inverse() * vec(row.contact);
-    const bool touching = static_cast<contact::Phase>(row.phase) != contact::Phase::kApproach;
-    forces.add(row, touching);
-    made.map.add(row, organ_W);
-    for (Lump& lump : score.lumps) {
-      if (touching && (lump.place_S - place_S).norm() <= tolerance) lump.covered = true;
+Scorer::Scorer(const scene::Scene& setup, const contact::World& world)
+    : rate_Hz_(setup.rate_Hz),
+      tolerance_(setup.search.tolerance),
+      mark_bit_(1U << setup.search.mark_button),
+      window_(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kRateWindow * rate_Hz_)))),
+      organ_pose_(setup.organ_pose),
+      motion_(scene::organ_motion_of(setup)),
+      map_(world),
+      areas_(areas_of(map_.surface(), setup.organ_pose)),
+      hands_(setup.tools.size()) {
+  score_.lumps = lumps_of(setup);
+}
+
+void Scorer::add(const haptics::TickRow& row) {
+  Hand& hand = hands_[row.hand];
+  const Pose organ_W = motion_.pose_at(organ_pose_, row.tick, rate_Hz_);
+  const Vec3 place_S = organ_W.inverse() * vec(row.contact);
+  const bool touching = static_cast<contact::Phase>(row.phase) != contact::Phase::kApproach;
+  map_.add(row, organ_W);
+  if (touching && !began_) began_ = row.time;
+  const Vec3 tool = vec(row.tool);
+  if (began_ && hand.tool) hand.path += (tool - *hand.tool).norm();
+  hand.tool = tool;
+  if (touching) {
+    add_force(row.tissue_force, hand);
+    for (Lump& lump : score_.lumps) {
+      if ((lump.place_S - place_S).norm() <= tolerance_) lump.covered = true;
     }
-    const bool now = (row.buttons & mark_bit) != 0;
-    if (now && !pressed[row.hand])
-      add_mark({.tick = row.tick, .hand = row.hand, .place_S = place_S}, tolerance, score);
-    pressed[row.hand] = now;
-    if (progress && i % 10000 == 0)
-      progress(static_cast<double>(i) / static_cast<double>(recording.rows.size()));
+    if (score_.marks.empty()) extend_to(row);
+  } else {
+    hand.forces.clear();
   }
-  count_marks(score);
-  forces.write(score);
-  measure_way(recording, score);
-  score.coverage = coverage_of(made.map, setup.organ_pose);
-  return made;
+  const bool marking = (row.buttons & mark_bit_) != 0;
+  if (marking && !hand.marking) {
+    add_mark({.tick = row.tick, .hand = row.hand, .place_S = place_S});
+    extend_to(row);
+  }
+  hand.marking = marking;
+}
+
+void Scorer::extend_to(const haptics::TickRow& row) {
+  if (!began_) return;
+  score_.time = row.time - *began_;
+  score_.path = 0.0;
+  for (const Hand& hand : hands_) score_.path += hand.path;
+}
+
+void Scorer::add_force(double force, Hand& hand) {
+  ++ticks_;
+  sum_ += force;
+  squares_ += force * force;
+  score_.largest_force = std::max(score_.largest_force, force);
+  // The mean over the window changes by (F_i - F_(i-n)) / n from tick to tick.
+  if (hand.forces.size() >= window_) {
+    const double change = force - hand.forces[hand.forces.size() - window_];
+    const double rate = change * rate_Hz_ / static_cast<double>(window_);
+    rates_ += rate * rate;
+    ++rate_count_;
+  }
+  hand.forces.push_back(force);
+}
+
+void Scorer::add_mark(Mark mark) {
+  std::optional<std::size_t> nearest;
+  for (std::size_t i = 0; i < score_.lumps.size(); ++i) {
+    const double distance = (score_.lumps[i].place_S - mark.place_S).norm();
+    if (nearest && distance >= mark.distance) continue;
+    nearest = i;
+    mark.distance = distance;
+  }
+  if (nearest && mark.distance <= tolerance_) {
+    mark.lump = nearest;
+    mark.first = !score_.lumps[*nearest].found;
+    score_.lumps[*nearest].found = true;
+  }
+  score_.marks.push_back(mark);
+}
+
+double Scorer::coverage() const {
+  double all = 0.0;
+  double touched = 0.0;
+  for (std::size_t v = 0; v < areas_.size(); ++v) {
+    all += areas_[v];
+    if (map_.at(v).depth > 0.0) touched += areas_[v];
+  }
+  return all > 0.0 ? touched / all : 0.0;
+}
+
+Score Scorer::score() const {
+  Score score = score_;
+  double distances = 0.0;
+  for (const Mark& mark : score.marks) {
+    if (!mark.lump) {
+      ++score.wrong;
+    } else if (!mark.first) {
+      ++score.repeated;
+    } else {
+      ++score.found;
+      distances += mark.distance;
+    }
+  }
+  score.missed = score.lumps.size() - score.found;
+  if (score.found > 0) score.error = distances / static_cast<double>(score.found);
+  score.coverage = coverage();
+  if (ticks_ == 0) return score;
+  const double count = static_cast<double>(ticks_);
+  score.contact_time = count / rate_Hz_;
+  score.mean_force = sum_ / count;
+  const double variance = squares_ / count - score.mean_force * score.mean_force;
+  if (score.mean_force > 0.0) score.force_variation = std::sqrt(std::max(0.0, variance)) / score.mean_force;
+  if (rate_count_ > 0) score.force_rate = std::sqrt(rates_ / static_cast<double>(rate_count_));
+  return score;
+}
+
+Scorer score_recording(const record::Recording& recording, const contact::World& world,
+                       const record::Progress& progress) {
+  constexpr std::size_t kBlock = 10'000;  // rows
+  Scorer scorer(recording.setup, world);
+  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
+    scorer.add(recording.rows[i]);
+    if (progress && i % kBlock == 0) {
+      progress(static_cast<double>(i) / static_cast<double>(recording.rows.size()));
+    }
+  }
+  return scorer;
 }
 
 std::string to_json(const Score& score) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/organ_motion.h"
 #include "palpate/recording.h"
 #include "science/palpation/felt_map.h"
 
@@ -47,19 +48,59 @@ struct Score {
   double force_rate = 0.0;  // N/s, root mean square of dF/dt in contact, F averaged over 50 ms: smooth is low
 };
 
-/// The score, and the map that it was computed from.
-struct Palpation {
-  explicit Palpation(const contact::World& world) : map(world) {}
-  Score score;
-  FeltMap map;
-};
-
 /// [setup] The inclusions that a scene hides; in a scene that hides none, all. Their places on the surface.
 [[nodiscard]] std::vector<Lump> lumps_of(const scene::Scene& setup);
 
-/// [setup] Scores a recording of any task. @param world of the recording's scene @param progress 0..1
-[[nodiscard]] Palpation score_recording(const record::Recording& recording, const contact::World& world,
-                                        const record::Progress& progress = {});
+/// Scores a search row by row, during a run or from a recording. All members: one thread.
+class Scorer final {
+ public:
+  /// [setup] @param setup, world of the run; `world` must outlive this
+  Scorer(const scene::Scene& setup, const contact::World& world);
+
+  /// [any] Adds one tick of one hand, in the order of a recording.
+  void add(const haptics::TickRow& row);
+  /// [any] The score of the rows so far.
+  [[nodiscard]] Score score() const;
+  /// [any] The marks so far. Whether one found a lump is in score() alone.
+  [[nodiscard]] const std::vector<Mark>& marks() const noexcept { return score_.marks; }
+  [[nodiscard]] const FeltMap& map() const noexcept { return map_; }
+
+ private:
+  /// A hand's forces since its contact began, and its last place.
+  struct Hand {
+    std::vector<double> forces;  // N
+    std::optional<Vec3> tool;
+    double path = 0.0;  // m, since the first contact
+    bool marking = false;
+  };
+  void add_force(double force, Hand& hand);
+  void add_mark(Mark mark);
+  /// The search lasts at least until this row.
+  void extend_to(const haptics::TickRow& row);
+  [[nodiscard]] double coverage() const;
+
+  double rate_Hz_;
+  double tolerance_;  // m
+  std::uint32_t mark_bit_;
+  std::size_t window_;  // ticks, over which the force is averaged for its rate
+  Pose organ_pose_;
+  model::OrganMotion motion_;
+  FeltMap map_;
+  std::vector<double> areas_;  // m^2, of the search area, per vertex of the map's surface
+  Score score_;                // its sums are completed by score()
+  std::vector<Hand> hands_;
+  std::optional<double> began_;  // s, first contact
+  std::uint64_t ticks_ = 0;      // in contact, of all hands
+  std::uint64_t rate_count_ = 0;
+  double sum_ = 0.0;      // N
+  double squares_ = 0.0;  // N^2
+  double rates_ = 0.0;    // (N/s)^2
+};
+
+/// [setup] Scores a recording of any task. @param world of the recording's scene, must outlive the result
+/// @param progress 0..1
+[[nodiscard]] Scorer score_recording(const record::Recording& recording, const contact::World& world,
+                                     const record::Progress& progress = {});
 
 /// [setup] The score as a JSON document. Keys as in docs/file-formats.md.
 [[nodiscard]] std::string to_json(const Score& score);

@@ -65,7 +65,7 @@ class Rows final {
 
 Score score_of(const Rows& rows) {
   const haptics::SimulationWorld world = scene::make_world(rows.recording().setup);
-  return score_recording(rows.recording(), world.contact).score;
+  return score_recording(rows.recording(), world.contact).score();
 }
 
 // The tolerance is 10 mm. Marks: 6 mm beside the left nodule; a second one there, 3 mm beside; 15 mm beside
@@ -162,18 +162,18 @@ TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
     const double damping = i <= 0 ? 0.04 : -0.04;
     rows.touch(0.0, 0.0, 2.0 * world.contact.press_law().force_at(depth).force + damping, 0, depth);
   }
-  const Palpation made = score_recording(rows.recording(), world.contact);
+  const Scorer made = score_recording(rows.recording(), world.contact);
   int felt = 0;
-  for (std::size_t v = 0; v < made.map.surface().vertices.size(); ++v) {
-    const Vec3& place = made.map.surface().vertices[v];
-    const FeltPlace one = made.map.at(v);
+  for (std::size_t v = 0; v < made.map().surface().vertices.size(); ++v) {
+    const Vec3& place = made.map().surface().vertices[v];
+    const FeltPlace one = made.map().at(v);
     const bool near = place.head<2>().norm() < kRadius && place.z() == 0.0;
     EXPECT_EQ(std::isnan(one.factor), !near);
     if (!near) continue;
     ++felt;
     EXPECT_NEAR(one.factor, 2.0, 0.02);
     EXPECT_NEAR(one.depth, 6e-3, 1e-6);
-    EXPECT_DOUBLE_EQ(made.map.true_factor(v, 5e-3), 1.0);
+    EXPECT_DOUBLE_EQ(made.map().true_factor(v, 5e-3), 1.0);
   }
   EXPECT_GT(felt, 20);
 }
