@@ -75,7 +75,7 @@ void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
   if (ImGui::Button("Reset the fault  (R)", ImVec2(-1.0F, 0.0F))) commands.reset_faults = true;
 }
 
-std::string microseconds(std::int64_t ns) {
+std::string microseconds_text(std::int64_t ns) {
   return formatted("%.1f \u00b5s", static_cast<double>(ns) * 1e-3);
 }
 
@@ -132,7 +132,7 @@ void timing_panel(const PanelModel& shown) {
     const Rows rows("timing", 0.40F);
     rows.text("Loop", formatted("%.0f Hz", shown.setup.rate_Hz));
     const auto two = [](const haptics::Histogram& times) {
-      return microseconds(times.percentile(0.5)) + ", " + microseconds(times.percentile(0.999));
+      return microseconds_text(times.percentile(0.5)) + ", " + microseconds_text(times.percentile(0.999));
     };
     rows.text("Tick p50, p99.9", two(traces.tick_time()), "computing time of a tick");
     rows.text("Late p50, p99.9", two(traces.lateness()), "how late ticks begin");

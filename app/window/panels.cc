@@ -127,6 +127,7 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
+      {"M, T", "palpate: mark the place under the tool; map of the felt stiffness"},
       {"Ctrl + R", "run again and record; or end the recording"},
       {"V", "look at the recording, in the viewer's window"},
       {"P", "save a picture of the window (PNG)"},

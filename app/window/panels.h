@@ -16,6 +16,7 @@
 #include "palpate/touch_noise.h"
 
 #include "app/window/file_chooser.h"
+#include "app/window/search.h"
 #include "app/window/traces.h"
 #include "app/window/viewport.h"
 
@@ -57,6 +58,7 @@ struct PanelModel {
   double largest_age = 0.0;  // s, within the last seconds
   std::uint64_t rows_left_out = 0;
   std::span<const scene::InclusionSetup> inclusions{};  // in force, visible and hidden
+  std::optional<SearchStatus> search{};                 // of task palpate
   std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
 };
 
@@ -77,6 +79,8 @@ struct Commands {
   bool home = false;  // restore the first view
   bool look = false;  // open the recording in a viewer
   bool leave = false;
+  std::optional<bool> map;  // of the felt stiffness
+  bool end_search = false;
 };
 
 /// Visibility of the panels, and the state of their input fields.
@@ -143,6 +147,7 @@ void begin_column(const char* name, const Rectangle& place);
 
 // Single panels, each in a source file of its own.
 void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands);
+void search_panel(const PanelModel& shown, Commands& commands);
 void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void noise_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void device_panel(const PanelModel& shown, Commands& commands);

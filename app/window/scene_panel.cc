@@ -57,16 +57,15 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
 }
 
 void choose_task(const PanelModel& shown, Commands& commands) {
-  const bool pull = shown.setup.task == scene::Task::kPull;
-  const auto want = [&](const char* task) {
+  for (const scene::Task task : {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate}) {
+    if (task != scene::Task::kPress) ImGui::SameLine();
+    const bool now = shown.setup.task == task;
+    if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;
     scene::Overrides request = shown.request;
-    request.task = task;
+    request.task = scene::to_string(task);
     if (!request.scene && !request.organ) request.organ = shown.setup.organ_name;
     commands.request = std::move(request);
-  };
-  if (ImGui::RadioButton("press", !pull) && pull) want("press");
-  ImGui::SameLine();
-  if (ImGui::RadioButton("pull", pull) && !pull) want("pull");
+  }
 }
 
 /// Draws a row for the stiffness ratio of each visible inclusion. A hidden one is not shown, not even its
@@ -150,10 +149,12 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     ImGui::BeginDisabled(shown.setup.tools.size() != 1);
     choose_tool(shown, state, commands);
     ImGui::EndDisabled();
-    rows.name("Task", "press: the law's limit when pressed; pull: the jaws grasp");
+    rows.name("Task",
+              "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps");
     choose_task(shown, commands);
   }
   inclusion_rows(shown, commands);
+  search_panel(shown, commands);
   run_buttons(shown, commands);
   const bool recording = !shown.recording.empty() && !shown.ended;
   if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());

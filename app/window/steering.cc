@@ -66,7 +66,7 @@ void Steering::mouse_moved(double right, double up, const OrbitCamera& camera, b
   if (mice_.empty()) return;
   Mouse& mouse = mice_[chosen_];
   const Plane plane = plane_across(mouse.axis_W, camera);
-  const double far = camera.height_at_target() * (fine ? kFine : 1.0);
+  const double far = gain_ * camera.height_at_target() * (fine ? kFine : 1.0);
   const Vec3 way_W = far * (right * plane.right + up * plane.away);
   mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
 }
@@ -74,7 +74,8 @@ void Steering::mouse_moved(double right, double up, const OrbitCamera& camera, b
 void Steering::wheel_turned(double notches, bool fine) {
   if (mice_.empty()) return;
   Mouse& mouse = mice_[chosen_];
-  const Vec3 way_W = notches * kNotch * (fine ? kFine : 1.0) * mouse.axis_W;
+  const double gain = notches > 0.0 ? gain_ : 1.0;  // lifting is never slowed
+  const Vec3 way_W = gain * notches * kNotch * (fine ? kFine : 1.0) * mouse.axis_W;
   mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
 }
 
@@ -113,7 +114,14 @@ void Steering::gamepad_event(const SDL_Event& event) {
   }
 }
 
+void Steering::press_button(std::uint32_t button) {
+  constexpr int kFrames = 3;
+  pressed_ = 1U << button;
+  pressed_frames_ = kFrames;
+}
+
 void Steering::update_devices(const OrbitCamera& camera) {
+  if (pressed_frames_ > 0 && --pressed_frames_ == 0) pressed_ = 0;
   for (Mouse& mouse : mice_) {
     const Vec3 way = mouse.target_D - mouse.device->start();
     // A target out of range waits at the limit, so that it reacts at once when the motion reverses.
@@ -122,8 +130,8 @@ void Steering::update_devices(const OrbitCamera& camera) {
     if (far > devices::TargetFollower::kMaxDistance) {
       mouse.target_D = mouse.device->start() + devices::TargetFollower::kMaxDistance / far * way;
     }
-    mouse.device->input().writable() = {mouse.target_D, mouse.held ? 0.0 : mouse.rest, mouse.held ? 1U : 0U,
-                                        true};
+    mouse.device->input().writable() = {mouse.target_D, mouse.held ? 0.0 : mouse.rest,
+                                        (mouse.held ? 1U : 0U) | pressed_, true};
     mouse.device->input().publish();
   }
   for (std::size_t i = 0; i < pads_.size(); ++i) {
@@ -135,6 +143,7 @@ void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const Or
   devices::GamepadInput input;
   input.connected = controller != nullptr;
   input.gripper = pad.rest;
+  input.buttons = pressed_;
   if (controller != nullptr) {
     const Plane plane = plane_across(pad.axis_W, camera);
     const Vec3 way_W = axis_of(controller, SDL_CONTROLLER_AXIS_LEFTX) * plane.right -
@@ -144,6 +153,12 @@ void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const Or
     const double pressed = axis_of(controller, SDL_CONTROLLER_AXIS_TRIGGERRIGHT);
     input.velocity_D = kStickSpeed / pad.scale * (device_W * way_W);
     input.advance_D = kTriggerReach * pressed / pad.scale * (device_W * pad.axis_W);
+    for (const int button : {SDL_CONTROLLER_BUTTON_A, SDL_CONTROLLER_BUTTON_B, SDL_CONTROLLER_BUTTON_X,
+                             SDL_CONTROLLER_BUTTON_Y}) {
+      const auto down =
+          SDL_GameControllerGetButton(controller, static_cast<SDL_GameControllerButton>(button));
+      if (down != 0) input.buttons |= 1U << button;
+    }
     input.gripper = pad.rest * (1.0 - axis_of(controller, SDL_CONTROLLER_AXIS_TRIGGERLEFT));
   }
   pad.device->input().writable() = input;

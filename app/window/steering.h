@@ -41,6 +41,11 @@ class Steering final {
   void wheel_turned(double notches, bool fine);
   /// Closes the jaws while the left button is held, and releases them.
   void grip(bool closed);
+  /// Presses a button of the mouse devices and gamepads for some frames. @param button bit of
+  /// DeviceState::buttons
+  void press_button(std::uint32_t button);
+  /// Sets how far the target moves for a motion of the mouse, 0 to 1.
+  void set_gain(double gain) noexcept { gain_ = gain; }
   /// Opens the jaws if they are closed while no button is held, and the reverse.
   void toggle_rest_of_jaws();
   /// Selects the hand that the mouse moves, counted from 0 among those with a mouse device.
@@ -77,6 +82,9 @@ class Steering final {
   std::vector<SDL_GameController*> controllers_;
   std::vector<SDL_JoystickID> ids_;  // of the controllers
   std::size_t chosen_ = 0;
+  double gain_ = 1.0;          // of the mouse
+  std::uint32_t pressed_ = 0;  // buttons that press_button() holds
+  int pressed_frames_ = 0;     // how long still
 };
 
 }  // namespace palpate::app

@@ -5,10 +5,12 @@
 
 namespace palpate::app {
 
-void Traces::take(RowObserver& observer, bool keep) {
+void Traces::take(RowObserver& observer, bool keep,
+                  const std::function<void(const haptics::TickRow&)>& each) {
   haptics::TickRow sample;
   while (observer.take(sample)) {
     if (sample.hand >= kept_.size()) continue;
+    if (each) each(sample);
     newest_[sample.hand] = sample;
     newest_time_ = sample.time;
     if (sample.hand == 0) {  // the rows of all hands carry the times of their tick

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "palpate/histogram.h"
@@ -19,7 +20,8 @@ class Traces final {
   explicit Traces(double rate_Hz) : period_ns_(1e9 / rate_Hz) {}
 
   /// Takes all new rows. @param keep false while the picture is held: then only the statistics are updated
-  void take(RowObserver& observer, bool keep);
+  /// @param each is called with every row; may be empty
+  void take(RowObserver& observer, bool keep, const std::function<void(const haptics::TickRow&)>& each = {});
 
   /// Rows of one hand in the last kKept seconds, oldest first.
   [[nodiscard]] const std::deque<haptics::TickRow>& of_hand(std::uint32_t hand) const { return kept_[hand]; }

@@ -67,8 +67,9 @@ bool Window::frame() {
   take_events();
   poll_runs();
   if (!run_->started()) begin();
-  traces_->take(run_->observer(), !paused_);
+  take_rows();
   if (leaving_) return false;
+  poll_search();
   steering_.update_devices(camera_);
   const Traces::NoiseStatistics statistics = traces_->take_noise_statistics();
   steering_.rumble(statistics.tissue, statistics.noise);
@@ -211,6 +212,10 @@ PanelModel Window::shown() const {
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
   shown.rows_left_out = run_->observer().left_out();
   shown.tissue_note = tissue_note_;
+  if (search_ != nullptr) {
+    shown.search = search_->status();
+    if (steering_.mouse_steers()) shown.search->pointer_gain = search_->pointer_gain(*traces_);
+  }
   return shown;
 }
 

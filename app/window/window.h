@@ -22,6 +22,7 @@
 #include "app/window/observers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
+#include "app/window/search.h"
 #include "app/window/steering.h"
 #include "app/window/traces.h"
 #include "app/window/viewport.h"
@@ -89,6 +90,8 @@ class Window final {
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
   [[nodiscard]] double age() const noexcept { return age_; }
   [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
+  /// The search of a run of task palpate; null: another task.
+  [[nodiscard]] const Search* search() const noexcept { return search_.get(); }
 
  private:
   // window_events.cc
@@ -110,6 +113,8 @@ class Window final {
   void poll_runs();
   void poll_next();
   void end_run();
+  void take_rows();
+  void poll_search();
   void grant(const Commands& commands);
   void take_file(const ChosenFile& file);
   void pause_run();
@@ -147,6 +152,7 @@ class Window final {
   Steering steering_;
   std::unique_ptr<Traces> traces_;
   std::unique_ptr<LiveRun<RowObserver>> run_;
+  std::unique_ptr<Search> search_;  // of the run; null: another task
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;

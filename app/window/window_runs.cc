@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
+  search_.reset();  // refers to the session of the run before
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
   ++runs_begun_;
@@ -29,6 +30,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   tissue_waits_ = false;
   noise_waits_ = false;
   inclusions_wait_ = false;
+  if (setup.task == scene::Task::kPalpate) search_ = std::make_unique<Search>(run_->session());
   steering_.take(run_->session());
   viewport_.display().set_title("Palpate: " + title_of(setup));
 }
@@ -52,10 +54,28 @@ render::Subject Window::subject() const {
   return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name, scene::visible_inclusions(inclusions_)};
 }
 
+void Window::take_rows() {
+  if (search_ == nullptr) {
+    traces_->take(run_->observer(), !paused_);
+  } else {
+    traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) { search_->add(row); });
+  }
+}
+
+/// Slows the mouse over stiff places; at the end of a search shows where the lumps are.
+void Window::poll_search() {
+  steering_.set_gain(search_ == nullptr ? 1.0 : search_->pointer_gain(*traces_));
+  if (search_ == nullptr || search_->ended() || !run_->ended()) return;
+  search_->end();
+  std::vector<model::Inclusion> all;
+  for (const scene::InclusionSetup& one : inclusions_) all.push_back(one.inclusion);
+  live_.show_inclusions(std::move(all));
+}
+
 /// Ends the run: zero force, recording closed, devices free for the next session.
 void Window::end_run() {
   run_->stop();
-  traces_->take(run_->observer(), !paused_);
+  take_rows();
   steering_.drop();
   run_->session().close_devices();
   const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
@@ -249,6 +269,8 @@ void Window::grant(const Commands& commands) {
   if (commands.pause_run) pause_run();
   if (commands.home) camera_set_ = false;
   if (commands.full_screen) viewport_.display().toggle_full_screen();
+  if (commands.map && search_ != nullptr) search_->shows_map = *commands.map;
+  if (commands.end_search) run_->session().control().stop();
   if (commands.look) {
     if (last_recording_.empty()) {
       viewport_.show_message("nothing is recorded yet: Ctrl + R records");

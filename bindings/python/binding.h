@@ -26,6 +26,7 @@ void bind_model(py::module_& module);
 void bind_inclusions(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_runs(py::module_& module);
+void bind_palpation(py::module_& module);
 void bind_fit(py::module_& module);
 void bind_surface(py::module_& module);
 void bind_live(py::module_& module);

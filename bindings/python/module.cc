@@ -45,6 +45,7 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::python::bind_geometry(module);
   palpate::python::bind_surface(module);
   palpate::python::bind_runs(module);
+  palpate::python::bind_palpation(module);
   palpate::python::bind_fit(module);
   palpate::python::bind_live(module);
   palpate::python::bind_ticked(module);

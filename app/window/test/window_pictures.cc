@@ -54,6 +54,26 @@ void experiment(const std::filesystem::path& file, const char* task) {
   (void)driven.finish();
 }
 
+/// Search of a liver by the default path, shortly before its end, with the map of the felt stiffness.
+void search(const std::filesystem::path& file) {
+  palpate::scene::Overrides request;
+  request.scene_text = {
+      "[scene]\nname = \"search\"\ntask = \"palpate\"\nseed = 7\n[organ]\nmesh = "
+      "\"liver\"\n[search]\nradius_mm = 6\n"
+      "depth_mm = 9\n[tool]\nmesh = \"sphere:5\"\n[path]\nspeed = 2.5\n",
+      {}};
+  DrivenWindow driven(request);
+  driven.frames(3);
+  driven.key(SDLK_t);
+  driven.until([&] { return driven.window().traces().newest_time() > 40.0; }, kSlow);
+  driven.window().hold_full_quality();
+  driven.frames(1);
+  palpate::render::write_png(driven.window().picture(), file);
+  Driven::close();
+  driven.frames(1);
+  (void)driven.finish();
+}
+
 /// Viewer of a press, paused near the largest depth, with the displacement map.
 void viewer(const std::filesystem::path& file) {
   const std::filesystem::path recording = std::filesystem::temp_directory_path() / "press.h5";
@@ -81,6 +101,7 @@ int main(int argc, char** argv) {
     const palpate::app::VirtualDisplay display;
     if (!display.there()) throw std::runtime_error("there is no Xvfb (Debian package xvfb)");
     const std::filesystem::path folder = argv[1];
+    search(folder / "window-search.png");
     viewer(folder / "window-view.png");
     experiment(folder / "window.png", "press");
     experiment(folder / "window-pull.png", "pull");

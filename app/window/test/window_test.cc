@@ -121,6 +121,39 @@ TEST_F(WindowTest, AMouseMovesTheToolSidewaysAndTurnsTheView) {
   close_and_expect_order(driven);
 }
 
+TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
+  if (!display_is_there()) return;
+  scene::Overrides request;  // with a hidden stone under the place above which the mouse starts
+  request.scene_text = {
+      "[scene]\ntask = \"palpate\"\n[organ]\nmesh = \"ball\"\ntissue = "
+      "\"liver\"\n[[organ.inclusion]]\npreset = "
+      "\"stone\"\nvisible = false\n[tool]\nmesh = \"sphere:5\"\n[device]\nkind = \"mouse\"\n",
+      {}};
+  DrivenWindow driven(request, small());
+  const Window& window = driven.window();
+  driven.frames(3);
+  ASSERT_NE(window.search(), nullptr);
+  EXPECT_EQ(window.search()->pointer_gain(window.traces()), 1.0);
+  driven.move_to_picture();
+  for (int notch = 0; notch < 20; ++notch) Driven::wheel(1);
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().results[0].depth > 4e-3; }));
+  ASSERT_TRUE(driven.until([&] { return window.search()->pointer_gain(window.traces()) < 0.95; }));
+  driven.key(SDLK_m);
+  ASSERT_TRUE(driven.until([&] { return window.search()->status().marks == 1; }));
+  driven.frames(8);  // until the key's button is released
+  driven.click();
+  ASSERT_TRUE(driven.until([&] { return window.search()->status().marks == 2; }));
+  EXPECT_FALSE(window.search()->ended());
+  ASSERT_TRUE(driven.press({"left", "End the search"}));
+  ASSERT_TRUE(driven.until([&] { return window.search()->ended(); }));
+  const palpation::Score& score = *window.search()->score();
+  EXPECT_EQ(score.found, 1U);
+  EXPECT_EQ(score.repeated, 1U);
+  EXPECT_GT(score.coverage, 0.0);
+  EXPECT_GT(score.largest_force, 0.1);
+  close_and_expect_order(driven);
+}
+
 TEST_F(WindowTest, AMouseGraspsAndPulls) {
   if (!display_is_there()) return;
   scene::Overrides request;

@@ -106,3 +106,17 @@ def test_a_stiffness_map_comes_from_an_array_or_a_file(tmp_path):
         strongest(stiffness_map=[[0, 0, 0, 0]])
     with pytest.raises(palpate.InputError, match='shape'):
         strongest(stiffness_map=[[0, 0, 0]])
+
+
+def test_a_recorded_search_is_scored_and_mapped(tmp_path):
+    file = tmp_path / 'search.h5'
+    palpate.simulate(task='palpate', seed=3, duration_s=20.0, noise=False, record=file)
+    recording = palpate.read_recording(file)
+    score = recording.score()
+    assert score['lumps'] == score['missed'] == 3 and score['found'] == 0
+    assert 0.02 < score['coverage'] < 0.2
+    felt = recording.felt_map()
+    touched = ~np.isnan(felt['felt_factor'])
+    assert felt['points'].shape == (touched.size, 3)
+    assert abs(np.median(felt['felt_factor'][touched]) - 1.0) < 0.02
+    assert (felt['depth'][touched] >= 1e-3).all()

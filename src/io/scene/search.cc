@@ -20,6 +20,14 @@
 namespace palpate::scene {
 namespace {
 
+constexpr double kClearance = 10e-3;  // m, above everything nearby, between presses
+
+geometry::Bounds world_box(const Scene& setup) {
+  geometry::TriangleMesh placed = setup.organ;
+  geometry::transform(placed, setup.organ_pose);
+  return geometry::bounds(placed);
+}
+
 /// Points where a vertical line enters and leaves the organ.
 struct Crossing {
   double top = 0.0;     // m, height in the world
@@ -139,7 +147,6 @@ bool is_inside(const VerticalLines& lines, const SearchArea& area, double x, dou
 std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea& area, double spacing) {
   constexpr double kDepth = 8e-3;       // m
   constexpr double kOfThickness = 0.4;  // largest share of the thickness
-  constexpr double kClearance = 10e-3;  // m, above everything nearby, between presses
   std::vector<SearchPress> presses;
   const geometry::Bounds& box = lines.box();
   const int rows = std::max(1, static_cast<int>(box.size().y() / spacing));
@@ -301,7 +308,11 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
       move_to(before.touch.x(), before.touch.y(), over);
       move_to(touch.x(), touch.y(), over);
     } else {
-      move_to(touch.x(), touch.y(), height);
+      // From above the middle, so that a mouse, which begins there, reaches all around.
+      const geometry::Bounds box = world_box(setup);
+      const double over = box.high.z() + kClearance;
+      if (setup.tools.size() == 1) move_to(box.middle().x(), box.middle().y(), over);
+      move_to(touch.x(), touch.y(), over);
     }
     move_to(touch.x(), touch.y(), touch.z() - depth);
   }

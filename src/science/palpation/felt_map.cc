@@ -100,11 +100,10 @@ FeltPlace FeltMap::at(std::size_t vertex) const {
   return place;
 }
 
-double FeltMap::mean_depth() const noexcept { return all_.uniform > 0.0 ? all_.depth / all_.uniform : 0.0; }
-
-double FeltMap::true_factor(std::size_t vertex, double otherwise) const {
-  const Sums& sums = sums_[vertex];
-  const double depth = sums.uniform > 0.0 ? sums.depth / sums.uniform : otherwise;
+double FeltMap::true_factor(std::size_t vertex) const {
+  constexpr double kUsualDepth = 5e-3;  // m
+  const Sums& sums = sums_[vertex].uniform > 0.0 ? sums_[vertex] : all_;
+  const double depth = sums.uniform > 0.0 ? sums.depth / sums.uniform : kUsualDepth;
   const contact::World::Data& data = world_.data();
   const contact::ToolTissue tissue{data.laws, data.inclusions.now(), data.map, world_.tip_radius(0)};
   const geometry::NearestPoint place = data.surface.nearest(surface().vertices[vertex], -1);

@@ -42,11 +42,9 @@ class FeltMap final {
   [[nodiscard]] const geometry::TriangleMesh& surface() const noexcept { return world_.rest_surface(); }
   /// [any] @param vertex index in surface()
   [[nodiscard]] FeltPlace at(std::size_t vertex) const;
-  /// [any] The factor that the tissue has at a vertex: at the mean depth at which it was felt, or at
-  /// `otherwise` [m].
-  [[nodiscard]] double true_factor(std::size_t vertex, double otherwise) const;
-  /// [any] Mean depth [m] of all presses, weighted by force; 0: none.
-  [[nodiscard]] double mean_depth() const noexcept;
+  /// [any] The factor that the tissue has at a vertex, at the mean depth at which it was felt. Where it was
+  /// not felt, at the mean depth of all presses; without presses at 5 mm.
+  [[nodiscard]] double true_factor(std::size_t vertex) const;
   /// [any] The radius R [m] of a hand's tool.
   [[nodiscard]] double reach(std::size_t hand) const noexcept;
 

@@ -218,14 +218,13 @@ std::string to_json(const Score& score) {
 
 void write_map(const FeltMap& map, const std::filesystem::path& file) {
   std::string text = "x_mm,y_mm,z_mm,felt_factor,true_factor,depth_mm,force_N\n";
-  const double depth = map.mean_depth() > 0.0 ? map.mean_depth() : 5e-3;
   const geometry::TriangleMesh& surface = map.surface();
   for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
     const FeltPlace felt = map.at(v);
     const Vec3 place = surface.vertices[v] / kMillimetre;
     text += fmt::format("{:.4f},{:.4f},{:.4f},{},{:.4f},{:.4f},{:.4f}\n", place.x(), place.y(), place.z(),
-                        std::isnan(felt.factor) ? "" : fmt::format("{:.4f}", felt.factor),
-                        map.true_factor(v, depth), felt.depth / kMillimetre, felt.force);
+                        std::isnan(felt.factor) ? "" : fmt::format("{:.4f}", felt.factor), map.true_factor(v),
+                        felt.depth / kMillimetre, felt.force);
   }
   write_output(file, text);
 }

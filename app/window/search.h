@@ -1,0 +1,54 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "palpate/scene.h"
+#include "science/palpation/score.h"
+
+#include "app/session.h"
+#include "app/window/traces.h"
+
+namespace palpate::app {
+
+/// What the panel of a search shows.
+struct SearchStatus {
+  std::size_t lumps = 0;  // hidden
+  std::size_t marks = 0;
+  double coverage = 0.0;                    // share of the upper side, 0 to 1
+  std::optional<palpation::Score> score{};  // after the end of the run
+  bool shows_map = false;                   // the picture shows the felt stiffness
+  double pointer_gain = 1.0;                // of the mouse, below 1 over stiff places; 1 also without a mouse
+};
+
+/// The search for hidden inclusions in a window's run (task palpate). All members: [setup], the window's
+/// thread.
+class Search final {
+ public:
+  /// @param session of the task palpate, must outlive this
+  explicit Search(const Session& session);
+
+  /// Adds a row of the run.
+  void add(const haptics::TickRow& row) { scorer_.add(row); }
+  /// Ends the search: the score is final.
+  void end();
+  [[nodiscard]] bool ended() const noexcept { return score_.has_value(); }
+
+  /// How far the pointer moves for a motion of the mouse, where the tissue was last pressed: the inverse cube
+  /// of the felt stiffness over the uniform tissue's, 0.25 to 1. People take a slower pointer for a stiffer
+  /// place (pseudo-haptics, docs/lumps.md).
+  [[nodiscard]] double pointer_gain(const Traces& traces) const;
+  [[nodiscard]] SearchStatus status() const;
+  [[nodiscard]] const palpation::Scorer& scorer() const noexcept { return scorer_; }
+  [[nodiscard]] const std::optional<palpation::Score>& score() const noexcept { return score_; }
+
+  bool shows_map = false;
+
+ private:
+  const Session& session_;
+  palpation::Scorer scorer_;
+  std::optional<palpation::Score> score_;
+};
+
+}  // namespace palpate::app

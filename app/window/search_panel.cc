@@ -1,0 +1,64 @@
+// The part of the panel "Scene" for a search: marks, coverage, and the score at its end.
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include "palpate/units.h"
+
+#include "app/window/panels.h"
+#include "app/window/rows.h"
+#include "app/window/theme.h"
+
+namespace palpate::app {
+namespace {
+
+void score_rows(const palpation::Score& score) {
+  const Rows rows("score");
+  rows.text("Found", fmt::format("{} of {}", score.found, score.lumps.size()));
+  rows.text("False marks", std::to_string(score.wrong), "marks farther than the tolerance from every lump");
+  if (score.error) {
+    rows.text("Error", fmt::format("{:.1f} mm", *score.error / kMillimetre),
+              "mean distance between a found lump and its first mark");
+  }
+  rows.text("Time", fmt::format("{:.1f} s", score.time), "from the first contact to the last mark");
+  rows.text("Path", fmt::format("{:.2f} m", score.path), "of the tool in that time");
+  rows.text("Force", fmt::format("{:.2f} N, at most {:.2f} N", score.mean_force, score.largest_force),
+            "mean and largest tissue force in contact");
+  rows.text("Force rate", fmt::format("{:.2f} N/s", score.force_rate),
+            "root mean square of the force's change; low: smooth");
+}
+
+}  // namespace
+
+void search_panel(const PanelModel& shown, Commands& commands) {
+  if (!shown.search) return;
+  const SearchStatus& search = *shown.search;
+  {
+    const Rows rows("search");
+    rows.text("Hidden lumps", std::to_string(search.lumps));
+    rows.text("Marks", std::to_string(search.marks),
+              "M, the left mouse button or the device's button marks the place under the tool");
+    rows.text("Coverage", fmt::format("{:.0f} %", 100.0 * search.coverage),
+              "touched share of the organ's upper side");
+    if (search.pointer_gain < 1.0) {
+      rows.text("Pointer", fmt::format("{:.0f} % of its speed", 100.0 * search.pointer_gain),
+                "pseudo-haptics: over stiff places the mouse moves the tool less");
+    }
+  }
+  bool map = search.shows_map;
+  if (ImGui::Checkbox("Map of the felt stiffness", &map)) commands.map = map;
+  if (search.score) {
+    score_rows(*search.score);
+    if (ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) {
+      scene::Overrides request = shown.request;
+      request.seed = shown.setup.seed + 1;
+      commands.request = std::move(request);
+    }
+  } else if (ImGui::Button("End the search", ImVec2(-1.0F, 0.0F))) {
+    commands.end_search = true;
+  }
+}
+
+}  // namespace palpate::app
