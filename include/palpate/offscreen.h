@@ -93,6 +93,11 @@ struct Camera {
 [[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
                                    const Vec3& focus_W, const Vec3& normal_W, bool close_up);
 
+/// [setup] A camera that looks straight down (-z) and frames the whole organ, with y upwards in the picture.
+/// @param aspect width of the picture over its height
+[[nodiscard]] Camera frame_from_above(const Subject& subject, const haptics::Snapshot& snapshot,
+                                      double aspect);
+
 /// Renders snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
 /// Any thread may call it, one at a time.
 class OffscreenRenderer final {
