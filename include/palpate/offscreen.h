@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,26 @@ struct Subject {
   std::vector<model::Inclusion> inclusions{};  // the visible ones, at most model::kMaxInclusions
 };
 
+/// Values at points of the rest surface, drawn as a colour map.
+struct SurfaceValues {
+  std::vector<Vec3> points_S;  // [m], organ frame, about 1 mm apart
+  std::vector<float> values;   // one per point; NaN: not known
+  double low = 0.0;            // value at the dark end of the colour map
+  double high = 1.0;           // value at the bright end, above `low`
+};
+
+/// A mark on the organ's surface.
+struct SurfaceMark {
+  enum class Kind : std::uint8_t {
+    kFound,  // a dot in a ring
+    kFalse,  // a cross
+    kLump,   // a larger ring
+  };
+  Vec3 point_S = Vec3::Zero();  // [m], organ frame
+  Kind kind = Kind::kFound;
+};
+inline constexpr std::size_t kMaxMarks = 32;
+
 /// Position and direction of view. World frame.
 struct Camera {
   Vec3 eye = Vec3(0.1, -0.2, 0.1);
@@ -92,6 +113,11 @@ struct Camera {
 /// @param close_up true: the contact fills the picture; false: the whole organ is visible
 [[nodiscard]] Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot,
                                    const Vec3& focus_W, const Vec3& normal_W, bool close_up);
+
+/// [setup] A camera that looks straight down (-z) and frames the whole organ, with y upwards in the picture.
+/// @param aspect width of the picture over its height
+[[nodiscard]] Camera frame_from_above(const Subject& subject, const haptics::Snapshot& snapshot,
+                                      double aspect);
 
 /// Renders snapshots without a display: SDL's offscreen video driver over Mesa EGL, OpenGL 3.3 core or later.
 /// Any thread may call it, one at a time.
@@ -126,6 +152,17 @@ class OffscreenRenderer final {
 
   /// [setup] Colours the organ by displacement, up to `range` [m]; 0: natural colours.
   void set_map_range(double range);
+  /// [setup] Colours the organ by values at points of its rest surface, in place of the displacement. Each
+  /// vertex takes the value of the nearest point within 3 mm on its side of the organ. Where no value is
+  /// known, the organ keeps its natural colour, slightly greyed. No points: natural colours again.
+  /// @throws InputError when the numbers of points and values differ, or `low` < `high` does not hold
+  void show_values(SurfaceValues values);
+  /// [setup] Replaces the values of the last show_values() without a new assignment of points. 100,000 values
+  /// take less than a millisecond. @throws InputError when the number of values differs
+  void update_values(std::span<const float> values);
+  /// [setup] Replaces the marks on the surface. They are drawn where they face the camera, as large as a
+  /// fixed fraction of the picture. @throws InputError for more than kMaxMarks
+  void show_marks(const std::vector<SurfaceMark>& marks);
   /// [setup] Replaces the inclusions that are drawn as translucent spheres inside the organ: pale where they
   /// are stiffer than the tissue, blue where softer.
   void show_inclusions(std::vector<model::Inclusion> inclusions);

@@ -84,8 +84,8 @@ Vec3 best_side(const Subject& subject, const haptics::Snapshot& snapshot, const 
   return chosen;
 }
 
-// Sets target and distance so that all points are in the picture.
-void fit(Camera& camera, const Vec3& to_eye, const std::vector<Vec3>& points) {
+// Sets target and distance so that all points are in a picture of this aspect ratio.
+void fit(Camera& camera, const Vec3& to_eye, const std::vector<Vec3>& points, double aspect) {
   const Vec3 right = camera.up.cross(to_eye).normalized();
   const Vec3 up = to_eye.cross(right);
   const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
@@ -103,7 +103,7 @@ void fit(Camera& camera, const Vec3& to_eye, const std::vector<Vec3>& points) {
     }
     const Eigen::Array2d middle = 0.5 * (low + high);
     camera.target += middle.x() * right + middle.y() * up;
-    const double height = std::max((high - low).y(), (high - low).x() / kAspect);
+    const double height = std::max((high - low).y(), (high - low).x() / aspect);
     distance = std::max(distance * 0.05, kMargin * 0.5 * height / half);
   }
   camera.eye = camera.target + distance * to_eye;
@@ -130,7 +130,18 @@ Camera frame_contact(const Subject& subject, const haptics::Snapshot& snapshot, 
   for (const Vec3& p : subject.organ.vertices) points.push_back(snapshot.organ_W * p);
   points.emplace_back(focus_W + kToolRoom * normal);
   camera.target = snapshot.organ_W * box.middle();
-  fit(camera, to_eye, points);
+  fit(camera, to_eye, points, kAspect);
+  return camera;
+}
+
+Camera frame_from_above(const Subject& subject, const haptics::Snapshot& snapshot, double aspect) {
+  Camera camera;
+  camera.up = Vec3::UnitY();
+  camera.vertical_view_deg = 28.0;
+  camera.target = snapshot.organ_W * geometry::bounds(subject.organ).middle();
+  std::vector<Vec3> points;
+  for (const Vec3& p : subject.organ.vertices) points.push_back(snapshot.organ_W * p);
+  fit(camera, Vec3::UnitZ(), points, aspect);
   return camera;
 }
 

@@ -89,7 +89,7 @@ void Program::set(const char* name, const Eigen::Matrix4f& value) const {
 
 GpuMesh::GpuMesh() {
   glGenVertexArrays(1, &array_);
-  glGenBuffers(3, buffers_.data());
+  glGenBuffers(4, buffers_.data());
   glBindVertexArray(array_);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers_[1]);
   struct Attribute {
@@ -119,7 +119,7 @@ GpuMesh::GpuMesh() {
 }
 
 GpuMesh::~GpuMesh() {
-  glDeleteBuffers(3, buffers_.data());
+  glDeleteBuffers(4, buffers_.data());
   glDeleteVertexArrays(1, &array_);
 }
 
@@ -146,6 +146,16 @@ void GpuMesh::change_moving(std::size_t first, std::span<const deform::SurfaceVe
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[0]);
   glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(deform::SurfaceVertex)),
                   static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data());
+}
+
+void GpuMesh::set_map(std::span<const MapVertex> vertices) {
+  constexpr GLuint kMapAttribute = 7;
+  glBindVertexArray(array_);
+  glBindBuffer(GL_ARRAY_BUFFER, buffers_[3]);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(),
+               GL_DYNAMIC_DRAW);
+  glVertexAttribPointer(kMapAttribute, 2, GL_FLOAT, GL_FALSE, sizeof(MapVertex), nullptr);
+  glEnableVertexAttribArray(kMapAttribute);
 }
 
 void GpuMesh::draw() const {

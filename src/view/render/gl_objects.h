@@ -20,6 +20,12 @@ struct StaticVertex {
   std::array<std::uint8_t, 4> light;   // visible fraction of the sky, width of the vessels, 0, 0
 };
 
+/// Attributes of a vertex in a map of values.
+struct MapVertex {
+  float share = 0.0F;  // of the legend's range, 0 to 1
+  float known = 0.0F;  // above 0.5: coloured by the map; below: natural colour
+};
+
 /// A linked vertex and fragment shader. All members: [setup], with the context current.
 class Program final {
  public:
@@ -54,13 +60,15 @@ class GpuMesh final {
   void set_moving(std::span<const deform::SurfaceVertex> vertices);
   /// Replaces vertices, starting at index `first`.
   void change_moving(std::size_t first, std::span<const deform::SurfaceVertex> vertices);
+  /// Sets the attributes for a map of values. Without them no vertex is known.
+  void set_map(std::span<const MapVertex> vertices);
   void draw() const;
   /// Draws one triangle over the whole target; the vertex shader generates its corners.
   void draw_fullscreen() const;
 
  private:
   GLuint array_ = 0;
-  std::array<GLuint, 3> buffers_{};  // moving attributes, corner indices, static attributes
+  std::array<GLuint, 4> buffers_{};  // moving attributes, corner indices, static attributes, map of values
   GLsizei count_ = 0;
 };
 

@@ -1,73 +1,18 @@
 #include "view/render/map_legend.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+
+#include "view/render/pixel_font.h"
 
 namespace palpate::render {
 namespace {
 
-constexpr int kGlyphWidth = 5;
-constexpr int kGlyphHeight = 7;
 constexpr int kMarks = 5;
-
-struct Glyph {
-  char letter;
-  std::array<const char*, kGlyphHeight> rows;
-};
-
-constexpr Glyph kGlyphs[] = {
-    {'0', {" ### ", "#   #", "#  ##", "# # #", "##  #", "#   #", " ### "}},
-    {'1', {"  #  ", " ##  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
-    {'2', {" ### ", "#   #", "    #", "   # ", "  #  ", " #   ", "#####"}},
-    {'3', {" ### ", "#   #", "    #", "  ## ", "    #", "#   #", " ### "}},
-    {'4', {"   # ", "  ## ", " # # ", "#  # ", "#####", "   # ", "   # "}},
-    {'5', {"#####", "#    ", "#### ", "    #", "    #", "#   #", " ### "}},
-    {'6', {"  ## ", " #   ", "#    ", "#### ", "#   #", "#   #", " ### "}},
-    {'7', {"#####", "    #", "   # ", "  #  ", "  #  ", "  #  ", "  #  "}},
-    {'8', {" ### ", "#   #", "#   #", " ### ", "#   #", "#   #", " ### "}},
-    {'9', {" ### ", "#   #", "#   #", " ####", "    #", "   # ", " ##  "}},
-    {'.', {"     ", "     ", "     ", "     ", "     ", " ##  ", " ##  "}},
-    {'e', {"     ", "     ", " ### ", "#   #", "#####", "#    ", " ### "}},
-    {'-', {"     ", "     ", "     ", "#####", "     ", "     ", "     "}},
-    {'+', {"     ", "  #  ", "  #  ", "#####", "  #  ", "  #  ", "     "}},
-    {'m', {"     ", "     ", "## # ", "# # #", "# # #", "# # #", "# # #"}},
-};
-
-struct Rgb {
-  std::uint8_t red, green, blue;
-};
-
-constexpr Rgb kLetters = {235, 238, 242};
-
-/// Fills a rectangle, clipped to the picture.
-void fill(Image& image, int x, int y, int width, int height, Rgb colour) {
-  for (int row = std::max(y, 0); row < std::min(y + height, image.height); ++row) {
-    for (int column = std::max(x, 0); column < std::min(x + width, image.width); ++column) {
-      const std::size_t at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
-                                  static_cast<std::size_t>(column));
-      image.rgb[at] = colour.red;
-      image.rgb[at + 1] = colour.green;
-      image.rgb[at + 2] = colour.blue;
-    }
-  }
-}
-
-/// Draws text with its upper left corner at (x, y), in squares of `square` pixels.
-void write(Image& image, int x, int y, int square, const char* text) {
-  for (; *text != '\0'; ++text, x += (kGlyphWidth + 1) * square) {
-    const auto* glyph = std::find_if(std::begin(kGlyphs), std::end(kGlyphs),
-                                     [text](const Glyph& g) { return g.letter == *text; });
-    if (glyph == std::end(kGlyphs)) continue;
-    for (int row = 0; row < kGlyphHeight; ++row) {
-      for (int column = 0; column < kGlyphWidth; ++column) {
-        if (glyph->rows[static_cast<std::size_t>(row)][column] != '#') continue;
-        fill(image, x + column * square, y + row * square, square, square, kLetters);
-      }
-    }
-  }
-}
+constexpr int kBarWidth = 8;                                          // squares of a glyph
+constexpr int kLegendWidth = kBarWidth + 5 * (kGlyphWidth + 1) + 16;  // squares, with a margin
 
 double smooth_step(double low, double high, double t) {
   const double x = std::clamp((t - low) / (high - low), 0.0, 1.0);
@@ -76,6 +21,41 @@ double smooth_step(double low, double high, double t) {
 
 std::uint8_t encode(double linear) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(srgb(linear), 0.0, 1.0)));
+}
+
+// What a legend says: the numbers at the ends of its bar are scale * low and scale * high.
+struct LegendText {
+  double low;
+  double high;
+  const char* unit;
+  double scale = 1.0;
+};
+
+bool can_hold_legend(const Image& image) { return image.width >= 120 && image.height >= 160; }
+
+// Draws a legend into the upper right corner, in squares of `square` pixels.
+void draw_bar(Image& image, int square, const LegendText& legend) {
+  const int line = (kGlyphHeight + 2) * square;
+  const int bar_width = kBarWidth * square;
+  const int bar_height = image.height * 2 / 5;
+  const int x = image.width - (kLegendWidth - 4) * square;
+  const int y = 3 * line;
+  fill(image, x - 4 * square, y - 2 * line, (kLegendWidth - 4) * square, bar_height + 3 * line + line / 2,
+       kTextBackground);
+  write(image, x, y - line - line / 2, square, legend.unit);
+  for (int row = 0; row < bar_height; ++row) {
+    const Vec3 colour = map_colour(1.0 - row / (bar_height - 1.0));
+    fill(image, x, y + row, bar_width, 1, {encode(colour.x()), encode(colour.y()), encode(colour.z())});
+  }
+  for (int mark = 0; mark < kMarks; ++mark) {
+    const double share = mark / (kMarks - 1.0);
+    const int at = y + static_cast<int>(std::lround((1.0 - share) * (bar_height - 1)));
+    char text[16];
+    std::snprintf(text, sizeof text, "%.3g",
+                  legend.scale * legend.low + legend.scale * share * (legend.high - legend.low));
+    fill(image, x + bar_width, at - square / 2, 3 * square, std::max(1, square), kTextColour);
+    write(image, x + bar_width + 5 * square, at - kGlyphHeight * square / 2, square, text);
+  }
 }
 
 }  // namespace
@@ -94,29 +74,46 @@ double srgb(double linear) noexcept {
 }
 
 void draw_map_legend(Image& image, double range) {
-  if (!(range > 0.0) || image.width < 120 || image.height < 160) return;
-  const int square = std::max(1, std::min(image.width, image.height) / 300);
-  const int line = (kGlyphHeight + 2) * square;
-  const int bar_width = 8 * square;
-  const int bar_height = image.height * 2 / 5;
-  const int width = bar_width + (5 * (kGlyphWidth + 1) + 8) * square;
-  const int x = image.width - width - 4 * square;
-  const int y = 3 * line;
-  fill(image, x - 4 * square, y - 2 * line, width + 4 * square, bar_height + 3 * line + line / 2,
-       {34, 37, 42});
-  write(image, x, y - line - line / 2, square, "mm");
-  for (int row = 0; row < bar_height; ++row) {
-    const Vec3 colour = map_colour(1.0 - row / (bar_height - 1.0));
-    fill(image, x, y + row, bar_width, 1, {encode(colour.x()), encode(colour.y()), encode(colour.z())});
-  }
-  for (int mark = 0; mark < kMarks; ++mark) {
-    const double share = mark / (kMarks - 1.0);
-    const int at = y + static_cast<int>(std::lround((1.0 - share) * (bar_height - 1)));
-    char text[16];
-    std::snprintf(text, sizeof text, "%.3g", 1e3 * share * range);
-    fill(image, x + bar_width, at - square / 2, 3 * square, std::max(1, square), kLetters);
-    write(image, x + bar_width + 5 * square, at - kGlyphHeight * square / 2, square, text);
-  }
+  if (!(range > 0.0) || !can_hold_legend(image)) return;
+  draw_bar(image, glyph_square(image.width, image.height), {0.0, range, "mm", 1e3});
+}
+
+void draw_legend(Image& image, double low, double high, const char* unit) {
+  if (!(low < high) || !can_hold_legend(image)) return;
+  draw_bar(image, glyph_square(image.width, image.height), {low, high, unit});
+}
+
+Image legend_panel(int height, double low, double high, const char* unit) {
+  const int square = std::max(1, height / 220);
+  Image panel{kLegendWidth * square, height, {}};
+  panel.rgb.resize(3 * static_cast<std::size_t>(panel.width) * static_cast<std::size_t>(height));
+  fill(panel, 0, 0, panel.width, height, kTextBackground);
+  draw_bar(panel, square, {low, high, unit});
+  return panel;
+}
+
+void draw_title(Image& image, const std::string& title) {
+  const int length = static_cast<int>(title.size()) * (kGlyphWidth + 1) + 3;  // squares, with a margin
+  int square = glyph_square(image.width, image.height);
+  if (2 * square * length <= image.width) square *= 2;
+  fill(image, 0, 0, square * length, square * (kGlyphHeight + 4), kTextBackground);
+  write(image, 2 * square, 2 * square, square, title.c_str());
+}
+
+Image side_by_side(const Image& left, const Image& right) {
+  Image both{left.width + right.width, std::max(left.height, right.height), {}};
+  both.rgb.resize(3 * static_cast<std::size_t>(both.width) * static_cast<std::size_t>(both.height));
+  fill(both, 0, 0, both.width, both.height, kTextBackground);
+  const auto copy = [&both](const Image& part, int x) {
+    for (int row = 0; row < part.height; ++row) {
+      const std::ptrdiff_t length = 3 * part.width;
+      std::copy_n(part.rgb.begin() + row * length, length,
+                  both.rgb.begin() + 3 * (static_cast<std::ptrdiff_t>(row) * both.width + x));
+    }
+  };
+  copy(left, 0);
+  copy(right, left.width);
+  return both;
 }
 
 }  // namespace palpate::render

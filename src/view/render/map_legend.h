@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "palpate/offscreen.h"
 
 namespace palpate::render {
@@ -10,10 +12,23 @@ namespace palpate::render {
 /// [any] Converts linear light to sRGB, both 0 to 1.
 [[nodiscard]] double srgb(double linear) noexcept;
 
-/// [setup] Draws the legend of the displacement map into the upper right corner: a colour bar with five marks
-/// in millimetres from 0 to the range, on a dark background. Glyphs are grids of 5 x 7 squares, scaled with
-/// the picture. Pictures under 120 x 160 pixels are left unchanged.
+/// [setup] Draws a legend into the upper right corner: a colour bar with five numbers from `low` to `high`,
+/// on a dark background. Pictures under 120 x 160 pixels are left unchanged.
+/// @param high value at the upper end of the bar; not above `low`: no legend @param unit above the bar
+void draw_legend(Image& image, double low, double high, const char* unit);
+
+/// [setup] Draws the legend of the displacement map, in millimetres from 0 to the range.
 /// @param range displacement at the upper end of the bar [m]; <= 0: no legend
 void draw_map_legend(Image& image, double range);
+
+/// [setup] A legend as a narrow picture of its own, to be placed beside others.
+[[nodiscard]] Image legend_panel(int height, double low, double high, const char* unit);
+
+/// [setup] Writes a title into the upper left corner, on a dark background. Letters are twice as large as in
+/// a legend, or as large where the picture is too narrow.
+void draw_title(Image& image, const std::string& title);
+
+/// [any] Two pictures as one, with their upper edges level. A lower picture is filled up with background.
+[[nodiscard]] Image side_by_side(const Image& left, const Image& right);
 
 }  // namespace palpate::render

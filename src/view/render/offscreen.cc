@@ -13,6 +13,7 @@
 #include "view/render/gl_context.h"
 #include "view/render/organ_picture.h"
 #include "view/render/painter.h"
+#include "view/render/surface_map.h"
 #include "view/render/tissue_pattern.h"
 #include "view/render/tool_picture.h"
 
@@ -26,6 +27,11 @@ void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
   throw InputError(fmt::format("a picture of {} x {} pixels cannot be drawn; want 1 to {} a side", width,
                                height, kLargestSide));
+}
+
+void check_count(std::size_t values, std::size_t points) {
+  if (values == points) return;
+  throw InputError(fmt::format("{} values for {} points of the surface; want one per point", values, points));
 }
 
 }  // namespace
@@ -57,6 +63,20 @@ struct OffscreenRenderer::Impl {
     mesh.set_static(tissue_pattern(organ.rest(), look));
     mesh.set_moving(organ.vertices());
     static_cast<void>(organ.take_changes());
+    assign_values();
+  }
+
+  // Assigns the points of the values to the displayed mesh.
+  void assign_values() {
+    map = SurfaceMap(organ.rest(), values.points_S);
+    upload_values();
+  }
+
+  void upload_values() {
+    painter.show_values(!values.values.empty());
+    if (!values.values.empty())
+      painter.organ().mesh.set_map(
+          map.attributes(organ.rest().triangles, values.values, values.low, values.high));
   }
 
   void upload_tools() {
@@ -97,16 +117,26 @@ struct OffscreenRenderer::Impl {
       painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
-  // Draws once in each adaptive quality: a driver compiles shaders at their first draw, which takes longer
-  // than several pictures and must not happen during motion.
   void follow_time() {
     choice.emplace();
+    draw_each_quality();
+  }
+
+  // Draws once in each adaptive quality: a driver compiles shaders at their first draw, which takes longer
+  // than several pictures and must not happen during motion.
+  void draw_each_quality() {
     const Camera camera{region.middle - 3.0 * region.radius * Vec3::UnitY(), region.middle};
     for (const Quality quality : {Quality::kFast, choice->now()}) {
       painter.set_quality(quality);
       painter.draw(camera, region);
     }
     glFinish();
+    annotated_before = annotated_before || painter.annotated();
+  }
+
+  // After a change of values or marks: the first ones need shaders of their own.
+  void prepare_annotations() {
+    if (choice && painter.annotated() && !annotated_before) draw_each_quality();
   }
 
   void draw(const haptics::Snapshot& snapshot, const Camera& camera) {
@@ -124,12 +154,15 @@ struct OffscreenRenderer::Impl {
   TissueAppearance look;
   Painter painter;
   OrganPicture organ;
+  SurfaceValues values;
+  SurfaceMap map;
   std::vector<ToolShape> shapes;
   std::vector<ToolPicture> tools;
   LitRegion region;  // organ frame
   std::string driver;
   double update_ms = 0.0;
   std::optional<QualityChoice> choice;
+  bool annotated_before = false;  // draw_each_quality() has drawn with values or marks
 };
 
 // Makes the renderer's own context, if any, current during a call.
@@ -197,6 +230,38 @@ void OffscreenRenderer::resize(int width, int height) {
 }
 
 void OffscreenRenderer::set_map_range(double range) { impl_->painter.set_map_range(range); }
+
+void OffscreenRenderer::show_values(SurfaceValues values) {
+  check_count(values.values.size(), values.points_S.size());
+  if (!(values.low < values.high)) {
+    throw InputError(fmt::format("a map of values from {} to {} cannot be drawn; the first must be lower",
+                                 values.low, values.high));
+  }
+  const Current current(context_.get());
+  impl_->values = std::move(values);
+  impl_->assign_values();
+  impl_->prepare_annotations();
+}
+
+void OffscreenRenderer::update_values(std::span<const float> values) {
+  check_count(values.size(), impl_->values.points_S.size());
+  const Current current(context_.get());
+  impl_->values.values.assign(values.begin(), values.end());
+  impl_->upload_values();
+}
+
+void OffscreenRenderer::show_marks(const std::vector<SurfaceMark>& marks) {
+  if (marks.size() > kMaxMarks)
+    throw InputError(fmt::format("{} marks cannot be drawn; want at most {}", marks.size(), kMaxMarks));
+  std::vector<Vec3> points;
+  for (const SurfaceMark& mark : marks) points.push_back(mark.point_S);
+  const std::vector<Vec3> normals = normals_at(impl_->organ.rest(), points);
+  std::vector<PlacedMark> placed;
+  for (std::size_t i = 0; i < marks.size(); ++i) placed.push_back({marks[i], normals[i]});
+  const Current current(context_.get());
+  impl_->painter.show_marks(std::move(placed));
+  impl_->prepare_annotations();
+}
 
 void OffscreenRenderer::show_inclusions(std::vector<model::Inclusion> inclusions) {
   impl_->painter.show_inclusions(std::move(inclusions));

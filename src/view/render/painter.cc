@@ -15,6 +15,8 @@ constexpr int kSoftShadowSize = 256;
 constexpr double kSoftShadowLift = 0.4e-3;  // m
 constexpr double kPenumbra = 0.018;         // radius, as a fraction of the picture's height at the target
 constexpr double kOcclusionReach = 0.16;    // as a fraction of the picture's height at the target
+constexpr double kMarkRadius = 0.016;       // as a fraction of the picture's height at the target
+constexpr double kLeastMarkRadius = 7.0;    // pixels
 constexpr double kNearShare = 0.02;         // near plane, as a fraction of the distance to the target
 constexpr double kFarShare = 4.0;
 
@@ -130,11 +132,13 @@ struct Painter::Live {
 // Shaders of tissue and steel in one quality.
 struct Painter::Materials {
   explicit Materials(Quality quality)
-      : tissue(shaders::scene_vertex(quality), shaders::tissue_fragment(quality)),
-        steel(shaders::scene_vertex(quality), shaders::steel_fragment(quality)) {}
+      : tissue(shaders::scene_vertex(quality, shaders::Annotated::kNo),
+               shaders::tissue_fragment(quality, shaders::Annotated::kNo)),
+        steel(shaders::scene_vertex(quality, shaders::Annotated::kNo), shaders::steel_fragment(quality)) {}
 
   Program tissue;
   Program steel;
+  std::unique_ptr<Program> annotated;  // tissue with a map of values and marks; created at its first use
 };
 
 Painter::Painter(const TissueAppearance& look, int width, int height, Quality quality)
@@ -263,14 +267,44 @@ void Painter::set_inclusions(const Program& program) const {
   }
 }
 
+// Sets the marks that face the camera.
+void Painter::set_marks(const Program& program, const View& view) const {
+  int count = 0;
+  for (const PlacedMark& placed : marks_) {
+    const Vec3 point_W = organ_.pose_W * placed.mark.point_S;
+    if ((organ_.pose_W.rotation * placed.normal_S).dot(view.eye - point_W) <= 0.0) continue;
+    const std::string element = "[" + std::to_string(count++) + "]";
+    program.set(("mark_point" + element).c_str(), Eigen::Vector3f(point_W.cast<float>()));
+    program.set(("mark_kind" + element).c_str(), static_cast<int>(placed.mark.kind));
+  }
+  program.set("mark_count", count);
+  const double pixel = view.height_at_target / height_;  // m
+  program.set("mark_radius", static_cast<float>(pixel * std::max(kMarkRadius * height_, kLeastMarkRadius)));
+  program.set("pixel_length", static_cast<float>(pixel));
+}
+
+const Program& Painter::tissue_program() {
+  if (!annotated()) return materials()->tissue;
+  std::unique_ptr<Program>& program = materials()->annotated;
+  if (!program) {
+    program = std::make_unique<Program>(shaders::scene_vertex(quality_, shaders::Annotated::kYes),
+                                        shaders::tissue_fragment(quality_, shaders::Annotated::kYes));
+  }
+  return *program;
+}
+
 void Painter::draw_materials(const View& view, bool each_sample) {
-  const Program& tissue = materials()->tissue;
+  const Program& tissue = tissue_program();
   set_studio(tissue, view);
   tissue.set("vessel_colour", look_.vessel);
   tissue.set("vessel_share", look_.vessel_share);
-  tissue.set("map_range", static_cast<float>(map_range_));
+  tissue.set("map_range", values_shown_ ? 0.0F : static_cast<float>(map_range_));
   tissue.set("model", matrix_of(organ_.pose_W));
   set_inclusions(tissue);
+  if (annotated()) {
+    tissue.set("values_shown", values_shown_ ? 1.0F : 0.0F);
+    set_marks(tissue, view);
+  }
   organ_.mesh.draw();
   const Program& steel = materials()->steel;
   set_studio(steel, view);

@@ -23,6 +23,12 @@ struct Solid {
   Pose pose_W;
 };
 
+/// A mark and the outward unit normal of the surface there. Organ frame.
+struct PlacedMark {
+  SurfaceMark mark;
+  Vec3 normal_S = Vec3::UnitZ();
+};
+
 /// [setup] Reads the bound framebuffer from its upper left corner.
 [[nodiscard]] Image read_pixels(int width, int height);
 
@@ -39,6 +45,12 @@ class Painter final {
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
   /// Displacement [m] that the colour map covers; 0: natural colours.
   void set_map_range(double range) noexcept { map_range_ = range; }
+  /// Whether the organ's map attributes give its colours.
+  void show_values(bool shown) noexcept { values_shown_ = shown; }
+  /// Marks drawn on the organ's surface, at most kMaxMarks.
+  void show_marks(std::vector<PlacedMark> marks) { marks_ = std::move(marks); }
+  /// Whether values or marks are shown. The first picture with them in each quality takes long.
+  [[nodiscard]] bool annotated() const noexcept { return values_shown_ || !marks_.empty(); }
   /// The inclusions to draw inside the organ, at most model::kMaxInclusions; organ frame.
   void show_inclusions(std::vector<model::Inclusion> inclusions) { inclusions_ = std::move(inclusions); }
   /// Switches the studio lamps; initially on.
@@ -70,6 +82,8 @@ class Painter final {
   void draw_scene(const Program& program) const;
   void set_studio(const Program& program, const View& view) const;
   void set_inclusions(const Program& program) const;
+  [[nodiscard]] const Program& tissue_program();
+  void set_marks(const Program& program, const View& view) const;
   void draw_materials(const View& view, bool each_sample);
   void draw_shadow(const View& view);
   void draw_occlusion(const View& view);
@@ -82,8 +96,10 @@ class Painter final {
   int width_;
   int height_;
   double map_range_ = 0.0;  // m
+  bool values_shown_ = false;
   bool lamps_ = true;
   std::vector<model::Inclusion> inclusions_;
+  std::vector<PlacedMark> marks_;
   Solid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw

@@ -4,8 +4,9 @@
 
 namespace palpate::render::shaders {
 
-std::string scene_vertex(Quality quality) {
-  return std::string(kVersion) + (quality == Quality::kFull ? "#define FULL\n" : "") + kLamps + R"(
+std::string scene_vertex(Quality quality, Annotated annotated) {
+  return std::string(kVersion) + (quality == Quality::kFull ? "#define FULL\n" : "") +
+         (annotated == Annotated::kYes ? "#define ANNOTATED\n" : "") + kLamps + kMapped + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float moved;
@@ -13,6 +14,11 @@ layout(location = 3) in vec3 rest_position;
 layout(location = 4) in vec4 pattern_colour;
 layout(location = 5) in vec3 pattern_vessel;
 layout(location = 6) in vec4 pattern_light;
+#ifdef ANNOTATED
+layout(location = 7) in vec2 map_value;  // fraction of the range; known
+uniform float values_shown;              // 1: map_value gives the colours
+out vec2 map_at;                         // interpolated only from vertices whose value is known
+#endif
 uniform mat4 projection;
 uniform mat4 model;
 uniform float map_range;  // m of displacement that the colour map spans; 0: no map
@@ -27,13 +33,6 @@ out vec3 in_shadow_map;
 out vec3 other_light;  // all but the key light, over the tissue's colour
 #endif
 
-// Dark blue over green to yellow, about as light as it is large (after Matplotlib's viridis).
-vec3 mapped(float t) {
-  const vec3 c0 = vec3(0.063, 0.0006, 0.089);
-  vec3 low = mix(c0, vec3(0.026, 0.162, 0.262), smoothstep(0.0, 0.35, t));
-  vec3 mid = mix(low, vec3(0.036, 0.370, 0.217), smoothstep(0.3, 0.65, t));
-  return mix(mid, vec3(0.980, 0.800, 0.019), smoothstep(0.6, 1.0, t));
-}
 void main() {
   vec4 placed = model * vec4(position, 1.0);
   p_W = placed.xyz;
@@ -45,6 +44,11 @@ void main() {
     colour = vec4(0.8 * mapped(clamp(abs(moved) / map_range, 0.0, 1.0)), 0.0);
     vessel.w = 0.0;
   }
+#ifdef ANNOTATED
+  map_at = values_shown * vec2(map_value.x * map_value.y, map_value.y);
+  if (values_shown > 0.0)
+    colour.rgb = mix(colour.rgb, vec3(dot(colour.rgb, vec3(0.2126, 0.7152, 0.0722))), 0.35);
+#endif
   // A dent's own walls hide the sky from it.
   sky_at_rest = pattern_light.x * (1.0 - 0.5 * smoothstep(0.001, 0.014, -moved));
 #ifndef FULL

@@ -8,12 +8,14 @@ inline const char* const kVersion = "#version 330 core\n";
 // Filmic tone curve (Narkowicz 2015), sRGB transfer function and a dither of one step against banding.
 inline const char* const kFinish = R"(
 float dither_value(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))); }
+vec3 encoded(vec3 x) {
+  x = sqrt(x);
+  return x * (1.145 - 0.145 * x);  // the sRGB transfer to 0.4 %, but for the darkest
+}
 vec3 finish(vec3 colour) {
   vec3 x = max(colour, vec3(0.0));
   x = clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
-  x = sqrt(x);
-  x *= 1.145 - 0.145 * x;  // the sRGB transfer to 0.4 %, but for the darkest
-  return x + (dither_value(gl_FragCoord.xy) - 0.5) / 255.0;
+  return encoded(x) + (dither_value(gl_FragCoord.xy) - 0.5) / 255.0;
 }
 )";
 
@@ -40,6 +42,17 @@ vec3 irradiance(vec3 n) {
   return mix(vec3(0.13, 0.12, 0.12), vec3(0.36, 0.39, 0.43), t);
 }
 vec3 wrapped(vec3 n, vec3 l) { return clamp((dot(n, l) + kWrap) / (1.0 + kWrap), 0.0, 1.0); }
+)";
+
+// Colours of maps.
+inline const char* const kMapped = R"(
+// Dark blue over green to yellow, about as light as it is large (after Matplotlib's viridis).
+vec3 mapped(float t) {
+  const vec3 c0 = vec3(0.063, 0.0006, 0.089);
+  vec3 low = mix(c0, vec3(0.026, 0.162, 0.262), smoothstep(0.0, 0.35, t));
+  vec3 mid = mix(low, vec3(0.036, 0.370, 0.217), smoothstep(0.3, 0.65, t));
+  return mix(mid, vec3(0.980, 0.800, 0.019), smoothstep(0.6, 1.0, t));
+}
 )";
 
 }  // namespace palpate::render::shaders

@@ -203,6 +203,56 @@ vec3 with_inclusions(vec3 albedo, vec3 v) {
   return albedo;
 }
 
+#ifdef ANNOTATED
+in vec2 map_at;
+
+// The finished colour, or the map's where values are known: as in the legend, without gloss, slightly darker
+// where less light falls.
+vec3 with_values(vec3 finished, vec3 light) {
+  float known = smoothstep(0.4, 0.6, map_at.y);
+  if (known <= 0.0) return finished;
+  float shading = mix(0.45, 1.05, clamp(0.45 * dot(light, vec3(0.2126, 0.7152, 0.0722)), 0.0, 1.0));
+  return mix(finished, shading * encoded(mapped(map_at.x / map_at.y)), known);
+}
+
+uniform int mark_count;
+uniform vec3 mark_point[32];  // m, world frame
+uniform int mark_kind[32];    // 0 found, 1 false, 2 lump
+uniform float mark_radius;    // m
+uniform float pixel_length;   // m
+
+// Distance [m] from the lines of a mark, negative inside, at a position relative to its middle in the picture's
+// plane: a dot in a ring, a cross, or a larger ring.
+float mark_distance(vec2 p, int kind) {
+  float half_line = 0.13 * mark_radius;
+  if (kind == 1) {
+    vec2 q = abs(vec2(p.x + p.y, p.x - p.y)) * 0.70710678;
+    return length(vec2(max(max(q.x, q.y) - mark_radius, 0.0), min(q.x, q.y))) - half_line;
+  }
+  float r = length(p);
+  if (kind == 2) return abs(r - 1.5 * mark_radius) - half_line;
+  return min(r - 0.42 * mark_radius, abs(r - 0.9 * mark_radius) - half_line);
+}
+
+// The finished colour with the marks near this point: white lines with a dark outline, not lit. The tissue's
+// rest position takes the place of the point, so that a mark moves with the tissue.
+vec3 with_marks(vec3 finished) {
+  vec3 at = (model * vec4(rest, 1.0)).xyz;
+  for (int i = 0; i < mark_count; ++i) {
+    vec3 d = at - mark_point[i];
+    if (dot(d, d) > 16.0 * mark_radius * mark_radius) continue;
+    float outside = mark_distance(vec2(dot(d, rig_right), dot(d, rig_up)), mark_kind[i]);
+    float outline = 0.13 * mark_radius;
+    finished = mix(finished, vec3(0.03), clamp(0.5 - (outside - outline) / pixel_length, 0.0, 1.0));
+    finished = mix(finished, vec3(1.0), clamp(0.5 - outside / pixel_length, 0.0, 1.0));
+  }
+  return finished;
+}
+vec3 annotated(vec3 finished, vec3 light) { return with_marks(with_values(finished, light)); }
+#else
+vec3 annotated(vec3 finished, vec3 light) { return finished; }
+#endif
+
 #ifdef FULL
 void main() {
   vec3 n = normalize(n_W);
@@ -240,7 +290,7 @@ void main() {
   shade += mirror(reflect(-v, wet_n), 0.22) * film * 1.25 * sky * mix(0.45, 1.0, lit);
   float back = highlight(wet_n, v, rim, 0.34) * fresnel(0.028, dot(normalize(v + rim), v));
   shade += 0.5 * kRimColour * sky * soft_peak(back);
-  pixel = vec4(finish(shade), 1.0);
+  pixel = vec4(annotated(finish(shade), light), 1.0);
 }
 #else
 void main() {
@@ -270,7 +320,7 @@ void main() {
   shade += kKeyColour * lit * (soft_peak(dull) + 0.55 * soft_peak(wet));
   float film = min(fresnel(0.026, facing), 0.16);
   shade += mirror(reflect(-v, n), 0.22) * film * 1.25 * sky_at_rest * mix(0.45, 1.0, lit);
-  pixel = vec4(finish(shade), 1.0);
+  pixel = vec4(annotated(finish(shade), light), 1.0);
 }
 #endif
 )";
@@ -314,8 +364,9 @@ std::string level(Quality quality) {
 
 }  // namespace
 
-std::string tissue_fragment(Quality quality) {
-  return kVersion + level(quality) + kFinish + kNoise + kNoiseValue + kLamps + kStudio + kTissue;
+std::string tissue_fragment(Quality quality, Annotated annotated) {
+  return kVersion + level(quality) + (annotated == Annotated::kYes ? "#define ANNOTATED\n" : "") + kFinish +
+         kNoise + kNoiseValue + kLamps + kMapped + kStudio + kTissue;
 }
 
 std::string steel_fragment(Quality quality) {

@@ -104,5 +104,26 @@ TEST(FrameContact, IsTheSameForTheSameFocus) {
   EXPECT_EQ(a.target, b.target);
 }
 
+TEST(FrameFromAbove, LooksDownAndHoldsTheWholeOrganInPicturesOfAnyShape) {
+  const Subject subject = subject_of(geometry::make_box(Vec3(0.12, 0.05, 0.08), 0.02));
+  haptics::Snapshot snapshot;
+  snapshot.organ_W.position = Vec3(0.5, -0.2, 0.1);
+  for (const double aspect : {0.5, 1.0, 2.5}) {
+    const Camera camera = frame_from_above(subject, snapshot, aspect);
+    EXPECT_TRUE((camera.eye - camera.target).normalized().isApprox(Vec3(Vec3::UnitZ())));
+    const double half = std::tan(0.5 * camera.vertical_view_deg * 3.14159265358979 / 180.0);
+    double fullest = 0.0;
+    for (const Vec3& v : subject.organ.vertices) {
+      const Vec3 p = snapshot.organ_W * v;
+      const double depth = camera.eye.z() - p.z();
+      const double x = std::abs(p.x() - camera.eye.x()) / depth / half / aspect;
+      const double y = std::abs(p.y() - camera.eye.y()) / depth / half;
+      fullest = std::max({fullest, x, y});
+    }
+    EXPECT_LT(fullest, 1.0) << aspect;
+    EXPECT_GT(fullest, 0.85) << aspect;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::render

@@ -1,6 +1,12 @@
 #include "view/render/map_legend.h"
 
+#include <set>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
+
+#include "view/render/pixel_font.h"
 
 namespace palpate::render {
 namespace {
@@ -62,6 +68,76 @@ TEST(MapLegend, NoRangeOrATinyPictureStaysAsItIs) {
   Image tiny = grey(100, 100);
   draw_map_legend(tiny, 0.01);
   EXPECT_EQ(tiny.rgb, grey(100, 100).rgb);
+}
+
+TEST(MapLegend, TheDisplacementsLegendIsTheOneInMillimetres) {
+  Image displacement = grey(800, 600);
+  Image millimetres = grey(800, 600);
+  Image factors = grey(800, 600);
+  draw_map_legend(displacement, 0.012);
+  draw_legend(millimetres, 0.0, 12.0, "mm");
+  draw_legend(factors, 0.0, 12.0, "");
+  EXPECT_EQ(displacement.rgb, millimetres.rgb);
+  EXPECT_NE(factors.rgb, millimetres.rgb);
+}
+
+TEST(MapLegend, ItsNumbersStartAtTheLowerValue) {
+  Image from_zero = grey(800, 600);
+  Image from_one = grey(800, 600);
+  draw_legend(from_zero, 0.0, 4.0, "x");
+  draw_legend(from_one, 1.0, 4.0, "x");
+  EXPECT_NE(from_zero.rgb, from_one.rgb);
+  Image none = grey(800, 600);
+  draw_legend(none, 4.0, 4.0, "x");
+  EXPECT_EQ(none.rgb, grey(800, 600).rgb);
+}
+
+TEST(MapLegend, APanelIsAsHighAsAskedAndHoldsTheWholeBar) {
+  const Image panel = legend_panel(660, 1.0, 4.0, "x");
+  EXPECT_EQ(panel.height, 660);
+  EXPECT_LT(panel.width, 200);
+  EXPECT_EQ(panel.rgb.size(), 3 * static_cast<std::size_t>(panel.width) * 660);
+  EXPECT_GT(bar_column(panel, 3 * 9 * 3 + 1), 0);  // three lines of 9 squares of 3 pixels each
+}
+
+TEST(PixelFont, EveryLetterAndDigitHasAGlyphOfItsOwn) {
+  std::set<std::vector<std::uint8_t>> drawn;
+  const std::string all = " ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789.,-+";
+  for (const char letter : all) {
+    Image image = grey(kGlyphWidth, kGlyphHeight);
+    write(image, 0, 0, 1, std::string(1, letter).c_str());
+    drawn.insert(image.rgb);
+  }
+  EXPECT_EQ(drawn.size(), all.size());
+}
+
+TEST(Title, IsWrittenIntoTheUpperLeftCornerOnly) {
+  Image image = grey(800, 600);
+  draw_title(image, "Felt");
+  int bright = 0;
+  for (int y = 0; y < 600; ++y) {
+    for (int x = 0; x < 800; ++x) {
+      const std::uint8_t red = image.rgb[pixel_at(image, x, y)];
+      if (x >= 110 || y >= 50) {
+        EXPECT_EQ(red, 128);
+      }
+      if (red > 200) ++bright;
+    }
+  }
+  EXPECT_GT(bright, 200);
+}
+
+TEST(SideBySide, HoldsBothPicturesUnchangedAndFillsUpTheLowerOne) {
+  Image left = grey(4, 3);
+  Image right = grey(2, 5);
+  right.rgb[pixel_at(right, 1, 4)] = 7;
+  const Image both = side_by_side(left, right);
+  ASSERT_EQ(both.width, 6);
+  ASSERT_EQ(both.height, 5);
+  EXPECT_EQ(both.rgb[pixel_at(both, 3, 2)], 128);
+  EXPECT_EQ(both.rgb[pixel_at(both, 4, 0)], 128);
+  EXPECT_EQ(both.rgb[pixel_at(both, 5, 4)], 7);
+  EXPECT_EQ(both.rgb[pixel_at(both, 0, 4)], kTextBackground.red);
 }
 
 }  // namespace
