@@ -10,18 +10,9 @@
 namespace palpate::python {
 
 scene::InclusionTable inclusion_preset(const std::string& name) {
-  std::vector<std::string> names;
-  for (const model::InclusionPreset& preset : model::inclusion_presets()) {
-    if (name == preset.name) {
-      scene::InclusionTable made;
-      made.setup.name = name;
-      made.setup.inclusion = preset.inclusion;
-      made.depth = preset.depth;
-      return made;
-    }
-    names.emplace_back(preset.name);
-  }
-  throw InputError("inclusion = \"" + name + "\": must be " + scene::alternatives(names));
+  if (std::optional<scene::InclusionTable> found = scene::find_inclusion_preset(name))
+    return *std::move(found);
+  throw InputError("inclusion = \"" + name + "\": must be " + scene::inclusion_preset_names());
 }
 
 void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& setup) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/scene/toml_reader.h"
@@ -16,6 +17,12 @@ struct InclusionTable {
   double depth = 0.0;           // of the centre below that place [m]
   std::string where;            // "FILE:LINE: organ.inclusion", for errors
 };
+
+/// [setup] The preset of this name, without a place; empty for an unknown name.
+[[nodiscard]] std::optional<InclusionTable> find_inclusion_preset(std::string_view name);
+
+/// [setup] The names of all presets, for messages: "nodule, stone or cyst".
+[[nodiscard]] std::string inclusion_preset_names();
 
 /// [setup] The inclusions of an organ's table. @throws InputError as the other readers
 [[nodiscard]] std::vector<InclusionTable> read_inclusions(const TomlTable& organ);
