@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "core/base/text.h"
 #include "io/scene/names.h"
 #include "palpate/error.h"
 
@@ -44,17 +43,8 @@ std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argumen
   }
   std::vector<model::StiffnessPoint> points;
   for (py::ssize_t i = 0; i < numbers.shape(0); ++i) {
-    const Vec3 point_S(numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2));
-    const double factor = numbers.at(i, 3);
-    if (!point_S.allFinite()) {
-      throw InputError("stiffness_map[" + std::to_string(i) + "]: its point must be finite");
-    }
-    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
-      throw ParameterError(
-          "stiffness_map[" + std::to_string(i) + "]", factor,
-          ">= " + shortest(model::kSmallestFactor) + " and <= " + shortest(model::kLargestFactor));
-    }
-    points.push_back({point_S, factor});
+    points.push_back({{numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2)}, numbers.at(i, 3)});
+    model::validate(points.back(), "factor of stiffness_map[" + std::to_string(i) + "]");
   }
   return points;
 }

@@ -168,12 +168,13 @@ std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::pat
   CsvTable table(file, {{"x_mm"}, {"y_mm"}, {"z_mm"}, {"factor"}});
   std::vector<model::StiffnessPoint> points;
   while (table.next_row()) {
-    const double factor = table.number(kFactor);
-    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
-      table.fail(kFactor, fmt::format("must be >= {} and <= {}", shortest(model::kSmallestFactor),
-                                      shortest(model::kLargestFactor)));
+    points.push_back(
+        {Vec3(table.number(kX), table.number(kY), table.number(kZ)) * kMillimetre, table.number(kFactor)});
+    try {
+      model::validate(points.back());
+    } catch (const ParameterError& error) {
+      table.fail(error.what());
     }
-    points.push_back({Vec3(table.number(kX), table.number(kY), table.number(kZ)) * kMillimetre, factor});
     if (points.size() > model::kMaxStiffnessPoints) {
       table.fail(fmt::format("a stiffness map has at most {} points", model::kMaxStiffnessPoints));
     }

@@ -104,7 +104,7 @@ TEST(StiffnessMapFile, IsReadInMillimetresAndRefusedWithItsLine) {
   EXPECT_EQ(points[0].factor, 0.5);
   const auto zero = folder.write("zero.csv", "x_mm,y_mm,z_mm,factor\n1,2,3,0\n");
   EXPECT_THAT(error_of([&] { (void)read_stiffness_map(zero); }),
-              HasSubstr("zero.csv:2: factor = 0: must be >= 0.01 and <= 100"));
+              HasSubstr("zero.csv:2: factor = 0: must be a number >= 0.01 and <= 100"));
 }
 
 TEST(StiffnessMapFile, ASceneThatNamesItReadsItAndListsItAmongItsFiles) {
