@@ -18,7 +18,7 @@ struct InclusionTable {
   std::string where;            // "FILE:LINE: organ.inclusion", for errors
 };
 
-/// [setup] The preset of this name, without a place; empty for an unknown name.
+/// [setup] The preset of this name, without a position; empty for an unknown name.
 [[nodiscard]] std::optional<InclusionTable> find_inclusion_preset(std::string_view name);
 
 /// [setup] The names of all presets, for messages: "nodule, stone or cyst".
