@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/scene/make_world.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/test/temporary_folder.h"
 #include "palpate/scene.h"
@@ -93,6 +94,24 @@ TEST(InclusionTable, EveryMistakeIsNamedWithItsLineAndARemedy) {
   std::string nine;
   for (int i = 0; i < 9; ++i) nine += table + "preset = \"stone\"\n";
   EXPECT_THAT(variation_error(nine), HasSubstr("must be at most 8"));
+}
+
+/// Two spheres of 4 mm and 5 mm radius whose centres are `apart_mm` apart.
+std::string two_spheres(const std::string& apart_mm, const std::string& more = "") {
+  const std::string table = "[[organ.inclusion]]\nstiffness_ratio = 2\nradius_mm = ";
+  return table + "4\nname = \"left\"\nposition_mm = [0, 0, 5]\n" + table +
+         "5\nname = \"right\"\nposition_mm = [" + apart_mm + ", 0, 5]\n" + more;
+}
+
+TEST(OverlapRemarks, NameTwoVisibleInclusionsThatOverlap) {
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("8.9"))),
+              testing::ElementsAre(AllOf(HasSubstr("'left' and 'right' overlap"), HasSubstr("8.9 mm apart"),
+                                         HasSubstr("radii, 9 mm"))));
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("9.1"))), testing::IsEmpty());
+}
+
+TEST(OverlapRemarks, NeverTellOfAHiddenInclusion) {
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("1", "visible = false\n"))), testing::IsEmpty());
 }
 
 TEST(StiffnessMapFile, IsReadInMillimetresAndRefusedWithItsLine) {
