@@ -30,7 +30,7 @@ void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scen
   scene::place_inclusions(tables, setup);
 }
 
-std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argument) {
+scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument) {
   if (const auto* file = std::get_if<std::filesystem::path>(&argument))
     return scene::read_stiffness_map(*file);
   const Numbers& numbers = std::get<Numbers>(argument);
@@ -41,12 +41,12 @@ std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argumen
     throw InputError("stiffness_map: has " + std::to_string(numbers.shape(0)) +
                      " points, must have at most " + std::to_string(model::kMaxStiffnessPoints));
   }
-  std::vector<model::StiffnessPoint> points;
+  scene::StiffnessMapFile map;
   for (py::ssize_t i = 0; i < numbers.shape(0); ++i) {
-    points.push_back({{numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2)}, numbers.at(i, 3)});
-    model::validate(points.back(), "factor of stiffness_map[" + std::to_string(i) + "]");
+    map.points.push_back({{numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2)}, numbers.at(i, 3)});
+    model::validate(map.points.back(), "factor of stiffness_map[" + std::to_string(i) + "]");
   }
-  return points;
+  return map;
 }
 
 std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
@@ -63,6 +64,7 @@ struct SceneFile {
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
   std::vector<InclusionTable> inclusions;
   std::optional<LocatedString> stiffness_map;
+  StiffnessMapOptions stiffness_map_options;
   std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
   std::vector<DeviceTable> devices;

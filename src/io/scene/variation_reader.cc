@@ -10,7 +10,6 @@
 #include "io/scene/default_path.h"
 #include "io/scene/names.h"
 #include "io/scene/scene_keys.h"
-#include "io/system/csv_table.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -161,25 +160,6 @@ std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetu
     if (one.visible) visible.push_back(one.inclusion);
   }
   return visible;
-}
-
-std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file) {
-  enum Column : std::size_t { kX, kY, kZ, kFactor };
-  CsvTable table(file, {{"x_mm"}, {"y_mm"}, {"z_mm"}, {"factor"}});
-  std::vector<model::StiffnessPoint> points;
-  while (table.next_row()) {
-    points.push_back(
-        {Vec3(table.number(kX), table.number(kY), table.number(kZ)) * kMillimetre, table.number(kFactor)});
-    try {
-      model::validate(points.back());
-    } catch (const ParameterError& error) {
-      table.fail(error.what());
-    }
-    if (points.size() > model::kMaxStiffnessPoints) {
-      table.fail(fmt::format("a stiffness map has at most {} points", model::kMaxStiffnessPoints));
-    }
-  }
-  return points;
 }
 
 }  // namespace palpate::scene

@@ -34,8 +34,4 @@ struct InclusionTable {
 /// @throws InputError for an inclusion that is not inside the organ
 void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup);
 
-/// [setup] Reads a stiffness map: columns x_mm, y_mm, z_mm (organ frame) and factor.
-/// @throws InputError that names file, line, column and value
-[[nodiscard]] std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file);
-
 }  // namespace palpate::scene
