@@ -182,9 +182,16 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }
 
-void require_no_map_flags(const FitFlags& flags) {
-  if (!flags.radius.empty()) throw InputError("--radius-mm: needs --map");
-  if (!flags.stiffness_map.empty()) throw InputError("--stiffness-map: needs --map");
+/// Rejects flags that have no effect with, or without, --map.
+void require_flags_of(bool is_map, const CLI::App& command) {
+  const std::vector<std::string> for_map = {"--radius-mm", "--max-inclusions", "--stiffness-map"};
+  const std::vector<std::string> for_curves = {"--law",   "--direction", "--relaxation", "--rate-Hz",
+                                               "--t1-us", "--bootstrap", "--seed",       "--report",
+                                               "--sweep", "--sweep-csv"};
+  for (const std::string& name : is_map ? for_curves : for_map) {
+    if (command.count(name) == 0) continue;
+    throw InputError(name + (is_map ? ": has no effect with --map: leave it out" : ": needs --map"));
+  }
 }
 
 void fit_one_map(const FitFlags& flags) {
@@ -265,11 +272,11 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "  palpate fit --map probes.csv --radius-mm 3.16 --out lumps.toml --stiffness-map stiffness.csv\n"
       "With --out the same command continues a fit that was interrupted.\n"
       "docs/fitting.md explains how to measure and how to read the intervals.");
-  command->callback([flags, command_line, &exit_code] {
+  command->callback([flags, command_line, command, &exit_code] {
+    require_flags_of(flags->is_map, *command);
     if (flags->is_map) {
       fit_one_map(*flags);
     } else {
-      require_no_map_flags(*flags);
       fit_all(*flags, command_line);
     }
     exit_code = kDone;

@@ -207,6 +207,28 @@ TEST(FitCommand, AMapNeedsTheBallsRadius) {
   EXPECT_EQ(run(folder, {"fit", "map.csv", "--radius-mm", "5"}).exit_code, 2);
 }
 
+TEST(FitCommand, AFlagWithoutEffectIsRefusedWithAndWithoutAMap) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << small_map();
+  write_curve(folder, "a.csv");
+  const std::vector<std::vector<std::string>> for_curves = {
+      {"--law", "smooth"}, {"--direction", "pull"}, {"--relaxation"}, {"--rate-Hz", "500"},
+      {"--t1-us", "2"},    {"--bootstrap", "9"},    {"--seed", "2"},  {"--report", "page"},
+      {"--sweep", "q"},    {"--sweep-csv", "q.csv"}};
+  for (const std::vector<std::string>& flag : for_curves) {
+    std::vector<std::string> words = {"fit", "--map", "map.csv", "--radius-mm", "5", "--out", "a.toml"};
+    words.insert(words.end(), flag.begin(), flag.end());
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << flag.front();
+    EXPECT_NE(outcome.err.find(flag.front() + ": has no effect with --map: leave it out"), std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.toml"));
+  }
+  const Outcome without = run(folder, {"fit", "a.csv", "--max-inclusions", "2"});
+  EXPECT_EQ(without.exit_code, 2);
+  EXPECT_NE(without.err.find("--max-inclusions: needs --map"), std::string::npos) << without.err;
+}
+
 TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "a.csv");

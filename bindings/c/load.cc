@@ -72,6 +72,7 @@ Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand) {
   for (scene::DeviceSetup& device : setup.devices) {
     if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }
+  for (std::string& remark : scene::overlap_remarks(setup)) setup.remarks.push_back(std::move(remark));
   for (std::string& remark : scene::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
   haptics::SimulationWorld world = scene::make_world(setup, how);
   return {std::move(setup), std::move(scripted), std::move(world)};

@@ -149,7 +149,8 @@ void bind_runs(py::module_& module) {
             "hand, in a structured array with the columns of `palpate export` (phase and fault are "
             "numbers). Arguments override the scene file, like the flags of the same name. tissue: a "
             "Tissue or a name; tool: a name or a list of jaws; inclusions: a list of Inclusion or names of "
-            "inclusion_presets(), instead of the scene's; stiffness_map: a CSV file, or an array with the "
+            "inclusion_presets(), instead of the scene's; stiffness_map: a CSV or PLY file (mm), or an array "
+            "with the "
             "columns x, y, z (m) and factor; record: HDF5 file to write. Raises "
             "InputError.");
       },

@@ -3,25 +3,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "core/base/text.h"
 #include "io/scene/names.h"
 #include "palpate/error.h"
 
 namespace palpate::python {
 
 scene::InclusionTable inclusion_preset(const std::string& name) {
-  std::vector<std::string> names;
-  for (const model::InclusionPreset& preset : model::inclusion_presets()) {
-    if (name == preset.name) {
-      scene::InclusionTable made;
-      made.setup.name = name;
-      made.setup.inclusion = preset.inclusion;
-      made.depth = preset.depth;
-      return made;
-    }
-    names.emplace_back(preset.name);
-  }
-  throw InputError("inclusion = \"" + name + "\": must be " + scene::alternatives(names));
+  if (std::optional<scene::InclusionTable> found = scene::find_inclusion_preset(name))
+    return *std::move(found);
+  throw InputError("inclusion = \"" + name + "\": must be " + scene::inclusion_preset_names());
 }
 
 void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& setup) {
@@ -40,7 +30,7 @@ void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scen
   scene::place_inclusions(tables, setup);
 }
 
-std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argument) {
+scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument) {
   if (const auto* file = std::get_if<std::filesystem::path>(&argument))
     return scene::read_stiffness_map(*file);
   const Numbers& numbers = std::get<Numbers>(argument);
@@ -51,21 +41,12 @@ std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argumen
     throw InputError("stiffness_map: has " + std::to_string(numbers.shape(0)) +
                      " points, must have at most " + std::to_string(model::kMaxStiffnessPoints));
   }
-  std::vector<model::StiffnessPoint> points;
+  scene::StiffnessMapFile map;
   for (py::ssize_t i = 0; i < numbers.shape(0); ++i) {
-    const Vec3 point_S(numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2));
-    const double factor = numbers.at(i, 3);
-    if (!point_S.allFinite()) {
-      throw InputError("stiffness_map[" + std::to_string(i) + "]: its point must be finite");
-    }
-    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
-      throw ParameterError(
-          "stiffness_map[" + std::to_string(i) + "]", factor,
-          ">= " + shortest(model::kSmallestFactor) + " and <= " + shortest(model::kLargestFactor));
-    }
-    points.push_back({point_S, factor});
+    map.points.push_back({{numbers.at(i, 0), numbers.at(i, 1), numbers.at(i, 2)}, numbers.at(i, 3)});
+    model::validate(map.points.back(), "factor of stiffness_map[" + std::to_string(i) + "]");
   }
-  return points;
+  return map;
 }
 
 std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/scene.h"
@@ -17,7 +18,7 @@ namespace palpate::python {
 /// Inclusion argument: an object, or the name of a preset.
 using InclusionArgument = std::variant<scene::InclusionTable, std::string>;
 
-/// Stiffness map argument: a CSV file, or an array with the columns x, y, z [m] and factor.
+/// Stiffness map argument: a CSV or PLY file, or an array with the columns x, y, z [m] and factor.
 using StiffnessArgument = std::variant<std::filesystem::path, Numbers>;
 
 /// [setup] The preset of this name. @throws InputError that lists the presets
@@ -28,7 +29,7 @@ using StiffnessArgument = std::variant<std::filesystem::path, Numbers>;
 void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& setup);
 
 /// [setup] Points of a stiffness map. @throws InputError, ParameterError for an invalid factor
-[[nodiscard]] std::vector<model::StiffnessPoint> stiffness_of(const StiffnessArgument& argument);
+[[nodiscard]] scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument);
 
 /// [setup] The inclusions of a scene with the numbers of a run.
 [[nodiscard]] std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,

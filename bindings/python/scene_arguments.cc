@@ -15,7 +15,10 @@ scene::Scene SceneArguments::load() const {
   scene::Scene setup = scene::load(request);
   if (tissue) setup.tissue = *tissue;
   if (inclusions) set_inclusions(*inclusions, setup);
-  if (stiffness) setup.stiffness = *stiffness;
+  if (stiffness) {
+    setup.stiffness = stiffness->points;
+    setup.remarks.insert(setup.remarks.end(), stiffness->remarks.begin(), stiffness->remarks.end());
+  }
   return setup;
 }
 

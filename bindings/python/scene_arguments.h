@@ -21,9 +21,9 @@ namespace palpate::python {
 /// Arguments of a call that override the scene file.
 struct SceneArguments {
   scene::Overrides request;
-  std::optional<model::TissueParameters> tissue;                // replaces a name or file
-  std::optional<std::vector<InclusionArgument>> inclusions;     // replace the scene's
-  std::optional<std::vector<model::StiffnessPoint>> stiffness;  // replaces the scene's
+  std::optional<model::TissueParameters> tissue;             // replaces a name or file
+  std::optional<std::vector<InclusionArgument>> inclusions;  // replace the scene's
+  std::optional<scene::StiffnessMapFile> stiffness;          // replaces the scene's
 
   /// [setup] @throws InputError as scene::load() does, ParameterError for an invalid tissue
   [[nodiscard]] scene::Scene load() const;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -59,6 +60,10 @@ struct InclusionPreset {
 /// its key in a scene file (radius_mm, stiffness_ratio, pulse_mm, pulse_period_s), its value in that unit and
 /// the valid range.
 void validate(const Inclusion& inclusion);
+
+/// [setup] Checks a point of a stiffness map: finite, with a factor from kSmallestFactor to kLargestFactor.
+/// @param field name of the factor for messages @throws InputError, ParameterError for the factor
+void validate(const StiffnessPoint& point, const std::string& field = "factor");
 
 /// A round tip that is pressed into tissue: the radius c of its contact,
 /// c^2 = R D / sqrt(1 + omega (D/R)^2), Hertz's at small depths.

@@ -85,10 +85,11 @@ StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::S
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const model::StiffnessPoint& one = points[i];
+    const std::string name = "point " + std::to_string(i + 1) + " of the stiffness map";
+    model::validate(one, "factor of " + name);
     const geometry::NearestPoint nearest = surface.nearest(one.point_S, -1);
     if (!(std::abs(nearest.distance) <= model::kFarthestStiffnessPoint)) {
-      throw InputError("point " + std::to_string(i + 1) + " of the stiffness map is " +
-                       brief(std::abs(nearest.distance) / kMillimetre, 3) +
+      throw InputError(name + " is " + brief(std::abs(nearest.distance) / kMillimetre, 3) +
                        " mm from the organ's surface: must be at most " +
                        brief(model::kFarthestStiffnessPoint / kMillimetre, 3) + " mm");
     }

@@ -15,7 +15,8 @@ class StiffnessMap final {
   /// The factor is 1 everywhere.
   StiffnessMap() = default;
   /// [setup] Interpolates ln k along the surface between the given points: the smoothest function through
-  /// them. @throws InputError for a point farther than model::kFarthestStiffnessPoint from the surface.
+  /// them. @throws as model::validate(); InputError for a point farther than model::kFarthestStiffnessPoint
+  /// from the surface.
   StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points);
 
   [[nodiscard]] bool empty() const noexcept { return values_.empty(); }

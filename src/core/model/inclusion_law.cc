@@ -40,6 +40,11 @@ void validate(const Inclusion& inclusion) {
   require_within("pulse_period_s", inclusion.pulse_period, kShortestOrganPeriod, kLongestOrganPeriod, 1.0);
 }
 
+void validate(const StiffnessPoint& point, const std::string& field) {
+  if (!point.point_S.allFinite()) throw InputError(field + ": its point must be finite");
+  require_within(field, point.factor, kSmallestFactor, kLargestFactor, 1.0);
+}
+
 PressedTip::PressedTip(double tip_radius, double depth) noexcept {
   if (!(depth > 0.0)) return;
   const double ratio = depth / tip_radius;

@@ -97,12 +97,8 @@ Json stiffness_json(const std::vector<model::StiffnessPoint>& points) {
 std::vector<model::StiffnessPoint> stiffness_from(const Json& json) {
   std::vector<model::StiffnessPoint> points;
   for (const Json& one : json) {
-    const double factor = one.at(3).get<double>();
-    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
-      throw InputError("stiffness factor is " + shortest(factor) + ", want >= " +
-                       shortest(model::kSmallestFactor) + " and <= " + shortest(model::kLargestFactor));
-    }
-    points.push_back({vector_from(one), factor});
+    points.push_back({vector_from(one), one.at(3).get<double>()});
+    model::validate(points.back(), "stiffness factor");
   }
   return points;
 }

@@ -15,6 +15,7 @@
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/scene_keys.h"
+#include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -201,21 +202,26 @@ void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
   setup.organ = geometry::make_organ(organ.value);
 }
 
-void load_stiffness_map(const LocatedString& map, Scene& setup) {
+void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
+  if (!scene.stiffness_map) return;
+  StiffnessMapOptions options = scene.stiffness_map_options;
+  options.unit = scene.organ_unit.value_or(LengthUnit::kMillimetre);
   try {
-    setup.stiffness = read_stiffness_map(map.file());
+    StiffnessMapFile map = read_stiffness_map(scene.stiffness_map->file(), options);
     const geometry::SignedDistance surface(setup.organ);
-    for (std::size_t i = 0; i < setup.stiffness.size(); ++i) {
-      const double distance = std::abs(surface.nearest(setup.stiffness[i].point_S).distance);
+    for (std::size_t i = 0; i < map.points.size(); ++i) {
+      const double distance = std::abs(surface.nearest(map.points[i].point_S).distance);
       if (distance <= model::kFarthestStiffnessPoint) continue;
       throw InputError(
-          fmt::format("{}: row {}: the point is {} mm from the organ's surface: must be at most {} mm, in "
-                      "the organ's frame",
-                      map.file().string(), i + 1, brief(distance / kMillimetre, 3),
+          fmt::format("{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the "
+                      "organ's frame",
+                      scene.stiffness_map->file().string(), map.name_of(i), brief(distance / kMillimetre, 3),
                       brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
     }
+    setup.stiffness = std::move(map.points);
+    notes.remarks.insert(notes.remarks.end(), map.remarks.begin(), map.remarks.end());
   } catch (const InputError& error) {
-    throw InputError(map.where + ": " + error.what());
+    throw InputError(scene.stiffness_map->where + ": " + error.what());
   }
 }
 
@@ -381,7 +387,7 @@ Scene load(const Overrides& request) {
     }
     hide_inclusions(scene.search, setup);
   }
-  if (scene.stiffness_map) load_stiffness_map(*scene.stiffness_map, setup);
+  load_stiffness_map(scene, setup, notes);
   setup.repairs = std::move(notes.repairs);
   setup.remarks = std::move(notes.remarks);
   add_sources(request, scene, setup);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "core/base/text.h"
@@ -166,6 +167,23 @@ std::vector<std::string> radius_remarks(const Scene& setup, const haptics::Simul
     remarks.push_back("tissue '" + setup.tissue.name + "' was fitted with an indenter of " + in_mm(fitted) +
                       " radius, the tip of '" + setup.tools[hand].name + "' has " + in_mm(radius) +
                       ": more than twofold apart, so the force may be wrong");
+  }
+  return remarks;
+}
+
+std::vector<std::string> overlap_remarks(const Scene& setup) {
+  std::vector<std::string> remarks;
+  for (auto one = setup.inclusions.begin(); one != setup.inclusions.end(); ++one) {
+    for (auto other = std::next(one); other != setup.inclusions.end(); ++other) {
+      if (!one->visible || !other->visible) continue;
+      const double apart = (one->inclusion.centre_S - other->inclusion.centre_S).norm();
+      const double radii = one->inclusion.radius + other->inclusion.radius;
+      if (!(apart < radii)) continue;
+      remarks.push_back("inclusions '" + one->name + "' and '" + other->name +
+                        "' overlap, their centres are " + rounded(apart / kMillimetre) +
+                        " mm apart, less than the sum of their radii, " + rounded(radii / kMillimetre) +
+                        " mm: the energy there is multiplied by both");
+    }
   }
   return remarks;
 }

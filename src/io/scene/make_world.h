@@ -37,6 +37,9 @@ namespace palpate::scene {
 [[nodiscard]] std::vector<std::string> radius_remarks(const Scene& setup,
                                                       const haptics::SimulationWorld& world);
 
+/// [setup] A remark for each two visible inclusions that overlap. Hidden ones are not named.
+[[nodiscard]] std::vector<std::string> overlap_remarks(const Scene& setup);
+
 /// [setup] The object that gives updates of tissue and noise to a run of this scene; it warns like
 /// stability_remarks(). @param setup, world must outlive it
 [[nodiscard]] std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(

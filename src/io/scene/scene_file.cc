@@ -89,7 +89,9 @@ class SceneReader final {
     if (const std::optional<TomlTable> stiffness = table->table("stiffness")) {
       stiffness->allow_only(keys_in("organ.stiffness"));
       scene.stiffness_map = stated(*stiffness, "map");
-      if (!scene.stiffness_map) stiffness->fail_missing("map", "must be a CSV file (docs/lumps.md)");
+      if (!scene.stiffness_map) stiffness->fail_missing("map", "must be a CSV or PLY file (docs/lumps.md)");
+      scene.stiffness_map_options.factor_at_black = number_in(*stiffness, "factor_at_black");
+      scene.stiffness_map_options.factor_at_white = number_in(*stiffness, "factor_at_white");
     }
   }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/scene/search.h"
+#include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
@@ -65,6 +66,7 @@ struct SceneFile {
   std::vector<InclusionTable> inclusions;
   std::optional<LocatedString> stiffness_map;
   SearchTable search;
+  StiffnessMapOptions stiffness_map_options;
   std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
   std::vector<DeviceTable> devices;

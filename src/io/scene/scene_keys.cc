@@ -18,6 +18,7 @@ constexpr std::string_view kTissue = "tissue.";
 std::vector<SceneKey> make_keys() {
   using enum KeyType;
   constexpr Range kLoopRate{kSlowestRate, kFastestRate};
+  constexpr Range kFactor{model::kSmallestFactor, model::kLargestFactor};
   constexpr Range kTime{0.0, 1e6};  // s: eleven days
   const auto up_to = [](double most) { return Range{0.0, most, true}; };
   constexpr double kPerMillisecond = 1000.0;  // slew rates are given per millisecond
@@ -43,6 +44,8 @@ std::vector<SceneKey> make_keys() {
       {"organ.inclusion.pulse_mm", kNumber},
       {"organ.inclusion.pulse_period_s", kNumber},
       {"organ.stiffness.map", kText},
+      {"organ.stiffness.factor_at_black", kNumber, kFactor},
+      {"organ.stiffness.factor_at_white", kNumber, kFactor},
       {"tool.mesh", kText},
       {"tool.unit", kText},
       {"tool.tip_radius_mm", kNumber, up_to(1000.0)},

@@ -187,17 +187,11 @@ SearchTable read_search(const std::optional<TomlTable>& table) {
     search.where = table->location("") + ": search";
     preset = table->text("preset").value_or(preset);
   }
-  std::vector<std::string> names;
-  for (const model::InclusionPreset& known : model::inclusion_presets()) {
-    names.emplace_back(known.name);
-    if (known.name != preset) continue;
-    search.lump = known.inclusion;
-    search.depth = known.depth;
-  }
+  const std::optional<InclusionTable> known = find_inclusion_preset(preset);
+  if (!known) table->fail("preset", "must be " + inclusion_preset_names());
+  search.lump = known->setup.inclusion;
+  search.depth = known->depth;
   if (!table) return search;
-  if (std::find(names.begin(), names.end(), preset) == names.end()) {
-    table->fail("preset", "must be " + joined(names, ", "));
-  }
   const auto read = [&](const char* key, double unit, double& value) {
     if (const auto given = number_in(*table, key)) value = *given * unit;
   };

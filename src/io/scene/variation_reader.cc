@@ -1,6 +1,7 @@
 #include "io/scene/variation_reader.h"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -8,7 +9,6 @@
 #include "io/scene/default_path.h"
 #include "io/scene/names.h"
 #include "io/scene/scene_keys.h"
-#include "io/system/csv_table.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -17,31 +17,18 @@ namespace {
 
 constexpr Range kPlace{-1e6, 1e6};  // mm
 
-std::string preset_names() {
-  std::vector<std::string> names;
-  for (const model::InclusionPreset& preset : model::inclusion_presets()) names.emplace_back(preset.name);
-  return alternatives(names);
-}
-
-/// @return false when no preset has this name
-bool take_preset(const std::string& word, InclusionTable& made) {
-  for (const model::InclusionPreset& preset : model::inclusion_presets()) {
-    if (word != preset.name) continue;
-    made.setup.name = word;
-    made.setup.inclusion = preset.inclusion;
-    made.depth = preset.depth;
-    return true;
-  }
-  return false;
-}
-
 InclusionTable read_one(const TomlTable& table, std::size_t number) {
   table.allow_only(keys_in("organ.inclusion", {"position_mm", "under"}));
   InclusionTable made;
-  made.where = table.location("") + ": organ.inclusion";
-  made.setup.name = "inclusion " + std::to_string(number);
   const std::optional<std::string> preset = table.text("preset");
-  if (preset && !take_preset(*preset, made)) table.fail("preset", "must be " + preset_names());
+  if (preset) {
+    const std::optional<InclusionTable> found = find_inclusion_preset(*preset);
+    if (!found) table.fail("preset", "must be " + inclusion_preset_names());
+    made = *found;
+  } else {
+    made.setup.name = "inclusion " + std::to_string(number);
+  }
+  made.where = table.location("") + ": organ.inclusion";
   model::Inclusion& inclusion = made.setup.inclusion;
   made.setup.name = table.text("name").value_or(made.setup.name);
   made.setup.visible = table.truth("visible").value_or(true);
@@ -52,7 +39,7 @@ InclusionTable read_one(const TomlTable& table, std::size_t number) {
   if (!preset && !numbers) {
     table.fail_missing(
         table.has("radius_mm") ? "stiffness_ratio" : "radius_mm",
-        "an inclusion needs radius_mm and stiffness_ratio, or a preset (" + preset_names() + ")");
+        "an inclusion needs radius_mm and stiffness_ratio, or a preset (" + inclusion_preset_names() + ")");
   }
   read("radius_mm", kMillimetre, inclusion.radius);
   read("stiffness_ratio", 1.0, inclusion.ratio);
@@ -90,6 +77,24 @@ Vec3 mean_normal(const geometry::TriangleMesh& organ, const geometry::NearestPoi
   return sum.normalized();
 }
 
+std::optional<InclusionTable> find_inclusion_preset(std::string_view name) {
+  for (const model::InclusionPreset& preset : model::inclusion_presets()) {
+    if (name != preset.name) continue;
+    InclusionTable made;
+    made.setup.name = name;
+    made.setup.inclusion = preset.inclusion;
+    made.depth = preset.depth;
+    return made;
+  }
+  return std::nullopt;
+}
+
+std::string inclusion_preset_names() {
+  std::vector<std::string> names;
+  for (const model::InclusionPreset& preset : model::inclusion_presets()) names.emplace_back(preset.name);
+  return alternatives(names);
+}
+
 std::vector<InclusionTable> read_inclusions(const TomlTable& organ) {
   std::vector<InclusionTable> inclusions;
   for (const TomlTable& table : organ.tables("inclusion")) {
@@ -105,13 +110,14 @@ std::vector<InclusionTable> read_inclusions(const TomlTable& organ) {
 std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& words) {
   std::vector<InclusionTable> inclusions;
   for (const std::string& word : words) {
-    InclusionTable made;
-    made.where = "--inclusion " + word;
     if (word == "none") continue;
-    if (!take_preset(word, made)) {
-      throw InputError(fmt::format("--inclusion = \"{}\": must be {} or none", word, preset_names()));
+    std::optional<InclusionTable> made = find_inclusion_preset(word);
+    if (!made) {
+      throw InputError(
+          fmt::format("--inclusion = \"{}\": must be {} or none", word, inclusion_preset_names()));
     }
-    inclusions.push_back(made);
+    made->where = "--inclusion " + word;
+    inclusions.push_back(std::move(*made));
   }
   if (inclusions.size() > model::kMaxInclusions) {
     throw InputError(fmt::format("--inclusion: given {} times, must be at most {}", inclusions.size(),
@@ -151,24 +157,6 @@ std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetu
     if (one.visible) visible.push_back(one.inclusion);
   }
   return visible;
-}
-
-std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file) {
-  enum Column : std::size_t { kX, kY, kZ, kFactor };
-  CsvTable table(file, {{"x_mm"}, {"y_mm"}, {"z_mm"}, {"factor"}});
-  std::vector<model::StiffnessPoint> points;
-  while (table.next_row()) {
-    const double factor = table.number(kFactor);
-    if (!(factor >= model::kSmallestFactor && factor <= model::kLargestFactor)) {
-      table.fail(kFactor, fmt::format("must be >= {} and <= {}", shortest(model::kSmallestFactor),
-                                      shortest(model::kLargestFactor)));
-    }
-    points.push_back({Vec3(table.number(kX), table.number(kY), table.number(kZ)) * kMillimetre, factor});
-    if (points.size() > model::kMaxStiffnessPoints) {
-      table.fail(fmt::format("a stiffness map has at most {} points", model::kMaxStiffnessPoints));
-    }
-  }
-  return points;
 }
 
 }  // namespace palpate::scene

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/signed_distance.h"
@@ -18,6 +19,12 @@ struct InclusionTable {
   std::string where;            // "FILE:LINE: organ.inclusion", for errors
 };
 
+/// [setup] The preset of this name, without a position; empty for an unknown name.
+[[nodiscard]] std::optional<InclusionTable> find_inclusion_preset(std::string_view name);
+
+/// [setup] The names of all presets, for messages: "nodule, stone or cyst".
+[[nodiscard]] std::string inclusion_preset_names();
+
 /// [setup] The inclusions of an organ's table. @throws InputError as the other readers
 [[nodiscard]] std::vector<InclusionTable> read_inclusions(const TomlTable& organ);
 
@@ -32,9 +39,5 @@ struct InclusionTable {
 /// [setup] Finds the centres and sets the inclusions of a loaded scene.
 /// @throws InputError for an inclusion that is not inside the organ
 void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup);
-
-/// [setup] Reads a stiffness map: columns x_mm, y_mm, z_mm (organ frame) and factor.
-/// @throws InputError that names file, line, column and value
-[[nodiscard]] std::vector<model::StiffnessPoint> read_stiffness_map(const std::filesystem::path& file);
 
 }  // namespace palpate::scene

@@ -75,6 +75,7 @@ Session::Session(scene::Scene setup, SessionOptions options)
     for (const auto& device : devices_) ticks_ = std::max(ticks_, device->last_tick(setup_.rate_Hz));
   }
   append(setup_.remarks, scene::radius_remarks(setup_, *world_));
+  append(setup_.remarks, scene::overlap_remarks(setup_));
   append(setup_.remarks, scene::stability_remarks(setup_));
 }
 

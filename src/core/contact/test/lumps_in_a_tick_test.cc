@@ -210,6 +210,29 @@ TEST(LumpsInATick, AStiffnessMapIsHeldAtItsPointsAndPushesTowardsTheSofterSide) 
   }
 }
 
+TEST(LumpsInATick, AStiffnessMapRefusesAFactorOutsideItsLimitsAndAPointThatIsNotFinite) {
+  const auto error_of = [](const Vec3& point, double factor) -> std::string {
+    try {
+      Palpation({{}, {{Vec3::Zero(), 2.0}, {point, factor}}});
+    } catch (const ParameterError& error) {
+      return error.what();
+    } catch (const InputError& error) {
+      return std::string("no parameter: ") + error.what();
+    }
+    return "";
+  };
+  const Vec3 point(10e-3, 0.0, 0.0);
+  EXPECT_EQ(error_of(point, 0.009),
+            "factor of point 2 of the stiffness map = 0.009: must be a number >= 0.01 and <= 100");
+  for (const double factor : {101.0, -1.0, 0.0, std::nan("")}) {
+    EXPECT_EQ(error_of(point, factor).rfind("factor of point 2", 0), 0U) << factor;
+  }
+  EXPECT_EQ(error_of(point, 0.01), "");
+  EXPECT_EQ(error_of(point, 100.0), "");
+  EXPECT_EQ(error_of(Vec3(std::nan(""), 0.0, 0.0), 1.0),
+            "no parameter: factor of point 2 of the stiffness map: its point must be finite");
+}
+
 TEST(LumpsInATick, APulsingInclusionIsFeltAsItRises) {
   model::Inclusion vessel = sphere_under(0.0, 0.0, 6e-3, 3e-3, 10.0);
   vessel.pulse = 1e-3;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/formats/formats.h"
+#include "io/mesh_io/formats/ply_vertices.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
 namespace palpate::geometry {
@@ -19,6 +21,7 @@ struct Property {
   std::string name;
   NumberType type = NumberType::kFloat;
   std::optional<NumberType> count_type;  // of a list
+  std::optional<std::size_t> column;     // of a vertex, in PlyReader::properties_
   [[nodiscard]] bool names_vertices() const {
     return count_type && (name == "vertex_indices" || name == "vertex_index");
   }
@@ -36,14 +39,37 @@ class PlyReader final {
 
   ImportedMesh run() {
     read_header();
-    for (const Element& element : elements_) {
-      check(element);
-      for (std::size_t n = 1; n <= element.count; ++n) read(element, n);
-    }
+    for (const Element& element : elements_) read_all(element);
     return surface_.take();
   }
 
+  PlyVertices vertices_with(std::span<const std::string_view> wanted) {
+    read_header();
+    const auto vertex = std::find_if(elements_.begin(), elements_.end(),
+                                     [](const Element& element) { return element.name == "vertex"; });
+    if (vertex == elements_.end()) scan_.refuse("the header has no element vertex");
+    if (vertex->count > kMaxPlyVertices) {
+      scan_.refuse(
+          fmt::format("{} vertices: at most {} are read with their values", vertex->count, kMaxPlyVertices));
+    }
+    for (Property& property : vertex->properties) {
+      const bool is_wanted = std::find(wanted.begin(), wanted.end(), property.name) != wanted.end();
+      const bool is_again = std::any_of(properties_.begin(), properties_.end(),
+                                        [&](const PlyProperty& p) { return p.name == property.name; });
+      if (!is_wanted || is_again || property.count_type) continue;
+      property.column = properties_.size();
+      properties_.push_back({property.name, property.type});
+    }
+    for (auto element = elements_.begin(); element <= vertex; ++element) read_all(*element);
+    return {std::move(surface_.vertices), std::move(properties_)};
+  }
+
  private:
+  void read_all(const Element& element) {
+    check(element);
+    for (std::size_t n = 1; n <= element.count; ++n) read(element, n);
+  }
+
   void read_header() {
     if (!scan_.next_line() || scan_.rest_of_line() != "ply") scan_.refuse("must start with \"ply\"");
     std::optional<MeshScan::Encoding> encoding;
@@ -127,6 +153,7 @@ class PlyReader final {
         continue;
       }
       const double value = scan_.real(property.type);
+      if (property.column) properties_[*property.column].values.push_back(value);
       const std::size_t axis = std::string_view("xyz").find(property.name);
       if (is_vertex && property.name.size() == 1 && axis < 3) point[static_cast<int>(axis)] = value;
     }
@@ -147,12 +174,23 @@ class PlyReader final {
   MeshScan scan_;
   SurfaceBuilder surface_{scan_};
   std::vector<Element> elements_;
-  std::vector<std::int32_t> corners_;  // of one face
-  std::size_t vertices_ = 0;           // declared
+  std::vector<PlyProperty> properties_;  // wanted, of the vertices
+  std::vector<std::int32_t> corners_;    // of one face
+  std::size_t vertices_ = 0;             // declared
 };
 
 }  // namespace
 
 ImportedMesh read_ply(const MeshFile& file) { return PlyReader(file).run(); }
+
+const PlyProperty* PlyVertices::find(std::string_view name) const {
+  const auto found = std::find_if(properties.begin(), properties.end(),
+                                  [name](const PlyProperty& property) { return property.name == name; });
+  return found == properties.end() ? nullptr : &*found;
+}
+
+PlyVertices read_ply_vertices(const MeshFile& file, std::span<const std::string_view> wanted) {
+  return PlyReader(file).vertices_with(wanted);
+}
 
 }  // namespace palpate::geometry

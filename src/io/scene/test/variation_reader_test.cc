@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/scene/make_world.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/test/temporary_folder.h"
 #include "palpate/scene.h"
@@ -95,35 +96,22 @@ TEST(InclusionTable, EveryMistakeIsNamedWithItsLineAndARemedy) {
   EXPECT_THAT(variation_error(nine), HasSubstr("must be at most 8"));
 }
 
-TEST(StiffnessMapFile, IsReadInMillimetresAndRefusedWithItsLine) {
-  const TemporaryFolder folder;
-  const auto map = folder.write("map.csv", "x_mm,y_mm,z_mm,factor\n1,2,3,0.5\n4,5,6,2\n");
-  const std::vector<model::StiffnessPoint> points = read_stiffness_map(map);
-  ASSERT_EQ(points.size(), 2U);
-  EXPECT_NEAR((points[1].point_S - Vec3(4e-3, 5e-3, 6e-3)).norm(), 0.0, 1e-15);
-  EXPECT_EQ(points[0].factor, 0.5);
-  const auto zero = folder.write("zero.csv", "x_mm,y_mm,z_mm,factor\n1,2,3,0\n");
-  EXPECT_THAT(error_of([&] { (void)read_stiffness_map(zero); }),
-              HasSubstr("zero.csv:2: factor = 0: must be >= 0.01 and <= 100"));
+/// Two spheres of 4 mm and 5 mm radius whose centres are `apart_mm` apart.
+std::string two_spheres(const std::string& apart_mm, const std::string& more = "") {
+  const std::string table = "[[organ.inclusion]]\nstiffness_ratio = 2\nradius_mm = ";
+  return table + "4\nname = \"left\"\nposition_mm = [0, 0, 5]\n" + table +
+         "5\nname = \"right\"\nposition_mm = [" + apart_mm + ", 0, 5]\n" + more;
 }
 
-TEST(StiffnessMapFile, ASceneThatNamesItReadsItAndListsItAmongItsFiles) {
-  const TemporaryFolder folder;
-  const auto map = folder.write("map.csv", "x_mm,y_mm,z_mm,factor\n0,0,20,2\n");
-  Overrides request;
-  request.scene = folder.write("s.toml", kBoxScene + "[organ.stiffness]\nmap = \"map.csv\"\n");
-  const Scene setup = load(request);
-  ASSERT_EQ(setup.stiffness.size(), 1U);
-  EXPECT_EQ(setup.files.back().path, map);
+TEST(OverlapRemarks, NameTwoVisibleInclusionsThatOverlap) {
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("8.9"))),
+              testing::ElementsAre(AllOf(HasSubstr("'left' and 'right' overlap"), HasSubstr("8.9 mm apart"),
+                                         HasSubstr("radii, 9 mm"))));
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("9.1"))), testing::IsEmpty());
 }
 
-TEST(StiffnessMapFile, APointThatIsNotNearTheSurfaceIsRefusedWithFileAndRow) {
-  const TemporaryFolder folder;
-  const auto map = folder.write("far.csv", "x_mm,y_mm,z_mm,factor\n0,0,20,2\n0,0,50,2\n");
-  Overrides request;
-  request.scene = folder.write("s.toml", kBoxScene + "[organ.stiffness]\nmap = \"far.csv\"\n");
-  EXPECT_THAT(error_of([&] { (void)load(request); }),
-              AllOf(HasSubstr("far.csv: row 2"), HasSubstr("30 mm"), HasSubstr("at most 5 mm")));
+TEST(OverlapRemarks, NeverTellOfAHiddenInclusion) {
+  EXPECT_THAT(overlap_remarks(scene_with(two_spheres("1", "visible = false\n"))), testing::IsEmpty());
 }
 
 }  // namespace

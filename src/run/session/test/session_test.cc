@@ -138,6 +138,19 @@ TEST(Session, TheUserHearsThatAnOrganIsTooThinForTheDefaultPath) {
   EXPECT_THAT(result.scene_remarks, testing::Contains(testing::HasSubstr("the organ is 5 mm thick where")));
 }
 
+TEST(Session, TheUserHearsThatVisibleInclusionsOverlapAndNothingOfHiddenOnes) {
+  const auto mentions_overlap = [](bool visible) {
+    scene::Scene setup = block();
+    setup.inclusions = {{"left", true, {Vec3(0, 0, -10e-3), 4e-3, 2.0}},
+                        {"right", visible, {Vec3(5e-3, 0, -10e-3), 4e-3, 2.0}}};
+    const RunResult result = Session(setup).run({.offline = true});
+    return std::any_of(result.scene_remarks.begin(), result.scene_remarks.end(),
+                       [](const std::string& remark) { return remark.find("right") != std::string::npos; });
+  };
+  EXPECT_TRUE(mentions_overlap(true));
+  EXPECT_FALSE(mentions_overlap(false));
+}
+
 TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
   const test::TemporaryFolder folder;
   haptics::DeviceAbilities abilities = weak_abilities();
