@@ -158,7 +158,7 @@ class OffscreenRenderer final {
   /// @throws InputError when the numbers of points and values differ, or `low` < `high` does not hold
   void show_values(SurfaceValues values);
   /// [setup] Replaces the values of the last show_values() without a new assignment of points. 100,000 values
-  /// take less than a millisecond. @throws InputError when the number of values differs
+  /// take about a millisecond. @throws InputError when the number of values differs
   void update_values(std::span<const float> values);
   /// [setup] Replaces the marks on the surface. They are drawn where they face the camera, as large as a
   /// fixed fraction of the picture. @throws InputError for more than kMaxMarks

@@ -251,8 +251,40 @@ TEST_P(SurfaceValuesPicture, AMarkIsNotSeenThroughAThinBox) {
   EXPECT_EQ(brightness(colour_at(draw(-1.0), 0.0, 0.0)), brightness(colour_at(below, 0.0, 0.0)));
 }
 
+TEST_P(SurfaceValuesPicture, ValuesTakeThePlaceOfTheDisplacement) {
+  SurfaceValues values = values_on_top();
+  values.values.assign(values.values.size(), kUnknown);
+  renderer_->show_values(values);
+  const Image image = draw();
+  renderer_->set_map_range(0.01);
+  EXPECT_EQ(draw().rgb, image.rgb);
+  renderer_->set_map_range(0.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, SurfaceValuesPicture,
                          testing::Values(Quality::kFull, Quality::kBalanced, Quality::kFast));
+
+TEST(SurfaceValues, StayWhereTheyAreWhenAContactRefinesTheMesh) {
+  OffscreenRenderer renderer(thin_box(), kMapSide, kMapSide);
+  renderer.show_values(values_on_top());
+  haptics::Snapshot pressed;
+  pressed.hands = 1;
+  pressed.results[0].view_count = 1;
+  pressed.results[0].views[0] = {
+      Vec3(0.0, 0.0, 0.5 * kBoxSize.z()), -Vec3::UnitZ(), 0.5e-3, 0.003, 0.0, -1, false};
+  const Image image = renderer.draw(pressed, camera_at(1.0));
+  for (const double y : {-0.02, -0.002, 0.002, 0.02}) {
+    EXPECT_TRUE(yellow(colour_at(image, 0.02, y))) << y;
+    EXPECT_FALSE(yellow(colour_at(image, -0.02, y))) << y;
+  }
+}
+
+TEST(SurfaceValues, AreDrawnAlsoWhereTheQualityAdaptsToTheFrameTime) {
+  OffscreenRenderer renderer(thin_box(), kMapSide, kMapSide, Quality::kBalanced);
+  renderer.adapt_to_time();
+  renderer.show_values(values_on_top());
+  EXPECT_TRUE(yellow(colour_at(renderer.draw({}, camera_at(1.0)), 0.02, 0.0)));
+}
 
 TEST(SurfaceValuesInput, WrongCountsAndRangesAreRefused) {
   OffscreenRenderer renderer(thin_box(), 32, 32, Quality::kFast);
