@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
   add_serve(program, exit_code);
   add_devices(program, exit_code);
   add_fit(program, command_line, exit_code);
-  add_score(program, exit_code);
+  add_score(program, command_line, exit_code);
   add_sweep(program, exit_code);
   add_validate(program, command_line, exit_code);
   add_bench(program);

@@ -8,6 +8,7 @@
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
+#include "view/report/palpation_report.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -21,19 +22,33 @@ namespace {
 struct ScoreFlags {
   std::string file;
   std::string map;
+  std::string picture;
+  std::string report;
   bool json = false;
   bool no_cache = false;
 };
 
-int score_file(const ScoreFlags& flags) {
-  require_no_overwrite(std::vector<NamedFile>{{"--map", flags.map}},
-                       std::vector<NamedFile>{{"the recording", flags.file}});
+int score_file(const ScoreFlags& flags, const std::string& command_line) {
+  const std::filesystem::path report = flags.report;
+  std::vector<NamedFile> outputs{{"--map", flags.map}, {"--picture", flags.picture}};
+  if (!flags.report.empty()) {
+    outputs.push_back({"--report", report / "report.html"});
+    outputs.push_back({"--report", report / "felt-stiffness.png"});
+    require_writable_folder(report, "--report");
+  }
+  require_no_overwrite(outputs, std::vector<NamedFile>{{"the recording", flags.file}});
   if (!flags.map.empty()) require_writable_file(flags.map, "--map");
+  if (!flags.picture.empty()) require_writable_file(flags.picture, "--picture");
   const record::Recording recording = record::read_recording(flags.file);
   if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
   std::unique_ptr<haptics::SimulationWorld> world;
   const palpation::Scorer made = score_of(recording, flags.no_cache, world);
   if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);
+  if (!flags.picture.empty()) write_png(report::draw_felt_stiffness(recording.setup, made), flags.picture);
+  if (!flags.report.empty()) {
+    report_message("report: " +
+                   report::write_palpation_report(recording.setup, made, report, command_line).string());
+  }
   if (flags.json) {
     std::cout << palpation::to_json(made.score()) << '\n';
   } else {
@@ -44,20 +59,24 @@ int score_file(const ScoreFlags& flags) {
 
 }  // namespace
 
-void add_score(CLI::App& program, int& exit_code) {
+void add_score(CLI::App& program, const std::string& command_line, int& exit_code) {
   auto flags = std::make_shared<ScoreFlags>();
   CLI::App* command = program.add_subcommand(
       "score", "Score a search for hidden lumps: found, missed, coverage, force; and map the felt stiffness");
   command->add_option("recording", flags->file, "The recording (.h5)")->required();
   command->add_option("--map", flags->map,
                       "write the felt and the true stiffness over the organ's surface to this CSV file");
+  command->add_option("--picture", flags->picture,
+                      "draw both over the organ, with lumps and marks, as a PNG");
+  command->add_option("--report", flags->report,
+                      "write report.html with score, maps and definitions to this folder");
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->add_flag("--json", flags->json, "print one JSON document");
   command->footer(
       "Examples:\n  palpate run --task palpate --device mouse --record search.h5\n"
-      "  palpate score search.h5 --map felt.csv\n"
+      "  palpate score search.h5 --map felt.csv --picture felt.png --report out\n"
       "A hand marks a place by a button, M in the window. docs/lumps.md defines every number.");
-  command->callback([flags, &exit_code] { exit_code = score_file(*flags); });
+  command->callback([flags, &command_line, &exit_code] { exit_code = score_file(*flags, command_line); });
 }
 
 }  // namespace palpate::app

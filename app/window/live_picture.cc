@@ -29,6 +29,7 @@ void LivePicture::take(const render::Subject& subject) {
   if (held_) renderer_->hold_quality(render::Quality::kFull);
   if (!resolution_.all()) renderer_->limit_quality(render::Quality::kFast);
   renderer_->set_map_range(map_range_);
+  values_ = 0;
   stale_ = true;
 }
 
@@ -47,6 +48,25 @@ void LivePicture::set_map_range(double range) {
 
 void LivePicture::show_inclusions(std::vector<model::Inclusion> inclusions) {
   renderer_->show_inclusions(std::move(inclusions));
+  stale_ = true;
+}
+
+void LivePicture::show_values(const std::vector<Vec3>& points_S, std::vector<float> values, double low,
+                              double high) {
+  if (points_S.empty() && values_ == 0) return;
+  if (!points_S.empty() && values_ == points_S.size() && low == low_ && high == high_) {
+    renderer_->update_values(values);
+  } else {
+    renderer_->show_values({points_S, std::move(values), low, high});
+  }
+  values_ = points_S.size();
+  low_ = low;
+  high_ = high;
+  stale_ = true;
+}
+
+void LivePicture::show_marks(const std::vector<render::SurfaceMark>& marks) {
+  renderer_->show_marks(marks);
   stale_ = true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "palpate/offscreen.h"
 
@@ -27,6 +28,12 @@ class LivePicture final {
   /// Replaces the inclusions that the picture shows; organ frame.
   void show_inclusions(std::vector<model::Inclusion> inclusions);
 
+  /// Colours the organ by values at points of its rest surface; the same points as before only change their
+  /// values. No points: its own colours.
+  void show_values(const std::vector<Vec3>& points_S, std::vector<float> values, double low, double high);
+  /// Replaces the marks on the surface.
+  void show_marks(const std::vector<render::SurfaceMark>& marks);
+
   /// Draws the picture if it has changed, and copies it to `place` in the window.
   void show(const haptics::Snapshot& snapshot, const render::Camera& camera, const Rectangle& place,
             const Viewport& viewport);
@@ -49,8 +56,11 @@ class LivePicture final {
   ResolutionChoice resolution_;
   bool held_ = false;
   double map_range_ = 0.0;  // m
-  bool stale_ = true;       // the renderer's picture is out of date
-  bool drew_ = false;       // a picture was drawn since the last judged frame
+  std::size_t values_ = 0;  // number of points of the values that are shown
+  double low_ = 0.0;
+  double high_ = 0.0;
+  bool stale_ = true;  // the renderer's picture is out of date
+  bool drew_ = false;  // a picture was drawn since the last judged frame
   render::Camera drawn_camera_;
 };
 

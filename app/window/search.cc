@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/haptics/simulation.h"
+#include "io/system/clock.h"
+#include "view/report/palpation_report.h"
 
 namespace palpate::app {
 
@@ -32,10 +34,41 @@ double Search::pointer_gain(const Traces& traces) const {
   return gain;
 }
 
+/// Widens the colours' range in few steps, because each new range assigns all colours again.
+void Search::widen_range() {
+  for (std::size_t v = 0; v < scorer_.map().surface().vertices.size(); ++v) {
+    const double factor = scorer_.map().at(v).factor;
+    while (factor > high_) high_ = 1.0 + 2.0 * (high_ - 1.0);
+    while (factor < low_ - 0.05) low_ -= 0.2;
+  }
+}
+
+void Search::draw_on(LivePicture& picture, bool now) {
+  constexpr std::int64_t kPeriodNs = 200'000'000;
+  if (!now && monotonic_ns() < next_ns_) return;
+  next_ns_ = monotonic_ns() + kPeriodNs;
+  if (shows_map) {
+    widen_range();
+    picture.show_values(scorer_.map().surface().vertices, report::felt_factors(scorer_.map()), low_, high_);
+  } else {
+    picture.show_values({}, {}, low_, high_);
+  }
+  if (score_) {
+    picture.show_marks(report::marks_of(*score_));
+    return;
+  }
+  palpation::Score hidden;  // before the end no mark tells whether it is right
+  hidden.marks = scorer_.marks();
+  for (palpation::Mark& mark : hidden.marks) mark.lump = 0;
+  picture.show_marks(report::marks_of(hidden));
+}
+
 SearchStatus Search::status() const {
   SearchStatus status;
   status.score = score_;
   status.shows_map = shows_map;
+  status.low = low_;
+  status.high = high_;
   status.marks = scorer_.marks().size();
   const palpation::Score now = score_ ? *score_ : scorer_.score();
   status.lumps = now.lumps.size();

@@ -8,6 +8,7 @@
 #include "science/palpation/score.h"
 
 #include "app/session.h"
+#include "app/window/live_picture.h"
 #include "app/window/traces.h"
 
 namespace palpate::app {
@@ -19,7 +20,9 @@ struct SearchStatus {
   double coverage = 0.0;                    // share of the upper side, 0 to 1
   std::optional<palpation::Score> score{};  // after the end of the run
   bool shows_map = false;                   // the picture shows the felt stiffness
-  double pointer_gain = 1.0;                // of the mouse, below 1 over stiff places; 1 also without a mouse
+  double low = 1.0;                         // factors at the ends of the map's colours
+  double high = 1.25;
+  double pointer_gain = 1.0;  // of the mouse, below 1 over stiff places; 1 also without a mouse
 };
 
 /// The search for hidden inclusions in a window's run (task palpate). All members: [setup], the window's
@@ -40,15 +43,23 @@ class Search final {
   /// place (pseudo-haptics, docs/lumps.md).
   [[nodiscard]] double pointer_gain(const Traces& traces) const;
   [[nodiscard]] SearchStatus status() const;
+  /// Colours the picture by the felt stiffness, and draws the marks; after the end also the lumps. At most
+  /// five times a second, or now if `now`.
+  void draw_on(LivePicture& picture, bool now);
   [[nodiscard]] const palpation::Scorer& scorer() const noexcept { return scorer_; }
   [[nodiscard]] const std::optional<palpation::Score>& score() const noexcept { return score_; }
 
   bool shows_map = false;
 
  private:
+  void widen_range();
+
   const Session& session_;
   palpation::Scorer scorer_;
   std::optional<palpation::Score> score_;
+  double low_ = 1.0;  // factors at the ends of the map's colours
+  double high_ = 1.25;
+  std::int64_t next_ns_ = 0;  // time of the next update of the picture
 };
 
 }  // namespace palpate::app

@@ -1,4 +1,5 @@
 // The part of the panel "Scene" for a search: marks, coverage, and the score at its end.
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -6,6 +7,7 @@
 #include <imgui.h>
 
 #include "palpate/units.h"
+#include "view/render/map_legend.h"
 
 #include "app/window/panels.h"
 #include "app/window/rows.h"
@@ -30,6 +32,27 @@ void score_rows(const palpation::Score& score) {
             "root mean square of the force's change; low: smooth");
 }
 
+/// The colours of the map, with the factors at their ends.
+void colour_bar(const SearchStatus& search) {
+  constexpr int kSteps = 32;
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float height = 0.6F * ImGui::GetFontSize();
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 colour = render::map_colour((i + 0.5) / kSteps);
+    const auto level = [&](int k) { return static_cast<int>(std::lround(255.0 * render::srgb(colour[k]))); };
+    const float left = corner.x + width * static_cast<float>(i) / kSteps;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(left, corner.y),
+                                              ImVec2(left + width / kSteps + 1.0F, corner.y + height),
+                                              IM_COL32(level(0), level(1), level(2), 255));
+  }
+  ImGui::Dummy(ImVec2(width, height));
+  const std::string high = fmt::format("{:.2f} times as stiff", search.high);
+  ImGui::Text("%.2f", search.low);
+  ImGui::SameLine(width - ImGui::CalcTextSize(high.c_str()).x);
+  ImGui::TextUnformatted(high.c_str());
+}
+
 }  // namespace
 
 void search_panel(const PanelModel& shown, Commands& commands) {
@@ -49,6 +72,7 @@ void search_panel(const PanelModel& shown, Commands& commands) {
   }
   bool map = search.shows_map;
   if (ImGui::Checkbox("Map of the felt stiffness", &map)) commands.map = map;
+  if (map) colour_bar(search);
   if (search.score) {
     score_rows(*search.score);
     if (ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) {

@@ -65,8 +65,11 @@ void Window::take_rows() {
 /// Slows the mouse over stiff places; at the end of a search shows where the lumps are.
 void Window::poll_search() {
   steering_.set_gain(search_ == nullptr ? 1.0 : search_->pointer_gain(*traces_));
-  if (search_ == nullptr || search_->ended() || !run_->ended()) return;
-  search_->end();
+  if (search_ == nullptr) return;
+  const bool ends = !search_->ended() && run_->ended();
+  if (ends) search_->end();
+  search_->draw_on(live_, ends);
+  if (!ends) return;
   std::vector<model::Inclusion> all;
   for (const scene::InclusionSetup& one : inclusions_) all.push_back(one.inclusion);
   live_.show_inclusions(std::move(all));
@@ -269,7 +272,10 @@ void Window::grant(const Commands& commands) {
   if (commands.pause_run) pause_run();
   if (commands.home) camera_set_ = false;
   if (commands.full_screen) viewport_.display().toggle_full_screen();
-  if (commands.map && search_ != nullptr) search_->shows_map = *commands.map;
+  if (commands.map && search_ != nullptr) {
+    search_->shows_map = *commands.map;
+    search_->draw_on(live_, true);
+  }
   if (commands.end_search) run_->session().control().stop();
   if (commands.look) {
     if (last_recording_.empty()) {

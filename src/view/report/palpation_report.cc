@@ -1,0 +1,158 @@
+#include "view/report/palpation_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include <fmt/core.h>
+
+#include "palpate/units.h"
+#include "view/render/map_legend.h"
+#include "view/report/page.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+std::string percent(double share) { return fixed(100.0 * share, 0) + " %"; }
+std::string mm(double length) { return fixed(length / kMillimetre, 1) + " mm"; }
+
+TableRows measures(const palpation::Score& score) {
+  const std::string in_contact = "over the ticks in contact";
+  return {
+      {"measure", "value", "definition"},
+      {"found", fmt::format("{} of {}", score.found, score.lumps.size()),
+       "lumps with a mark within the tolerance of the surface above them"},
+      {"missed", std::to_string(score.missed), "the other lumps"},
+      {"false marks", std::to_string(score.wrong), "marks outside every lump's tolerance"},
+      {"repeated marks", std::to_string(score.repeated), "further marks of a lump that is found"},
+      {"error", score.error ? mm(*score.error) : "none found",
+       "mean distance of a found lump to its first mark"},
+      {"coverage", percent(score.coverage),
+       "share of the upper side within the tip's radius (3 to 10 mm) of a contact (Wang and Gerling 2010)"},
+      {"time", fixed(score.time, 1) + " s",
+       fmt::format("from the first contact to the last mark; {} s in contact", fixed(score.contact_time, 1))},
+      {"path", fixed(score.path, 2) + " m", "length of the tools' way in that time"},
+      {"mean force", fixed(score.mean_force, 3) + " N", in_contact},
+      {"largest force", fixed(score.largest_force, 3) + " N",
+       "below 10 N deep masses may be missed in a breast (Laufer 2015)"},
+      {"variation of force", percent(score.force_variation),
+       "standard deviation divided by the mean, " + in_contact + " (Wang and Gerling 2010)"},
+      {"force rate", fixed(score.force_rate, 2) + " N/s",
+       "root mean square of dF/dt of the force averaged over 50 ms; low: smooth (Trejos 2014)"},
+  };
+}
+
+TableRows lumps_and_marks(const palpation::Score& score) {
+  TableRows rows{{"lump or mark", "place, organ frame", "result"}};
+  for (const palpation::Lump& lump : score.lumps) {
+    rows.push_back({escaped(lump.name), point_mm(Vec3((lump.place_S * 1e4).array().round() * 1e-4)),
+                    lump.found     ? "found"
+                    : lump.covered ? "missed, though touched"
+                                   : "missed, never touched"});
+  }
+  for (const palpation::Mark& mark : score.marks) {
+    rows.push_back({fmt::format("mark at tick {}", mark.tick),
+                    point_mm(Vec3((mark.place_S * 1e4).array().round() * 1e-4)),
+                    mark.lump
+                        ? fmt::format("{} from {}", mm(mark.distance), escaped(score.lumps[*mark.lump].name))
+                    : score.lumps.empty() ? "no lump"
+                                          : "false, " + mm(mark.distance) + " from the nearest lump"});
+  }
+  return rows;
+}
+
+Figure draw_figure(const scene::Scene& setup, const palpation::Scorer& scorer,
+                   const std::filesystem::path& file) {
+  Figure figure{file, "the organ from above, coloured by the felt and the true stiffness"};
+  figure.caption =
+      "Stiffness divided by that of the uniform tissue at the same depth. Left as the hand felt it, right as "
+      "the tissue is; where the organ has its natural colour it was not pressed. Rings: lumps; dots: marks "
+      "that found one; crosses: false marks.";
+  try {
+    write_png(draw_felt_stiffness(setup, scorer), file);
+  } catch (const std::exception& error) {
+    figure.missing = error.what();
+  }
+  return figure;
+}
+
+}  // namespace
+
+std::vector<float> felt_factors(const palpation::FeltMap& map) {
+  std::vector<float> factors(map.surface().vertices.size());
+  for (std::size_t v = 0; v < factors.size(); ++v) factors[v] = static_cast<float>(map.at(v).factor);
+  return factors;
+}
+
+FactorRange range_of(const palpation::FeltMap& map) {
+  FactorRange range;
+  for (std::size_t v = 0; v < map.surface().vertices.size(); ++v) {
+    const double felt = map.at(v).factor;
+    if (std::isnan(felt)) continue;
+    for (const double factor : {felt, map.true_factor(v)}) {
+      range.low = std::min(range.low, factor);
+      range.high = std::max(range.high, factor);
+    }
+  }
+  // A step of 0.05 keeps the legend's numbers short.
+  return {std::floor(20.0 * range.low) / 20.0, std::ceil(20.0 * range.high) / 20.0};
+}
+
+std::vector<render::SurfaceMark> marks_of(const palpation::Score& score) {
+  using Kind = render::SurfaceMark::Kind;
+  std::vector<render::SurfaceMark> marks;
+  for (const palpation::Lump& lump : score.lumps) marks.push_back({lump.place_S, Kind::kLump});
+  for (const palpation::Mark& mark : score.marks) {
+    if (marks.size() == render::kMaxMarks) break;
+    marks.push_back({mark.place_S, mark.lump ? Kind::kFound : Kind::kFalse});
+  }
+  return marks;
+}
+
+render::Image draw_felt_stiffness(const scene::Scene& setup, const palpation::Scorer& scorer, int height) {
+  const int width = height * 8 / 7;
+  const palpation::FeltMap& map = scorer.map();
+  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  haptics::Snapshot at_rest;
+  at_rest.organ_W = setup.organ_pose;
+  render::OffscreenRenderer renderer(subject, width, height);
+  const render::Camera camera =
+      render::frame_from_above(subject, at_rest, static_cast<double>(width) / height);
+  const FactorRange range = range_of(map);
+  renderer.show_values({map.surface().vertices, felt_factors(map), range.low, range.high});
+  renderer.show_marks(marks_of(scorer.score()));
+  render::Image left = renderer.draw(at_rest, camera);
+  std::vector<float> truth(map.surface().vertices.size());
+  for (std::size_t v = 0; v < truth.size(); ++v) truth[v] = static_cast<float>(map.true_factor(v));
+  renderer.update_values(truth);
+  render::Image right = renderer.draw(at_rest, camera);
+  render::draw_title(left, "Felt");
+  render::draw_title(right, "True");
+  return render::side_by_side(render::side_by_side(left, right),
+                              render::legend_panel(height, range.low, range.high, "x"));
+}
+
+std::filesystem::path write_palpation_report(const scene::Scene& setup, const palpation::Scorer& scorer,
+                                             const std::filesystem::path& folder,
+                                             const std::string& command) {
+  make_report_folder(folder);
+  const palpation::Score score = scorer.score();
+  Page page("Search for lumps: " + setup.name,
+            fmt::format("{} of {} found, {} false", score.found, score.lumps.size(), score.wrong));
+  page.section("score", "Score");
+  page.table(measures(score));
+  page.section("maps", "What the hand felt, and what there is");
+  page.figures("", {draw_figure(setup, scorer, folder / "felt-stiffness.png")});
+  page.section("places", "Lumps and marks");
+  page.table(lumps_and_marks(score));
+  page.section("run", "How it was made");
+  page.facts({{"scene", setup.name},
+              {"organ", setup.organ_name},
+              {"seed", std::to_string(setup.seed)},
+              {"tolerance", mm(setup.search.tolerance)}});
+  page.code(command);
+  return page.write(folder);
+}
+
+}  // namespace palpate::report
