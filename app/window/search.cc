@@ -36,11 +36,9 @@ double Search::pointer_gain(const Traces& traces) const {
 
 /// Widens the colours' range in few steps, because each new range assigns all colours again.
 void Search::widen_range() {
-  for (std::size_t v = 0; v < scorer_.map().surface().vertices.size(); ++v) {
-    const double factor = scorer_.map().at(v).factor;
-    while (factor > high_) high_ = 1.0 + 2.0 * (high_ - 1.0);
-    while (factor < low_ - 0.05) low_ -= 0.2;
-  }
+  const report::FactorRange range = report::range_of(scorer_.map());
+  while (range.high > high_ + 1e-9) high_ = 1.0 + 2.0 * (high_ - 1.0);
+  while (range.low < low_ - 0.1) low_ -= 0.2;
 }
 
 void Search::draw_on(LivePicture& picture, bool now) {

@@ -1,6 +1,7 @@
 #include "app/window/window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -39,6 +40,15 @@ std::string advice_on(haptics::Fault fault) {
       break;
   }
   return {};
+}
+
+/// The view from above, tilted by 35 degrees so that depth is seen; y stays upwards.
+render::Camera oblique(render::Camera camera) {
+  constexpr double kTilt = 0.61;  // rad
+  const double distance = (camera.eye - camera.target).norm();
+  camera.eye = camera.target + distance * Vec3(0.0, -std::sin(kTilt), std::cos(kTilt));
+  camera.up = Vec3::UnitZ();
+  return camera;
 }
 
 }  // namespace
@@ -146,8 +156,11 @@ void Window::draw_picture() {
   if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
   if (!camera_set_) {
     const contact::ToolResult& result = shown_.results[0];
-    camera_.look_as(render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
-                    static_cast<double>(place.width) / place.height);
+    const double aspect = static_cast<double>(place.width) / place.height;
+    camera_.look_as(search_ != nullptr
+                        ? oblique(render::frame_from_above(subject(), shown_, aspect))
+                        : render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
+                    aspect);
     camera_set_ = true;
     take_newest();  // choosing the view of a large organ takes time
   }

@@ -60,12 +60,12 @@ void search(const std::filesystem::path& file) {
   request.scene_text = {
       "[scene]\nname = \"search\"\ntask = \"palpate\"\nseed = 7\n[organ]\nmesh = "
       "\"liver\"\n[search]\nradius_mm = 6\n"
-      "depth_mm = 9\n[tool]\nmesh = \"sphere:5\"\n[path]\nspeed = 2.5\n",
+      "depth_mm = 9\n[tool]\nmesh = \"sphere:5\"\n[path]\nspeed = 1.5\n",
       {}};
   DrivenWindow driven(request);
   driven.frames(3);
   driven.key(SDLK_t);
-  driven.until([&] { return driven.window().traces().newest_time() > 40.0; }, kSlow);
+  driven.until([&] { return driven.window().traces().newest_time() > 68.0; }, kSlow);
   driven.window().hold_full_quality();
   driven.frames(1);
   palpate::render::write_png(driven.window().picture(), file);

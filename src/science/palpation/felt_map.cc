@@ -11,6 +11,7 @@ namespace palpate::palpation {
 namespace {
 
 constexpr double kLeastDepth = 1e-3;     // m: shallower presses tell little
+constexpr double kLeastTicks = 20.0;     // weighted, of a vertex whose factor is known
 constexpr double kLeastReach = 3e-3;     // m
 constexpr double kLargestReach = 10e-3;  // m; also the width of the grid's cells
 
@@ -63,7 +64,10 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
   const double uniform = tells ? world_.press_law().force_at(row.depth).force : 0.0;
   const double reach_squared = reach(row.hand) * reach(row.hand);
   const auto add_to = [&](Sums& sums, double weight) {
-    if (tells) sums.force += weight * force;
+    if (tells) {
+      sums.ticks += weight;
+      sums.force += weight * force;
+    }
     sums.uniform += weight * uniform;
     sums.depth += weight * uniform * row.depth;
     sums.deepest = std::max(sums.deepest, static_cast<float>(row.depth));
@@ -94,7 +98,7 @@ void FeltMap::clear() {
 FeltPlace FeltMap::at(std::size_t vertex) const {
   const Sums& sums = sums_[vertex];
   FeltPlace place;
-  if (sums.uniform > 0.0) place.factor = sums.force / sums.uniform;
+  if (sums.ticks >= kLeastTicks) place.factor = sums.force / sums.uniform;
   place.depth = sums.deepest;
   place.force = sums.largest;
   return place;

@@ -14,7 +14,8 @@ namespace palpate::palpation {
 /// What hands felt at a point of the organ's surface.
 struct FeltPlace {
   // Felt normal force divided by the force of the uniform tissue at the same depths; above 1: stiffer. NaN:
-  // never pressed 1 mm deep.
+  // not pressed 1 mm deep
+  // for 20 ticks.
   double factor = std::numeric_limits<double>::quiet_NaN();
   double depth = 0.0;  // m, largest depth nearby
   double force = 0.0;  // N, largest normal force nearby
@@ -50,6 +51,7 @@ class FeltMap final {
 
  private:
   struct Sums {
+    double ticks = 0.0;    // sum w
     double force = 0.0;    // sum w F_n
     double uniform = 0.0;  // sum w F_0
     double depth = 0.0;    // sum w F_0 D

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/statistics.h"
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/page.h"
@@ -86,17 +87,16 @@ std::vector<float> felt_factors(const palpation::FeltMap& map) {
 }
 
 FactorRange range_of(const palpation::FeltMap& map) {
-  FactorRange range;
+  constexpr double kTail = 0.005;  // share of the vertices at each end that may lie outside
+  std::vector<double> factors{1.0, 1.2};
   for (std::size_t v = 0; v < map.surface().vertices.size(); ++v) {
     const double felt = map.at(v).factor;
-    if (std::isnan(felt)) continue;
-    for (const double factor : {felt, map.true_factor(v)}) {
-      range.low = std::min(range.low, factor);
-      range.high = std::max(range.high, factor);
-    }
+    if (!std::isnan(felt)) factors.push_back(felt);
   }
   // A step of 0.05 keeps the legend's numbers short.
-  return {std::floor(20.0 * range.low) / 20.0, std::ceil(20.0 * range.high) / 20.0};
+  const double low = std::min(1.0, quantile(factors, kTail));
+  const double high = std::max(1.2, quantile(factors, 1.0 - kTail));
+  return {std::floor(20.0 * low + 1e-6) / 20.0, std::ceil(20.0 * high - 1e-6) / 20.0};
 }
 
 std::vector<render::SurfaceMark> marks_of(const palpation::Score& score) {

@@ -14,7 +14,7 @@ namespace palpate::report {
 [[nodiscard]] render::Image draw_felt_stiffness(const scene::Scene& setup, const palpation::Scorer& scorer,
                                                 int height = 700);
 
-/// [setup] The scale of the maps: from 1 or the smallest factor to the largest, felt or true.
+/// The scale of the maps: nearly all felt factors, at least from 1 to 1.2.
 struct FactorRange {
   double low = 1.0;
   double high = 1.2;
