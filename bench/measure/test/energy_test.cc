@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -32,11 +33,13 @@ struct Attack {
   scene::HandGrip grip = scene::kFirmGrip;
   double rate_Hz = 1000.0;
   double scale = 1.0;
-  double depth = 4e-3;     // m, desired depth
-  double rub = 5e-3;       // m, radius of the circle that it rubs; 0: at rest
-  double turns = 1.0;      // per second
-  double breathing = 0.0;  // m
-  double breath = 4.0;     // s
+  double depth = 4e-3;                         // m, desired depth
+  double rub = 5e-3;                           // m, radius of the circle that it rubs; 0: at rest
+  double turns = 1.0;                          // per second
+  double breathing = 0.0;                      // m
+  double breath = 4.0;                         // s
+  double max_force = 20.0;                     // N, of the gate
+  std::vector<model::Inclusion> inclusions{};  // organ frame; the touched face is z = 0.03
 };
 
 struct Outcome {
@@ -47,6 +50,8 @@ struct Outcome {
   double largest_change = 0.0;  // N, largest change of the commanded force between ticks while the hand
                                 // presses
   std::uint64_t damped = 0;     // ticks with an active passivity controller
+  double least_energy = 0.0;    // J, smallest reading of the passivity observer
+  double most_force = 0.0;      // N, commanded
 };
 
 /// Rest for 0.5 s, down in 0.5 s, circles, up; in the device's lengths.
@@ -82,6 +87,8 @@ scene::Scene setup_of(const Attack& attack) {
   device.dynamics = {attack.device.damping, attack.device.friction, attack.device.resolution};
   device.emulated.grip = attack.grip;
   setup.noise.enabled = false;
+  setup.safety.max_force = attack.max_force;
+  for (const model::Inclusion& one : attack.inclusions) setup.inclusions.push_back({"lump", true, one});
   if (attack.breathing > 0.0) {
     model::OrganMotionParameters motion = model::organ_motion_preset(model::OrganMotionKind::kBreathing);
     motion.amplitude = attack.breathing;
@@ -114,6 +121,8 @@ class EnergyWatch final : public haptics::TickObserver {
       outcome.largest_change = std::max(outcome.largest_change, (force - force_).norm());
     }
     force_ = force;
+    outcome.least_energy = std::min(outcome.least_energy, row.energy);
+    outcome.most_force = std::max(outcome.most_force, force.norm());
     if (row.fault != 0) outcome.faulted = true;
     if ((row.status & haptics::kEnergyDamped) != 0) ++outcome.damped;
     outcome.bound = haptics::kEnergyTolerance + 2.0 * most_in_a_tick_ + unseen_ * way_;
@@ -134,11 +143,11 @@ class EnergyWatch final : public haptics::TickObserver {
   double most_in_a_tick_ = 0.0;
 };
 
-Outcome outcome_of(const Attack& attack) {
+Outcome outcome_of(const Attack& attack, const scene::ToolPath& path) {
   const scene::Scene setup = setup_of(attack);
   if (!scene::stability_remarks(setup).empty()) return {.warned = true};
   const haptics::SimulationWorld world = scene::make_world(setup);
-  devices::EmulatedDevice device(way_of(attack), setup.devices.front(), attack.rate_Hz);
+  devices::EmulatedDevice device(path, setup.devices.front(), attack.rate_Hz);
   haptics::SimulationState state(world);
   const haptics::StabilityCheck check =
       haptics::check_stability(attack.tissue, model::Direction::kPress, 1.0 / attack.rate_Hz,
@@ -151,6 +160,8 @@ Outcome outcome_of(const Attack& attack) {
   static_cast<void>(haptics::run_loop(world, state, hands, {&watch}, options));
   return watch.outcome;
 }
+
+Outcome outcome_of(const Attack& attack) { return outcome_of(attack, way_of(attack)); }
 
 std::string to_string(const Attack& a) {
   return fmt::format(
@@ -166,6 +177,13 @@ std::string to_string(const Attack& a) {
 void expect_within_bound(const Attack& attack, const Outcome& outcome) {
   EXPECT_FALSE(outcome.faulted) << to_string(attack);
   EXPECT_LE(outcome.given, outcome.bound) << to_string(attack);
+}
+
+const std::vector<model::Inclusion>& three_lumps() {
+  static const std::vector<model::Inclusion> kLumps = {{{12e-3, 0.0, 0.03 - 6e-3}, 4e-3, 100.0},
+                                                       {{-8e-3, 9e-3, 0.03 - 5e-3}, 3e-3, 10.0},
+                                                       {{-6e-3, -10e-3, 0.03 - 7e-3}, 5e-3, 0.1}};
+  return kLumps;
 }
 
 Attack random_attack(std::mt19937& random) {
@@ -191,6 +209,7 @@ Attack random_attack(std::mt19937& random) {
   attack.turns = between(0.2, 4.0);
   attack.breathing = in(0.5) ? 0.0 : between(1e-3, 15e-3);
   attack.breath = between(1.0, 6.0);
+  if (in(0.5)) attack.inclusions = three_lumps();
   return attack;
 }
 
@@ -247,6 +266,57 @@ TEST(Energy, ABreathingOrganIsFeltWithoutTheControllerAndWithoutBuzz) {
       EXPECT_EQ(outcome.damped, 0U) << name;
       EXPECT_LT(outcome.largest_change, 0.02) << name << ": N a tick";
       expect_within_bound(attack, outcome);
+    }
+  }
+}
+
+/// Closed paths over every lump: down beside it, along the tissue to its middle, up; and the same backwards.
+scene::ToolPath slides(const Attack& attack) {
+  std::vector<scene::PathRow> rows;
+  double time = 1.0;
+  const auto go = [&](double x, double y, double depth, double seconds) {
+    time += seconds;
+    rows.push_back({time, Vec3(x, y, kTipRadius - depth) / attack.scale, Quat::Identity(), 0.0});
+  };
+  constexpr double kAbove = -3e-3;      // m
+  for (const double at : {0.0, 1.0}) {  // still, until the force ramp is up
+    rows.push_back({at, Vec3(0.0, 0.0, kTipRadius - kAbove) / attack.scale, Quat::Identity(), 0.0});
+  }
+  for (const model::Inclusion& lump : three_lumps()) {
+    const double x = lump.centre_S.x();
+    const double y = lump.centre_S.y();
+    const double aside = y + 9e-3;
+    for (const bool inwards : {true, false}) {
+      const double from = inwards ? aside : y;
+      const double to = inwards ? y : aside;
+      go(x, from, kAbove, 0.3);
+      go(x, from, attack.depth, 0.2);
+      go(x, to, attack.depth, 0.2);
+      go(x, to, kAbove, 0.2);
+    }
+  }
+  return scene::ToolPath(std::move(rows));
+}
+
+TEST(Energy, AHeldDeviceGetsNoEnergyFromLumpsAndNoForceAboveTheLimit) {
+  for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
+    for (const bool dissipates : {false, true}) {
+      for (const double limit : {0.1, 20.0}) {
+        Attack attack;
+        attack.tissue = model::tissue_preset("kidney");
+        attack.tissue.contact.friction = dissipates ? 0.3 : 0.0;
+        if (dissipates) attack.tissue.relaxation = {{0.3, 0.05}, {0.25, 0.4}};
+        attack.grip = grip;
+        attack.depth = 10e-3;
+        attack.max_force = limit;
+        attack.inclusions = three_lumps();
+        const Outcome outcome = outcome_of(attack, slides(attack));
+        EXPECT_FALSE(outcome.warned);
+        EXPECT_GE(outcome.least_energy, -1e-6) << to_string(attack);
+        EXPECT_LE(outcome.most_force, limit * (1.0 + 1e-12)) << to_string(attack);
+        EXPECT_GT(outcome.most_force, 0.09) << "the hand feels the tissue";
+        expect_within_bound(attack, outcome);
+      }
     }
   }
 }
