@@ -1,0 +1,126 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace palpate::psychophysics {
+
+/// One set of parameters of a psychometric function.
+struct Parameters {
+  double location = 0.0;  // threshold (Weibull) or mean (normal), in the unit of the stimulus level
+  double spread = 1.0;    // slope (Weibull) or standard deviation (normal)
+  double lapse = 0.0;     // share of trials with an answer that does not depend on the stimulus
+};
+
+/// Probability of the counted response at a stimulus level x.
+struct PsychometricFunction {
+  enum class Shape {
+    kWeibull,  // 1 - l - (1 - g - l) exp(-10^(slope (x - threshold) unit)): correct, of x in logarithms
+    kNormal    // l/2 + (1 - l) Phi((x - mean)/sd): "second interval", of a signed x
+  };
+  Shape shape = Shape::kWeibull;
+  double guess = 0.5;             // g of the Weibull function: 1/m of m intervals
+  double decades_per_unit = 1.0;  // of the Weibull function: 1 for log10 units, 1/20 for dB
+
+  /// [any] Has the same bits on any x86-64.
+  [[nodiscard]] double operator()(double level, const Parameters& at) const noexcept;
+};
+
+/// Values of one parameter and their prior weights, which need no sum of 1. No weights: all are equal.
+struct GridAxis {
+  std::vector<double> values;
+  std::vector<double> weights = {};
+};
+
+/// An adaptive method's stimuli and grid of parameters.
+struct QuestPlusGrid {
+  PsychometricFunction function = {};
+  std::vector<double> levels;  // of the stimuli, in ascending order
+  GridAxis location, spread, lapse;
+  bool lapse_is_nuisance = true;  // place stimuli to learn location and spread alone [Prins 2013]
+  int most_repeats = 3;           // most equal stimuli in succession; 0: no limit
+};
+
+/// [setup] Grid for the detection of a vibration or force in two intervals. Levels are log10 of the
+/// amplitude; the threshold's prior is normal with 0.6 decades about the middle of the range.
+/// @param from, to amplitudes > 0, in any unit @param per_decade number of stimuli per factor of ten
+/// @throws ParameterError unless 0 < from < to and per_decade > 0
+[[nodiscard]] QuestPlusGrid detection_grid(double from, double to, int per_decade);
+
+/// [setup] Grid for the comparison of two stimuli, of which the second is counted. Levels are
+/// ln(second/first) of both signs; location is the interval bias.
+/// @param least, largest ratios > 1 @param steps number of ratios; their logarithms form a geometric series
+/// @throws ParameterError unless 1 < least < largest and steps >= 2
+[[nodiscard]] QuestPlusGrid difference_grid(double least = 1.02, double largest = 3.3, int steps = 14);
+
+/// [any] log10 of the amplitude with 75 % correct in two intervals without lapses (d' = 0.954).
+[[nodiscard]] double threshold_of(const Parameters& at) noexcept;
+/// [any] log10 of the just noticeable difference e^(0.6745 sd) - 1, at 75 % without bias and lapses.
+[[nodiscard]] double log10_difference_of(const Parameters& at) noexcept;
+
+/// A quantity's posterior distribution.
+struct Estimate {
+  double mean = 0.0;
+  double sd = 0.0;
+  double low = 0.0;  // central 95 % interval
+  double high = 0.0;
+};
+
+/// QUEST+: Bayesian estimation of a psychometric function with the stimuli that leave the least expected
+/// entropy of its parameters [Watson 2017]. A log of stimuli and responses replays alike on any x86-64.
+class QuestPlus final {
+ public:
+  /// [setup] @throws ParameterError for an empty axis, levels that do not ascend or an invalid parameter.
+  explicit QuestPlus(QuestPlusGrid grid);
+
+  /// [setup] Starts again from the prior.
+  void reset();
+
+  /// [setup] Index of the next stimulus: the least expected entropy. Within 1e-9 nats, the first such level.
+  /// A stimulus that was shown most_repeats times in succession is left out.
+  [[nodiscard]] std::size_t next() const;
+
+  /// [setup] Expected entropy [nats] of the parameters after one more trial, for each level; without the
+  /// lapse rate where it is a nuisance.
+  [[nodiscard]] std::vector<double> expected_entropies() const;
+
+  /// [setup] Adds a trial. @param level index of its stimulus @param counted correct (Weibull), "second"
+  /// (normal) @throws ParameterError for a level that does not exist
+  void update(std::size_t level, bool counted);
+
+  /// [setup] Posterior mean, standard deviation and 95 % interval of any function of the parameters.
+  [[nodiscard]] Estimate estimate(const std::function<double(const Parameters&)>& quantity) const;
+
+  /// [setup] The parameters with the largest posterior probability.
+  [[nodiscard]] Parameters mode() const;
+
+  /// [setup] Entropy [nats] of the posterior of all parameters.
+  [[nodiscard]] double entropy() const;
+
+  /// [setup] Larger of the probabilities of the first and the last location. Above 0.01 the range of stimuli
+  /// is too small for an estimate.
+  [[nodiscard]] double edge_probability() const;
+
+  /// [setup] Whether the posterior probability of a lapse rate of at least 5 % exceeds 1/2.
+  [[nodiscard]] bool lapses_often() const;
+
+  [[nodiscard]] const QuestPlusGrid& grid() const noexcept { return grid_; }
+  /// [any] Posterior probabilities, in the order location, spread, lapse (fastest).
+  [[nodiscard]] std::span<const double> posterior() const noexcept { return posterior_; }
+
+ private:
+  [[nodiscard]] Parameters parameters_at(std::size_t cell) const;
+  [[nodiscard]] double posterior_entropy(std::size_t group) const;
+  [[nodiscard]] std::vector<double> group_sums(std::size_t group) const;
+  [[nodiscard]] double expected_gain(std::size_t level, const std::vector<double>& sums) const;
+
+  QuestPlusGrid grid_;
+  std::vector<double> prior_;
+  std::vector<double> posterior_;
+  std::vector<double> counted_;  // probability of the counted response, level by level
+  std::size_t last_level_ = 0;
+  int repeats_ = 0;
+};
+
+}  // namespace palpate::psychophysics
