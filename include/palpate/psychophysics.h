@@ -123,4 +123,34 @@ class QuestPlus final {
   int repeats_ = 0;
 };
 
+/// Number of trials, and of those with the counted response.
+struct Count {
+  int trials = 0;
+  int counted = 0;
+};
+
+/// Sensitivity and criterion of signal detection theory [Macmillan and Creelman 2005].
+struct Sensitivity {
+  double d_prime = 0.0;
+  double criterion = 0.0;  // c; > 0: a tendency to "no", or to "second interval"
+  double ln_beta = 0.0;    // logarithm of the likelihood ratio at the criterion
+  bool reliable = false;   // false: a rate is below 0.05 or above 0.95, and no statement may be made
+};
+
+/// [setup] Yes/no task: d' = z(H) - z(F), c = -(z(H) + z(F))/2. Infinite for a rate of 0 or 1, unless 1/2 is
+/// added to each count and 1 to each number of trials (log-linear correction, which biases d').
+/// @param hits "yes" with a signal @param false_alarms "yes" without
+/// @throws ParameterError unless 0 <= counted <= trials and trials > 0
+[[nodiscard]] Sensitivity yes_no(const Count& hits, const Count& false_alarms, bool log_linear = false);
+
+/// [setup] Two-interval task: d' = (z(H1) + z(H2))/sqrt 2, c = (z(H2) - z(H1))/2.
+/// @param first correct answers with the signal in the first interval @param second in the second
+/// @throws ParameterError unless 0 <= counted <= trials and trials > 0
+[[nodiscard]] Sensitivity two_interval(const Count& first, const Count& second, bool log_linear = false);
+
+/// [setup] Probability of a correct answer among m intervals without bias, and d' for this probability.
+/// @throws ParameterError unless m >= 2; d' also unless 0 < correct < 1
+[[nodiscard]] double correct_of_d_prime(double d_prime, int intervals);
+[[nodiscard]] double d_prime_of_correct(double correct, int intervals);
+
 }  // namespace palpate::psychophysics
