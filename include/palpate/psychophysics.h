@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -152,5 +153,40 @@ struct Sensitivity {
 /// @throws ParameterError unless m >= 2; d' also unless 0 < correct < 1
 [[nodiscard]] double correct_of_d_prime(double d_prime, int intervals);
 [[nodiscard]] double d_prime_of_correct(double correct, int intervals);
+
+/// A transformed and weighted up-down staircase [Levitt 1971; Kaernbach 1991]: one incorrect answer moves the
+/// level up, `down` correct answers in succession move it down.
+struct StaircaseSetup {
+  double start = 0.0;                     // level of the first stimulus, usually a logarithm
+  int down = 2;                           // correct answers: converges to 0.5^(1/down) correct
+  std::vector<double> steps = {4, 2, 1};  // upward steps; each is used for reversals_per_step reversals
+  int reversals_per_step = 2;             // the last step stays
+  double down_ratio = 1.0;                // downward over upward step r: converges to (1 + r)^(-1/down)
+  double least = -1e9;                    // limits of the level
+  double largest = 1e9;
+  int discarded = 6;  // first reversals that the mean leaves out
+};
+
+class Staircase final {
+ public:
+  /// [setup] @throws ParameterError naming an invalid value of the set-up.
+  explicit Staircase(StaircaseSetup setup);
+
+  /// [any] Level of the next stimulus.
+  [[nodiscard]] double level() const noexcept { return level_; }
+  /// [setup] Adds the answer to the stimulus at level().
+  void update(bool correct);
+  /// [any] Levels at which the direction changed.
+  [[nodiscard]] std::span<const double> reversals() const noexcept { return reversals_; }
+  /// [setup] Mean of the reversals after the discarded ones; empty with fewer than two of them.
+  [[nodiscard]] std::optional<double> mean() const;
+
+ private:
+  StaircaseSetup setup_;
+  double level_ = 0.0;
+  int correct_in_succession_ = 0;
+  int direction_ = 0;  // of the last step: 1 up, -1 down, 0 before the first
+  std::vector<double> reversals_;
+};
 
 }  // namespace palpate::psychophysics
