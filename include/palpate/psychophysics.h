@@ -105,7 +105,8 @@ class QuestPlus final {
   /// is too small for an estimate.
   [[nodiscard]] double edge_probability() const;
 
-  /// [setup] Whether the posterior probability of a lapse rate of at least 5 % exceeds 1/2.
+  /// [setup] Whether the posterior probability of a lapse rate of at least 5 % exceeds 0.4. After 80
+  /// trials this finds 2 of 3 people with 10 % lapses, and 1 of 25 without.
   [[nodiscard]] bool lapses_often() const;
 
   [[nodiscard]] const QuestPlusGrid& grid() const noexcept { return grid_; }
@@ -113,15 +114,23 @@ class QuestPlus final {
   [[nodiscard]] std::span<const double> posterior() const noexcept { return posterior_; }
 
  private:
+  // A part of the posterior whose entropy counts: a cell, or a pair of location and spread.
+  struct Group {
+    std::size_t pair = 0;
+    double probability = 0.0;
+    double lapse = 0.0;  // mean
+  };
   [[nodiscard]] Parameters parameters_at(std::size_t cell) const;
-  [[nodiscard]] double posterior_entropy(std::size_t group) const;
-  [[nodiscard]] std::vector<double> group_sums(std::size_t group) const;
-  [[nodiscard]] double expected_gain(std::size_t level, const std::vector<double>& sums) const;
+  [[nodiscard]] double counted(std::size_t level, std::size_t pair, double lapse) const noexcept;
+  [[nodiscard]] std::vector<Group> groups() const;
+  [[nodiscard]] double expected_gain(std::size_t level, const std::vector<Group>& groups) const noexcept;
 
   QuestPlusGrid grid_;
   std::vector<double> prior_;
   std::vector<double> posterior_;
-  std::vector<double> counted_;  // probability of the counted response, level by level
+  // Probability of the counted response without lapses, and its derivative by the lapse rate, in which it is
+  // linear: for each level and pair of location and spread.
+  std::vector<double> without_lapse_, by_lapse_;
   std::size_t last_level_ = 0;
   int repeats_ = 0;
 };
