@@ -33,8 +33,8 @@ Weights normal_weights(double first, double step, std::size_t count, double mean
   Weights weights;
   weights.begin = static_cast<std::size_t>(from);
   double sum = 0.0;
-  for (double i = from; i <= to; i += 1.0) {
-    const double z = (first + i * step - mean) / sd;
+  for (std::size_t i = weights.begin; i <= static_cast<std::size_t>(to); ++i) {
+    const double z = (first + static_cast<double>(i) * step - mean) / sd;
     weights.values.push_back(std::exp(-0.5 * z * z));
     sum += weights.values.back();
   }

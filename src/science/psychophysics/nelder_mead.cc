@@ -71,7 +71,7 @@ Minimum search(const Cost& cost, const std::vector<double>& start, const std::ve
 
 }  // namespace
 
-Minimum minimize(const Cost& cost, std::vector<double> start, const std::vector<double>& steps,
+Minimum minimize(const Cost& cost, const std::vector<double>& start, const std::vector<double>& steps,
                  double tolerance) {
   const Minimum first = search(cost, start, steps, tolerance);
   return search(cost, first.at, steps, tolerance);

@@ -14,7 +14,7 @@ struct Minimum {
 /// @param steps initial edges, one for each coordinate, not 0
 /// @param tolerance largest difference of the costs of the last simplex
 [[nodiscard]] Minimum minimize(const std::function<double(const std::vector<double>&)>& cost,
-                               std::vector<double> start, const std::vector<double>& steps,
+                               const std::vector<double>& start, const std::vector<double>& steps,
                                double tolerance = 1e-9);
 
 }  // namespace palpate::psychophysics
