@@ -52,7 +52,8 @@ struct QuestPlusGrid {
 [[nodiscard]] QuestPlusGrid detection_grid(double from, double to, int per_decade);
 
 /// [setup] Grid for the comparison of two stimuli, of which the second is counted. Levels are
-/// ln(second/first) of both signs; location is the interval bias.
+/// ln(second/first) of both signs; location is the interval bias. Priors are normal: of the bias with 0.08,
+/// of log10 of the standard deviation with 0.5 about -0.7, a just noticeable difference of 14 %.
 /// @param least, largest ratios > 1 @param steps number of ratios; their logarithms form a geometric series
 /// @throws ParameterError unless 1 < least < largest and steps >= 2
 [[nodiscard]] QuestPlusGrid difference_grid(double least = 1.02, double largest = 3.3, int steps = 14);

@@ -49,11 +49,14 @@ QuestPlusGrid difference_grid(double least, double largest, int steps) {
     throw ParameterError("largest", largest, "finite and above `least`");
   }
   if (steps < 2) throw ParameterError("steps", steps, ">= 2");
-  constexpr double kBias = 0.2;          // ln of a ratio
-  constexpr double kBiasStep = 0.04;     // ln of a ratio
-  constexpr double kBiasSd = 0.08;       // ln of a ratio
-  constexpr double kFirstSpread = -1.7;  // log10 of the standard deviation of ln of a ratio; the last is 0
-  constexpr int kSpreads = 34;           // steps of 0.05
+  constexpr double kBias = 0.2;       // ln of a ratio
+  constexpr double kBiasStep = 0.04;  // ln of a ratio
+  constexpr double kBiasSd = 0.08;    // ln of a ratio
+  // log10 of the standard deviation of ln of a ratio; the last is 0.
+  constexpr double kFirstSpread = -1.7;
+  constexpr double kSpreadStep = 0.05;
+  constexpr double kMeanSpread = -0.7;  // a just noticeable difference of 14 %
+  constexpr double kSpreadSd = 0.5;
   QuestPlusGrid grid;
   grid.function.shape = PsychometricFunction::Shape::kNormal;
   const double first = portable::log(portable::log(least));
@@ -61,9 +64,8 @@ QuestPlusGrid difference_grid(double least, double largest, int steps) {
   for (int i = steps - 1; i >= 0; --i) grid.levels.push_back(-portable::exp(first + step * i));
   for (int i = 0; i < steps; ++i) grid.levels.push_back(portable::exp(first + step * i));
   grid.location = normal_axis(-kBias, kBias, kBiasStep, 0.0, kBiasSd);
-  for (int i = 0; i <= kSpreads; ++i) {
-    grid.spread.values.push_back(portable::exp(kLogOf10 * kFirstSpread * (kSpreads - i) / kSpreads));
-  }
+  grid.spread = normal_axis(kFirstSpread, 0.0, kSpreadStep, kMeanSpread, kSpreadSd);
+  for (double& spread : grid.spread.values) spread = portable::exp(kLogOf10 * spread);
   grid.lapse = kLapses;
   return grid;
 }

@@ -251,6 +251,8 @@ TEST(QuestPlus, DifferenceGridIsSymmetricAndGeometric) {
   EXPECT_NEAR(grid.levels[15] / grid.levels[14], grid.levels[27] / grid.levels[26], 1e-12);
   EXPECT_NEAR(grid.spread.values.front(), std::pow(10.0, -1.7), 1e-12);
   EXPECT_EQ(grid.spread.values.back(), 1.0);
+  EXPECT_NEAR(grid.spread.weights[10] / grid.spread.weights[20], std::exp(-0.5), 1e-12);    // -1.2 and -0.7
+  EXPECT_NEAR(grid.location.weights[3] / grid.location.weights[5], std::exp(-0.5), 1e-12);  // -0.08 and 0
 }
 
 std::string message_of(const std::function<void()>& call) {
