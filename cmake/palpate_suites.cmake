@@ -2,12 +2,12 @@
 # PREFIX.SUITE, in a separate process. Tests of a suite share slow preparations. The tests of SUITE include those of its
 # instantiations (TEST_P, TYPED_TEST). This file runs itself as a script after the program is linked.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
-  # With a sanitizer these suites take minutes without covering more code: the finest built-in shapes, fits of many curves and
-  # random pictures.
+  # With a sanitizer these suites take minutes without covering more code: the finest built-in shapes, fits of many curves, many
+  # simulated people and random pictures.
   set(PALPATE_LEFT_OUT "")
   if(PALPATE_SANITIZE)
     set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:FitSpecimen.OrdersRelaxation*:"
-      "FitSpecimen.IntervalsHold*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
+      "FitSpecimen.IntervalsHold*:Recovery.*:GroupStudy.*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
     list(JOIN PALPATE_LEFT_OUT "" PALPATE_LEFT_OUT)
   endif()
   set(PALPATE_SUITES_SCRIPT ${CMAKE_CURRENT_LIST_FILE})

@@ -16,7 +16,7 @@
 #include "science/identify/local_optima.h"
 #include "science/identify/parts.h"
 #include "science/identify/profile_path.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 #include "science/identify/warnings.h"
 #include "science/tasks/for_each_task.h"
 

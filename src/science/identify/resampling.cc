@@ -6,7 +6,7 @@
 
 #include "science/identify/fit_record.h"
 #include "science/identify/forward.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 #include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {

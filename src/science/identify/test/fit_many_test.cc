@@ -13,7 +13,7 @@
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "science/identify/fit_record.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 
 namespace palpate::identify {
 namespace {

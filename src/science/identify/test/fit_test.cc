@@ -10,7 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/spring_law.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 
 namespace palpate::identify {
 namespace {

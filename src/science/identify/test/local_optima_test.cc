@@ -9,7 +9,7 @@
 
 #include "palpate/identify.h"
 #include "science/identify/multistart.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 #include "science/identify/test/springs.h"
 
 namespace palpate::identify {

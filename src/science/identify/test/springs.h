@@ -5,7 +5,7 @@
 #include <string>
 
 #include "palpate/identify.h"
-#include "science/identify/random.h"
+#include "core/base/random.h"
 
 namespace palpate::identify {
 

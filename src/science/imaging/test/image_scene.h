@@ -12,7 +12,7 @@
 
 #include <jpeglib.h>
 
-#include "science/identify/random.h"
+#include "core/base/random.h"
 #include "science/imaging/image_file.h"
 
 namespace palpate::imaging::test {
@@ -242,7 +242,7 @@ inline Picture photograph(const SideView& view) {
     }
   }
   if (view.blur > 0.0) blur(light, view.width, view.height, view.blur);
-  identify::Random random(view.seed, 17, 5);
+  Random random(view.seed, 17, 5);
   std::vector<unsigned char> gray;
   for (const float value : light) {
     const double noisy = static_cast<double>(value) + (view.noise > 0.0 ? view.noise * random.normal() : 0.0);

@@ -66,7 +66,7 @@ Picture flat(int width, int height, unsigned char light) {
 }
 
 Picture pure_noise(std::uint32_t seed) {
-  identify::Random random(seed, 0, 0);
+  Random random(seed, 0, 0);
   std::vector<unsigned char> gray(std::size_t{600} * 400);
   for (unsigned char& g : gray) g = static_cast<unsigned char>(256.0 * random.uniform());
   return test::picture_of(gray, 600, 400);

@@ -25,9 +25,9 @@ struct Pair {
   SideView after;
 };
 
-using Degrade = std::function<void(identify::Random&, Pair&)>;
+using Degrade = std::function<void(Random&, Pair&)>;
 
-double between(identify::Random& random, double low, double high) {
+double between(Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
@@ -38,7 +38,7 @@ void both(Pair& pair, const Change& change) {
   change(pair.after);
 }
 
-Pair random_pair(identify::Random& random, std::uint32_t seed) {
+Pair random_pair(Random& random, std::uint32_t seed) {
   Pair pair;
   SideView view;
   view.seed = 100 + seed;
@@ -103,7 +103,7 @@ struct Kind {
   Degrade degrade;
 };
 
-void add_spots(identify::Random& random, Pair& pair) {
+void add_spots(Random& random, Pair& pair) {
   for (SideView* view : {&pair.before, &pair.after}) {
     for (int i = 0; i < 9; ++i) {
       view->spots.push_back(
@@ -112,7 +112,7 @@ void add_spots(identify::Random& random, Pair& pair) {
   }
 }
 
-void add_bars(identify::Random& random, Pair& pair) {
+void add_bars(Random& random, Pair& pair) {
   pair.after.bar_width = between(random, 20.0, 70.0);
   pair.after.bars = {pair.after.centre_x + between(random, -250.0, 250.0)};
   if (random.uniform() < 0.5) pair.before.bars = {between(random, 50.0, 850.0)};
@@ -120,19 +120,19 @@ void add_bars(identify::Random& random, Pair& pair) {
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {
-      {"as drawn", [](identify::Random&, Pair&) {}},
-      {"blur, 3 px", [](identify::Random&, Pair& pair) { both(pair, [](SideView& v) { v.blur = 3.0; }); }},
+      {"as drawn", [](Random&, Pair&) {}},
+      {"blur, 3 px", [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.blur = 3.0; }); }},
       {"noise, 8 % of white",
-       [](identify::Random&, Pair& pair) { both(pair, [](SideView& v) { v.noise = 0.08; }); }},
+       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.noise = 0.08; }); }},
       {"JPEG, quality 20",
-       [](identify::Random&, Pair& pair) { both(pair, [](SideView& v) { v.jpeg = 20; }); }},
+       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.jpeg = 20; }); }},
       {"both tilted by 5 degrees",
-       [](identify::Random& random, Pair& pair) {
+       [](Random& random, Pair& pair) {
          const double turn = (random.uniform() < 0.5 ? -5.0 : 5.0) * M_PI / 180.0;
          both(pair, [turn](SideView& v) { v.turn = turn; });
        }},
       {"second turned by up to 5 degrees, shifted",
-       [](identify::Random& random, Pair& pair) {
+       [](Random& random, Pair& pair) {
          pair.after.turn = between(random, -5.0, 5.0) * M_PI / 180.0;
          pair.after.shift_x = between(random, -10.0, 10.0);
          pair.after.shift_y = between(random, -10.0, 10.0);
@@ -140,9 +140,9 @@ const std::vector<Kind>& kinds() {
       {"specular spots", add_spots},
       {"partly hidden", add_bars},
       {"uneven light, 50 %",
-       [](identify::Random&, Pair& pair) { both(pair, [](SideView& v) { v.uneven = 0.5; }); }},
+       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.uneven = 0.5; }); }},
       {"all together, less of each",
-       [](identify::Random& random, Pair& pair) {
+       [](Random& random, Pair& pair) {
          add_spots(random, pair);
          add_bars(random, pair);
          const double turn = between(random, -4.0, 4.0) * M_PI / 180.0;
@@ -172,7 +172,7 @@ TEST_P(ImageTrials, AreNeverSilentlyWrong) {
   std::vector<Outcome> seen;
   int refused = 0;
   for (int trial = 0; trial < trials(); ++trial) {
-    identify::Random random(2024, static_cast<std::uint32_t>(GetParam()), static_cast<std::uint32_t>(trial));
+    Random random(2024, static_cast<std::uint32_t>(GetParam()), static_cast<std::uint32_t>(trial));
     Pair pair = random_pair(random, static_cast<std::uint32_t>(trial));
     kind.degrade(random, pair);
     const Outcome outcome = measure_trial(pair);

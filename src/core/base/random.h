@@ -6,13 +6,13 @@
 #include "core/base/philox.h"
 #include "core/base/portable_math.h"
 
-namespace palpate::identify {
+namespace palpate {
 
-/// [setup] Counter-based random numbers of one job of a fit: a pure function of seed, job, part and the
+/// [setup] Counter-based random numbers of one part of one job: a pure function of seed, job, part and the
 /// number of draws. Results do not depend on the order of the jobs or on the rank that runs them.
 class Random final {
  public:
-  /// @param job index of the specimen @param part index of the stage of its fit
+  /// @param job index of a specimen or participant @param part index of a stage of its fit, or of a trial
   Random(std::uint64_t seed, std::uint32_t job, std::uint32_t part) noexcept
       : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
         counter_{0, 0, job, part} {}
@@ -50,4 +50,4 @@ class Random final {
   PhiloxCounter counter_;
 };
 
-}  // namespace palpate::identify
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "science/psychophysics/normal.h"
+
+#include <cmath>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/erf.hpp>
+
+#include "core/base/portable_math.h"
+
+namespace palpate::psychophysics {
+
+double normal_cdf(double z) noexcept {
+  constexpr double kInverseRootOfTwoPi = 0.39894228040143267794;
+  constexpr double kSeriesBelow = 3.0;  // above, 60 terms of the continued fraction are exact
+  constexpr double kFarTail = 38.5;     // the density underflows
+  const double x = std::abs(z);
+  if (!(x < kFarTail)) return z > 0.0 ? 1.0 : (z < 0.0 ? 0.0 : z);
+  const double density = kInverseRootOfTwoPi * portable::exp(-0.5 * x * x);
+  double tail = 0.0;
+  if (x < kSeriesBelow) {  // Phi(x) - 1/2 = density (x + x^3/3 + x^5/(3 5) + ...) [Marsaglia 2004]
+    double term = x;
+    double sum = x;
+    for (int k = 3; term > 1e-17 * sum; k += 2) {
+      term *= x * x / k;
+      sum += term;
+    }
+    tail = 0.5 - density * sum;
+  } else {  // 1 - Phi(x) = density/(x + 1/(x + 2/(x + 3/...))) [Laplace]
+    double fraction = x;
+    for (int k = 60; k > 0; --k) fraction = x + k / fraction;
+    tail = density / fraction;
+  }
+  return z < 0.0 ? tail : 1.0 - tail;
+}
+
+double normal_quantile(double p) { return -std::sqrt(2.0) * boost::math::erfc_inv(2.0 * p); }
+
+double student_t_quantile(double freedom) {
+  return boost::math::quantile(boost::math::students_t(freedom), 0.975);
+}
+
+double student_t_two_sided(double t, double freedom) {
+  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(freedom), std::abs(t)));
+}
+
+}  // namespace palpate::psychophysics
