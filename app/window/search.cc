@@ -55,7 +55,7 @@ void Search::draw_on(LivePicture& picture, bool now) {
     picture.show_marks(report::marks_of(*score_));
     return;
   }
-  palpation::Score hidden;  // before the end no mark tells whether it is right
+  palpation::Score hidden;  // during the search no mark shows whether it is right
   hidden.marks = scorer_.marks();
   for (palpation::Mark& mark : hidden.marks) mark.lump = 0;
   picture.show_marks(report::marks_of(hidden));

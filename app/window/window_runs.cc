@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
-  search_.reset();  // refers to the session of the run before
+  search_.reset();  // refers to the previous session
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
   ++runs_begun_;

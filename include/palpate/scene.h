@@ -156,7 +156,7 @@ struct InclusionSetup {
 /// The task palpate: hidden inclusions are to be found (docs/lumps.md).
 struct SearchSetup {
   double tolerance = 10e-3;  // m, from the surface above an inclusion: a mark within it finds the inclusion
-  std::uint32_t mark_button = 0;  // bit of DeviceState::buttons that marks a place
+  std::uint32_t mark_button = 0;  // bit of DeviceState::buttons that sets a mark
 };
 
 /// [setup] The inclusions that pictures show.

@@ -204,7 +204,7 @@ std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& s
 std::vector<std::string> stability_remarks(const Scene& setup, const model::TissueParameters& tissue,
                                            const std::vector<model::Inclusion>& inclusions) {
   std::vector<std::string> remarks;
-  std::optional<double> variation;  // the same for all devices
+  std::optional<double> variation;  // one for all devices
   for (const DeviceSetup& device : setup.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
     if (kind == nullptr || !kind->held) continue;

@@ -7,6 +7,7 @@
 
 #include "core/base/infinity.h"
 #include "core/base/portable_math.h"
+#include "core/base/random.h"
 #include "core/base/statistics.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
@@ -16,7 +17,6 @@
 #include "science/identify/local_optima.h"
 #include "science/identify/parts.h"
 #include "science/identify/profile_path.h"
-#include "core/base/random.h"
 #include "science/identify/warnings.h"
 #include "science/tasks/for_each_task.h"
 

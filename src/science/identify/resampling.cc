@@ -4,9 +4,9 @@
 #include <cmath>
 #include <span>
 
+#include "core/base/random.h"
 #include "science/identify/fit_record.h"
 #include "science/identify/forward.h"
-#include "core/base/random.h"
 #include "science/tasks/for_each_task.h"
 
 namespace palpate::identify {

@@ -10,7 +10,7 @@
 namespace palpate::palpation {
 namespace {
 
-constexpr double kLeastDepth = 1e-3;     // m: shallower presses tell little
+constexpr double kLeastDepth = 1e-3;     // m: the factor of shallower presses is inexact
 constexpr double kLeastTicks = 20.0;     // weighted, of a vertex whose factor is known
 constexpr double kLeastReach = 3e-3;     // m
 constexpr double kLargestReach = 10e-3;  // m; also the width of the grid's cells

@@ -11,7 +11,7 @@
 
 namespace palpate::palpation {
 
-/// A place that a hand marked.
+/// A point of the surface that a hand marked.
 struct Mark {
   std::uint64_t tick = 0;
   std::uint32_t hand = 0;

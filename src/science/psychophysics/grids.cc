@@ -2,7 +2,7 @@
 
 #include "core/base/portable_math.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 namespace {

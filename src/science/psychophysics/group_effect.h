@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 

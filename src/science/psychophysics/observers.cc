@@ -4,8 +4,8 @@
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
 #include "science/psychophysics/normal.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 namespace {

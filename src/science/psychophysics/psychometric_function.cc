@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
-#include "palpate/psychophysics.h"
 #include "science/psychophysics/normal.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 

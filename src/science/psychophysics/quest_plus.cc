@@ -6,7 +6,7 @@
 
 #include "core/base/portable_math.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 #include "science/psychophysics/weighted.h"
 
 namespace palpate::psychophysics {

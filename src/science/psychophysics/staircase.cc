@@ -4,7 +4,7 @@
 
 #include "core/base/statistics.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 

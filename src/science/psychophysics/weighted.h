@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 

@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "science/identify/fit_record.h"
-#include "core/base/random.h"
 
 namespace palpate::identify {
 namespace {

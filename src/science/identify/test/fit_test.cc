@@ -6,11 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "core/model/relaxation.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/spring_law.h"
-#include "core/base/random.h"
 
 namespace palpate::identify {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "palpate/identify.h"
 #include "science/identify/multistart.h"
-#include "core/base/random.h"
 #include "science/identify/test/springs.h"
 
 namespace palpate::identify {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "palpate/identify.h"
 #include "core/base/random.h"
+#include "palpate/identify.h"
 
 namespace palpate::identify {
 

@@ -27,9 +27,7 @@ struct Pair {
 
 using Degrade = std::function<void(Random&, Pair&)>;
 
-double between(Random& random, double low, double high) {
-  return low + (high - low) * random.uniform();
-}
+double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
 
 /// Applies a change to both views.
 template <typename Change>
@@ -122,10 +120,8 @@ const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {
       {"as drawn", [](Random&, Pair&) {}},
       {"blur, 3 px", [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.blur = 3.0; }); }},
-      {"noise, 8 % of white",
-       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.noise = 0.08; }); }},
-      {"JPEG, quality 20",
-       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.jpeg = 20; }); }},
+      {"noise, 8 % of white", [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.noise = 0.08; }); }},
+      {"JPEG, quality 20", [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.jpeg = 20; }); }},
       {"both tilted by 5 degrees",
        [](Random& random, Pair& pair) {
          const double turn = (random.uniform() < 0.5 ? -5.0 : 5.0) * M_PI / 180.0;
@@ -139,8 +135,7 @@ const std::vector<Kind>& kinds() {
        }},
       {"specular spots", add_spots},
       {"partly hidden", add_bars},
-      {"uneven light, 50 %",
-       [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.uneven = 0.5; }); }},
+      {"uneven light, 50 %", [](Random&, Pair& pair) { both(pair, [](SideView& v) { v.uneven = 0.5; }); }},
       {"all together, less of each",
        [](Random& random, Pair& pair) {
          add_spots(random, pair);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kRadius = 5e-3;  // of the tool [m]
 constexpr double kHalf = 40e-3;   // of the box's side [m]
 
-/// A box whose upper side is z = 0, with hidden nodules at two places.
+/// A box whose upper side is z = 0, with two hidden nodules.
 scene::Scene box_scene() {
   scene::Scene setup;
   setup.task = scene::Task::kPalpate;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 namespace {

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
-#include "palpate/psychophysics.h"
 #include "science/psychophysics/comparisons.h"
 #include "science/psychophysics/group_effect.h"
+#include "science/psychophysics/psychophysics.h"
 #include "science/psychophysics/test/simulated_group.h"
 #include "science/psychophysics/test/study_table.h"
 

@@ -11,7 +11,7 @@
 
 #include "core/base/random.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 #include "science/psychophysics/test/watson_runs.h"
 
 namespace palpate::psychophysics {

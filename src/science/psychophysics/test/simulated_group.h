@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "palpate/psychophysics.h"
 #include "science/psychophysics/group_effect.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 

@@ -7,7 +7,7 @@
 
 #include "core/base/random.h"
 #include "palpate/error.h"
-#include "palpate/psychophysics.h"
+#include "science/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {
 namespace {
