@@ -326,15 +326,15 @@ ServedRuns::Answer ServedRuns::set_inclusion(const net::InclusionEdit& edit) {
   const std::size_t index = net::find_inclusion(inclusions_, edit);
   const scene::InclusionSetup changed = net::edited(inclusions_[index], edit);
   model::validate(changed.inclusion);
-  Json answer{{"change", nullptr}};
+  Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
     const Vec3& centre_S = changed.inclusion.centre_S;
-    answer["change"] = run_->session()
-                           .updates()
-                           .offer(haptics::LiveInclusion{static_cast<std::uint32_t>(index),
-                                                         {centre_S.x(), centre_S.y(), centre_S.z()},
-                                                         changed.inclusion.ratio})
-                           .number;
+    const haptics::ParameterUpdates::Accepted accepted =
+        run_->session().updates().offer(haptics::LiveInclusion{static_cast<std::uint32_t>(index),
+                                                               {centre_S.x(), centre_S.y(), centre_S.z()},
+                                                               changed.inclusion.ratio});
+    answer["change"] = accepted.number;
+    answer["warnings"] = accepted.warnings;
   } else if (edit.centre_S) {
     require_inside(changed, setup().organ);
   }

@@ -122,6 +122,7 @@ TEST(Serve, AnInclusionChangesDuringTheRunForAllClientsAndStaysForTheNextRun) {
                       {"inclusion", {{"name", "nodule"}, {"position_mm", moved}, {"stiffness_ratio", 3}}}}
                      .dump());
   EXPECT_EQ(answer["change"], 1) << answer;
+  EXPECT_EQ(answer["warnings"], json::array()) << answer;
   const json frame = client.hear_until(
       [](const json& message) { return message.contains("state") && message["state"]["change"] == 1; });
   EXPECT_FALSE(frame.is_null());

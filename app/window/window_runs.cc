@@ -166,7 +166,10 @@ void Window::apply_inclusion(const haptics::LiveInclusion& change) {
     if (run_->pausing()) {
       inclusions_wait_ = true;
     } else if (!run_->ended()) {
-      (void)run_->session().updates().offer(change);
+      const std::vector<std::string>& known = run_->session().setup().remarks;
+      for (const std::string& warning : run_->session().updates().offer(change).warnings) {
+        if (std::find(known.begin(), known.end(), warning) == known.end()) viewport_.show_message(warning);
+      }
     }
     model::Inclusion& inclusion = inclusions_.at(change.index).inclusion;
     inclusion.centre_S = Vec3(change.centre_S[0], change.centre_S[1], change.centre_S[2]);

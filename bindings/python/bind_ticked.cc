@@ -130,12 +130,14 @@ void restart(TickedSimulation& ticked) {
   });
 }
 
-void ticked_set_inclusion(TickedSimulation& ticked, const std::variant<std::size_t, std::string>& which,
-                          const std::optional<Numbers>& position, std::optional<double> ratio) {
-  ticked.with([&](palpate_simulation& simulation) {
+std::vector<std::string> ticked_set_inclusion(TickedSimulation& ticked,
+                                              const std::variant<std::size_t, std::string>& which,
+                                              const std::optional<Numbers>& position,
+                                              std::optional<double> ratio) {
+  return ticked.with([&](palpate_simulation& simulation) {
     const std::size_t index = inclusion_index(simulation.setup(), which);
     const model::Inclusion now = simulation.updates().inclusions()[index];
-    (void)simulation.updates().offer(live_inclusion(index, now, position, ratio));
+    return simulation.updates().offer(live_inclusion(index, now, position, ratio)).warnings;
   });
 }
 
@@ -235,7 +237,8 @@ void bind_ticked(py::module_& module) {
       .def("set_inclusion", &ticked_set_inclusion, py::arg("inclusion"), py::kw_only(),
            py::arg("position") = none, py::arg("stiffness_ratio") = none,
            "Moves an inclusion (its name or number from 0) to `position` (m, organ frame) and sets its "
-           "stiffness ratio at the next tick; None keeps a value. Raises InputError, ParameterError.")
+           "stiffness ratio at the next tick; None keeps a value. Returns the warnings of the stability "
+           "check. Raises InputError, ParameterError.")
       .def("reset_fault", &ticked_reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all hands, at the next tick.")
       .def("restart", &restart, others_may_run,

@@ -75,13 +75,15 @@ class ParameterUpdates final {
   /// Largest number of updates that wait for the loop.
   static constexpr std::size_t kMaxWaiting = 8;
 
-  /// Returns the stability warnings for a tissue with this scene's devices (scene::stability_remarks).
-  using Warnings = std::function<std::vector<std::string>(const model::TissueParameters&)>;
+  /// Returns the stability warnings for a tissue and its inclusions with this scene's devices
+  /// (scene::stability_remarks).
+  using Warnings = std::function<std::vector<std::string>(const model::TissueParameters&,
+                                                          const std::vector<model::Inclusion>&)>;
 
   /// Result of offer().
   struct Accepted {
     std::uint64_t number = 0;           // Snapshot::change is at least this once a tick has used the update
-    std::vector<std::string> warnings;  // stability warnings for the new tissue
+    std::vector<std::string> warnings;  // stability warnings for the new tissue or inclusion
   };
 
   /// [setup] @param world of the run; must outlive this object @param tissue at the start of the run

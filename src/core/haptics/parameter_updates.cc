@@ -100,7 +100,7 @@ ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters
   const std::lock_guard lock(callers_);
   model::validate(tissue);
   Accepted accepted;
-  if (warnings_) accepted.warnings = warnings_(tissue);
+  if (warnings_) accepted.warnings = warnings_(tissue, inclusions_);
   hand_over(parameter_update(tissue, noise_, kTissueChanged));
   tissue_ = tissue;
   accepted.number = offered_;
@@ -117,11 +117,17 @@ ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise) {
 ParameterUpdates::Accepted ParameterUpdates::offer(const LiveInclusion& inclusion) {
   const std::lock_guard lock(callers_);
   const model::Inclusion changed = inclusion_of(world_.contact, inclusion);
+  model::validate(changed);
+  std::vector<model::Inclusion> all = inclusions_;
+  all[inclusion.index] = changed;
+  Accepted accepted;
+  if (warnings_) accepted.warnings = warnings_(tissue_, all);
   ParameterUpdate update = parameter_update(tissue_, noise_, kInclusionChanged);
   update.inclusion = inclusion;
   hand_over(update);
-  inclusions_[inclusion.index] = changed;
-  return {offered_, {}};
+  inclusions_ = std::move(all);
+  accepted.number = offered_;
+  return accepted;
 }
 
 std::vector<model::Inclusion> ParameterUpdates::inclusions() const {

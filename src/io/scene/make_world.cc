@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <string>
 
 #include "core/base/text.h"
@@ -26,21 +27,25 @@ haptics::GateLimits gate_limits(const Scene& setup) {
   return limits;
 }
 
+model::Direction direction_of(const Scene& setup) {
+  return setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+}
+
 /// How many times as stiff as the uniform tissue the scene's tissue gets.
 double largest_variation(const Scene& setup, const model::TissueParameters& tissue,
-                         model::Direction direction) {
+                         const std::vector<model::Inclusion>& inclusions) {
   constexpr double kTipRadius = 5e-3;  // m, of a tool whose radius the scene does not give
   double map = 1.0;
   for (const model::StiffnessPoint& one : setup.stiffness) map = std::max(map, one.factor);
-  if (setup.inclusions.empty()) return map;
+  if (inclusions.empty()) return map;
   const geometry::SignedDistance surface(setup.organ);
   double largest = 1.0;
-  for (const InclusionSetup& one : setup.inclusions) {
-    const double depth = -surface.nearest(one.inclusion.centre_S).distance - one.inclusion.pulse;
+  for (const model::Inclusion& one : inclusions) {
+    const double depth = -surface.nearest(one.centre_S).distance - one.pulse;
     if (!(depth > 0.0)) continue;  // make_world() reports it
     for (const geometry::Tool& tool : setup.tools) {
       largest =
-          std::max(largest, haptics::stiffness_ratio_of(tissue, direction, 1.0 / setup.rate_Hz, one.inclusion,
+          std::max(largest, haptics::stiffness_ratio_of(tissue, direction_of(setup), 1.0 / setup.rate_Hz, one,
                                                         depth, tool.tip_radius.value_or(kTipRadius)));
     }
   }
@@ -48,24 +53,22 @@ double largest_variation(const Scene& setup, const model::TissueParameters& tiss
 }
 
 haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
-                                     const model::TissueParameters& tissue,
+                                     const model::TissueParameters& tissue, double variation,
                                      const haptics::DeviceMechanics& mechanics) {
-  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
-  return haptics::check_stability(tissue, direction, 1.0 / setup.rate_Hz, setup.safety.max_force,
-                                  device.workspace_scale * device.force_scale, mechanics,
-                                  largest_variation(setup, tissue, direction));
+  return haptics::check_stability(tissue, direction_of(setup), 1.0 / setup.rate_Hz, setup.safety.max_force,
+                                  device.workspace_scale * device.force_scale, mechanics, variation);
 }
 
 std::string rounded(double value) { return brief(value, 3); }
 
 /// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
-std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model::TissueParameters& tissue) {
+std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model::TissueParameters& tissue,
+                      double variation) {
   const haptics::DeviceAbilities& able = device.abilities;
-  const double stiffness = stability_of(setup, device, tissue, {}).stiffness;
+  const double stiffness = stability_of(setup, device, tissue, variation, {}).stiffness;
   if (!(stiffness > able.max_stiffness)) return {};
-  const auto direction = setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   const double depth =
-      haptics::depth_of_tangent(tissue, direction, 1.0 / setup.rate_Hz,
+      haptics::depth_of_tangent(tissue, direction_of(setup), 1.0 / setup.rate_Hz,
                                 able.max_stiffness / (device.workspace_scale * device.force_scale));
   return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " bears, " + rounded(stiffness) +
          " N/m against " + rounded(able.max_stiffness) + " N/m" +
@@ -137,7 +140,8 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     const haptics::DeviceAbilities& able = device.abilities;
     if (!device.fit) continue;
     device.force_scale = 1.0;
-    const double stiffness = stability_of(setup, device, setup.tissue, {}).stiffness;
+    const double variation = largest_variation(setup, setup.tissue, variation_of(setup).inclusions);
+    const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
     device.force_scale = std::min(1.0, able.max_stiffness / stiffness);
     if (device.force_scale < 1.0) {
       remarks.push_back("device " + device.kind + ": the tissue's force is scaled by " +
@@ -153,7 +157,7 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
 }
 
 std::vector<std::string> stability_remarks(const Scene& setup) {
-  return stability_remarks(setup, setup.tissue);
+  return stability_remarks(setup, setup.tissue, variation_of(setup).inclusions);
 }
 
 std::vector<std::string> radius_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
@@ -192,17 +196,22 @@ std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& s
                                                                   const haptics::SimulationWorld& world) {
   return std::make_unique<haptics::ParameterUpdates>(
       world, setup.tissue,
-      [&setup](const model::TissueParameters& tissue) { return stability_remarks(setup, tissue); });
+      [&setup](const model::TissueParameters& tissue, const std::vector<model::Inclusion>& inclusions) {
+        return stability_remarks(setup, tissue, inclusions);
+      });
 }
 
-std::vector<std::string> stability_remarks(const Scene& setup, const model::TissueParameters& tissue) {
+std::vector<std::string> stability_remarks(const Scene& setup, const model::TissueParameters& tissue,
+                                           const std::vector<model::Inclusion>& inclusions) {
   std::vector<std::string> remarks;
+  std::optional<double> variation;  // computed once, for the first held device
   for (const DeviceSetup& device : setup.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
     if (kind == nullptr || !kind->held) continue;
     const std::string who = "device " + device.kind + ": ";
     const DeviceDynamics& known = device.dynamics;
-    const std::string stiff = too_stiff(setup, device, tissue);
+    if (!variation) variation = largest_variation(setup, tissue, inclusions);
+    const std::string stiff = too_stiff(setup, device, tissue, *variation);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
       if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
@@ -212,7 +221,7 @@ std::vector<std::string> stability_remarks(const Scene& setup, const model::Tiss
       continue;
     }
     const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution};
-    const haptics::StabilityCheck check = stability_of(setup, device, tissue, mechanics);
+    const haptics::StabilityCheck check = stability_of(setup, device, tissue, *variation, mechanics);
     for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
       remarks.push_back(who + warning);
     }

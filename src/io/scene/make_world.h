@@ -28,9 +28,10 @@ namespace palpate::scene {
 /// fails, or that the device's mechanics are unknown. Empty: no warning. @throws ParameterError.
 [[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup);
 
-/// [setup] stability_remarks() of this scene with another tissue.
+/// [setup] stability_remarks() of this scene with another tissue and other inclusions.
 [[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
-                                                         const model::TissueParameters& tissue);
+                                                         const model::TissueParameters& tissue,
+                                                         const std::vector<model::Inclusion>& inclusions);
 
 /// [setup] Warns that the force may be wrong for each hand whose tool tip has more than twice, or less than
 /// half, the radius of the indenter that the tissue was fitted with. F(D) does not depend on the tool's size.

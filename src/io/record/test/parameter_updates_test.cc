@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/haptics/stability.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
 #include "io/record/recording_writer.h"
@@ -397,6 +398,35 @@ TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   stiff.k1 *= 100.0;
   const haptics::ParameterUpdates::Accepted accepted = changes->offer(stiff);
   EXPECT_THAT(accepted.warnings, testing::Contains(HasSubstr("the device may tremble")));
+}
+
+TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarnedOf) {
+  scene::Scene setup = block_and_ball();
+  setup.devices[0].kind = "emulated";
+  setup.inclusions = {{"lump", true, {Vec3(0.0, 0.0, 0.014), 4e-3, 1.0}}};  // 6 mm deep
+  const auto damping_needed = [&setup](double ratio) {
+    const auto direction = model::Direction::kPress;
+    const double period = 1.0 / setup.rate_Hz;
+    setup.inclusions[0].inclusion.ratio = ratio;
+    const double variation = haptics::stiffness_ratio_of(setup.tissue, direction, period,
+                                                         setup.inclusions[0].inclusion, 6e-3, kBallRadius);
+    return haptics::check_stability(setup.tissue, direction, period, setup.safety.max_force, 1.0, {},
+                                    variation)
+        .damping_needed;
+  };
+  const double stone = damping_needed(100.0);
+  const double uniform = damping_needed(1.0);
+  setup.devices[0].dynamics = {0.5 * (uniform + stone), 100.0, 1e-6};
+  EXPECT_THAT(scene::stability_remarks(setup), testing::IsEmpty());
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
+  const auto warnings_with = [&](double ratio) {
+    return changes->offer(haptics::LiveInclusion{0, {0.0, 0.0, 0.014}, ratio}).warnings;
+  };
+  const auto trembles = testing::Contains(HasSubstr("the device may tremble"));
+  EXPECT_THAT(warnings_with(100.0), trembles);
+  EXPECT_THAT(changes->offer(setup.tissue).warnings, trembles) << "a later tissue has the hard inclusion";
+  EXPECT_THAT(warnings_with(1.0), testing::IsEmpty());
 }
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
