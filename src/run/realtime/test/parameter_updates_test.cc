@@ -191,9 +191,10 @@ TEST(ParameterUpdates, NoMoreThanEightWaitAndTheNextIsRefused) {
 
 TEST(ParameterUpdates, WarningsOfTheNewTissueComeBackToTheCaller) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
-  ParameterUpdates changes(world, gallbladder(), [](const model::TissueParameters& tissue) {
-    return tissue.k1 > 20.0 ? std::vector<std::string>{"too stiff"} : std::vector<std::string>{};
-  });
+  ParameterUpdates changes(
+      world, gallbladder(), [](const model::TissueParameters& tissue, const auto& /*inclusions*/) {
+        return tissue.k1 > 20.0 ? std::vector<std::string>{"too stiff"} : std::vector<std::string>{};
+      });
   EXPECT_THAT(changes.offer(gallbladder()).warnings, testing::IsEmpty());
   EXPECT_THAT(changes.offer(twice_as_stiff()).warnings, testing::ElementsAre("too stiff"));
 }
