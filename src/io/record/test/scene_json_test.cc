@@ -45,11 +45,24 @@ TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) 
   EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smoovh")")),
               AllOf(StartsWith("scene: law"), HasSubstr("smoovh"), HasSubstr("layered or smooth")));
   EXPECT_THAT(refusal(changed(R"("task": "pull")", R"("task": "push")")),
-              AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press or pull")));
+              AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press, pull or palpate")));
   EXPECT_THAT(refusal(changed(R"("kind": "heartbeat")", R"("kind": "hiccup")")),
               AllOf(StartsWith("scene: motion"), HasSubstr("hiccup"), HasSubstr("breathing or heartbeat")));
   EXPECT_THAT(refusal(changed(R"("kind": "freeze")", R"("kind": "found")")),
               AllOf(StartsWith("scene: fault"), HasSubstr("found")));
+}
+
+TEST(SceneJson, ASearchMakesTheRoundTrip) {
+  scene::Scene setup = sample_setup(1);
+  setup.task = scene::Task::kPalpate;
+  setup.search = {7e-3, 5};
+  const scene::Scene read = setup_from_json(setup_to_json(setup));
+  EXPECT_EQ(read.task, scene::Task::kPalpate);
+  EXPECT_EQ(read.search.tolerance, 7e-3);
+  EXPECT_EQ(read.search.mark_button, 5U);
+  std::string text = setup_to_json(setup);
+  text.replace(text.find("\"mark_button\": 5"), 16, "\"mark_button\": 32");
+  EXPECT_THAT(refusal(text), HasSubstr("mark_button is over 31"));
 }
 
 TEST(SceneJson, APathsSpeedIsInTheRangeOfTheScenesKey) {
