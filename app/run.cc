@@ -157,7 +157,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   }
   fs::path recorded = files.recording;
   const bool palpates = session->setup().task == scene::Task::kPalpate;
-  if (recorded.empty() && (palpates || !files.screenshot.empty())) {
+  if (recorded.empty() && ((palpates && !window) || !files.screenshot.empty())) {
     const fs::path folder = temporary.emplace("palpate-").path();
     if (folder.empty()) throw InputError(fs::temp_directory_path().string() + ": cannot make a folder in it");
     recorded = folder / "run.h5";
@@ -182,9 +182,11 @@ int run(const RunFlags& flags, const std::string& command_line) {
     files.screenshot.clear();
   }
   std::optional<palpation::Score> score;
-  if (draw || (palpates && result.loop.ticks > 0 && result.recording_failure.empty())) {
+  const bool scores =
+      palpates && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
+  if (draw || scores) {
     const record::Recording recording = record::read_recording(recorded);
-    if (palpates) {
+    if (scores) {
       std::unique_ptr<haptics::SimulationWorld> world;
       score = score_of(recording, flags.no_cache, world).score();
     }

@@ -35,6 +35,14 @@ stiffness_ratio = 0.1
 map = "map.csv"
 factor_at_black = 0.5
 factor_at_white = 2
+[search]
+lumps = 2
+preset = "stone"
+radius_mm = 4
+stiffness_ratio = 20
+depth_mm = 8
+tolerance_mm = 9
+mark_button = 1
 [[tool]]
 mesh = "sphere:3"
 tip_radius_mm = 3.0
