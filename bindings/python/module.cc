@@ -48,6 +48,7 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::python::bind_palpation(module);
   palpate::python::bind_fit(module);
   palpate::python::bind_live(module);
+  palpate::python::bind_study(module);
   palpate::python::bind_ticked(module);
   palpate::python::bind_validate(module);
 }

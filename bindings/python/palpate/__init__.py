@@ -3,8 +3,12 @@
 All values are in SI units (m, N, s); arrays are NumPy arrays. Invalid input raises palpate.InputError, a ValueError, with the
 message of the program. docs/python.md has examples.
 """
+import sys
+
 from . import _palpate
 from ._palpate import *  # noqa: F401,F403
 
 __version__ = _palpate.__version__
-__all__ = [name for name in dir(_palpate) if not name.startswith('_')]
+__all__ = [name for name in dir(_palpate) if not name.startswith('_') and name != 'study']
+study = _palpate.study
+sys.modules[__name__ + '.study'] = study

@@ -23,6 +23,8 @@ with palpate.Simulation("a.toml", tissue=palpate.tissue_preset("liver"), duratio
 force: numpy.ndarray = palpate.LayeredSpringLaw(palpate.load_tissue("heart")).force_at([1e-3, 2e-3])
 tissue: palpate.Tissue = palpate.validate("liver", forces=palpate.read_specimens("a.csv"))["tissue"]
 tissue.k1 = 12.0
+quest = palpate.study.QuestPlus.detection(1.0, 100.0)
+quest.update(quest.next(), True)
 '''
 BAD = ('palpate.tissue_preset(3)', 'palpate.tissue_preset("liver").k2', 'palpate.simulate(tisue="liver")',
        'palpate.Simulation().state().tick')
@@ -41,6 +43,12 @@ def test_stubs_name_everything_that_is_public():
         for member in vars(found):
             if not member.startswith('_'):
                 assert member in members, name
+
+
+def test_the_stub_of_study_names_everything_in_it():
+    tree = ast.parse((FOLDER / 'study.pyi').read_text())
+    named = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert named == {name for name in dir(palpate.study) if not name.startswith('_')}
 
 
 def test_stubs_let_mypy_see_what_is_right_and_wrong(tmp_path):

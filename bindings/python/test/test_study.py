@@ -1,0 +1,52 @@
+"""Estimators and observers from Python."""
+import math
+
+import pytest
+
+import palpate
+import palpate.study
+from palpate import study
+
+
+def test_quest_finds_the_threshold_of_a_simulated_person():
+    true = math.log10(12.0)  # with 81.6 % correct at level 0 of the function
+    quest = study.QuestPlus.detection(1.0, 100.0)
+    observer = study.Observer('ideal')
+    for trial in range(80):
+        index = quest.next()
+        second = trial % 2 == 1
+        says_second = study.draw_answer(observer.probability_second(quest.levels[index] - true, second=second), 5, 1, trial)
+        quest.update(index, says_second == second)
+    found = quest.threshold()
+    assert found['low'] < found['mean'] < found['high']
+    assert abs(found['mean'] - true) < 0.2
+    assert quest.edge_probability() < 0.01
+    quest.reset()
+    assert quest.threshold()['sd'] > 2.0 * found['sd']
+
+
+# 75 % correct of two intervals is d' = 0.9538725524; a rate of 0.84134 above one of 0.5 is d' = 1.
+def test_detection_theory_has_the_values_of_the_tables():
+    assert study.d_prime_of_correct(0.75) == pytest.approx(0.9538725524, abs=1e-9)
+    assert study.correct_of_d_prime(0.9538725524, intervals=2) == pytest.approx(0.75, abs=1e-9)
+    found = study.yes_no(84134, 100000, 50000, 100000)
+    assert found['d_prime'] == pytest.approx(1.0, abs=1e-4) and found['reliable']
+    assert not study.two_interval(99, 100, 50, 100)['reliable']
+
+
+def test_a_staircase_of_two_down_goes_down_after_two_correct_answers():
+    stair = study.Staircase(0.0, steps=[1.0])
+    levels = []
+    for correct in (True, True, True, False):
+        levels.append(stair.level)
+        stair.update(correct)
+    assert levels == [0.0, 0.0, -1.0, -1.0] and stair.level == 0.0
+    assert list(stair.reversals()) == [-1.0] and stair.mean() is None
+
+
+def test_invalid_input_is_refused_in_words():
+    with pytest.raises(palpate.InputError, match='fixed-criterion'):
+        study.Observer('wizard')
+    with pytest.raises(palpate.ParameterError):
+        study.QuestPlus.detection(10.0, 1.0)
+    assert palpate.study is study
