@@ -46,7 +46,6 @@ class VerticalLines final {
   }
 
   [[nodiscard]] const geometry::Bounds& box() const noexcept { return box_; }
-  [[nodiscard]] const geometry::SignedDistance& surface() const noexcept { return surface_; }
 
   [[nodiscard]] std::optional<Crossing> at(double x, double y) const {
     constexpr double kMargin = 10e-3;  // m, beyond the bounding box at both ends
@@ -167,10 +166,13 @@ std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea
 
 std::vector<SearchPress> presses_of(const Scene& setup) {
   constexpr std::size_t kMost = 60;
+  constexpr double kMostColumns = 4000.0;
   constexpr double kClosest = 8e-3;  // m, between two presses
   const VerticalLines lines(setup.organ, setup.organ_pose);
   const SearchArea area(setup.organ, setup.organ_pose);
-  for (double spacing = kClosest;; spacing *= 1.1) {
+  const Vec3 size = lines.box().size();
+  const double coarse = std::sqrt(size.x() * size.y() / kMostColumns);  // of a very large organ
+  for (double spacing = std::max(kClosest, coarse);; spacing *= 1.1) {
     std::vector<SearchPress> presses = presses_at(lines, area, spacing);
     if (presses.empty()) throw InputError("task palpate: a tool from above meets no flat part of the organ");
     if (presses.size() <= kMost) return presses;
@@ -231,7 +233,7 @@ SearchArea::SearchArea(const geometry::TriangleMesh& organ, const Pose& organ_po
 }
 
 void hide_inclusions(const SearchTable& table, Scene& setup) {
-  constexpr std::uint32_t kTries = 4000;
+  constexpr std::uint32_t kTries = 1000;
   const bool has_hidden = std::any_of(setup.inclusions.begin(), setup.inclusions.end(),
                                       [](const InclusionSetup& one) { return !one.visible; });
   const std::size_t wanted = table.lumps.value_or(has_hidden ? 0 : 3);
