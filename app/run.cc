@@ -186,10 +186,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
       palpates && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
   if (draw || scores) {
     const record::Recording recording = record::read_recording(recorded);
-    if (scores) {
-      std::unique_ptr<haptics::SimulationWorld> world;
-      score = score_of(recording, flags.no_cache, world).score();
-    }
+    if (scores) score = score_of(recording, flags.no_cache).scorer().score();
     if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);
     if (draw && !files.report.empty()) {

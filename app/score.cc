@@ -41,8 +41,8 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   if (!flags.picture.empty()) require_writable_file(flags.picture, "--picture");
   const record::Recording recording = record::read_recording(flags.file);
   if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
-  std::unique_ptr<haptics::SimulationWorld> world;
-  const palpation::Scorer made = score_of(recording, flags.no_cache, world);
+  const palpation::ScoredRecording scored = score_of(recording, flags.no_cache);
+  const palpation::Scorer& made = scored.scorer();
   if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);
   if (!flags.picture.empty()) write_png(report::draw_felt_stiffness(recording.setup, made), flags.picture);
   if (!flags.report.empty()) {

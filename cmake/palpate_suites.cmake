@@ -3,11 +3,11 @@
 # instantiations (TEST_P, TYPED_TEST). This file runs itself as a script after the program is linked.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   # With a sanitizer these suites take minutes without covering more code: the finest built-in shapes, fits of many curves, many
-  # simulated people and random pictures.
+  # simulated people, random paths and random pictures.
   set(PALPATE_LEFT_OUT "")
   if(PALPATE_SANITIZE)
     set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:FitSpecimen.OrdersRelaxation*:"
-      "FitSpecimen.IntervalsHold*:Recovery.*:GroupStudy.*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
+      "FitSpecimen.IntervalsHold*:LumpsInATick.ClosedPaths*:Recovery.*:GroupStudy.*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
     list(JOIN PALPATE_LEFT_OUT "" PALPATE_LEFT_OUT)
   endif()
   set(PALPATE_SUITES_SCRIPT ${CMAKE_CURRENT_LIST_FILE})

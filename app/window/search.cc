@@ -25,10 +25,8 @@ double Search::pointer_gain(const Traces& traces) const {
   for (std::uint32_t hand = 0; hand < session_.hands(); ++hand) {
     const haptics::TickRow& row = traces.newest(hand);
     if (static_cast<contact::Phase>(row.phase) != contact::Phase::kPress || row.depth < kLeastDepth) continue;
-    const double normal =
-        std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
     const double uniform = session_.world().contact.press_law().force_at(row.depth).force;
-    const double softness = uniform / std::max(normal, 1e-9);
+    const double softness = uniform / std::max(palpation::normal_force(row), 1e-9);
     gain = std::min(gain, std::max(kLeastGain, softness * softness * softness));
   }
   return gain;

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
-#include "palpate/units.h"
 #include "view/render/map_legend.h"
 
 #include "app/window/panels.h"
@@ -18,18 +17,9 @@ namespace {
 
 void score_rows(const palpation::Score& score) {
   const Rows rows("score");
-  rows.text("Found", fmt::format("{} of {}", score.found, score.lumps.size()));
-  rows.text("False marks", std::to_string(score.wrong), "marks farther than the tolerance from every lump");
-  if (score.error) {
-    rows.text("Error", fmt::format("{:.1f} mm", *score.error / kMillimetre),
-              "mean distance between a found lump and its first mark");
+  for (const palpation::Measure& one : palpation::measures(score)) {
+    rows.text(one.name, one.value, one.definition.c_str());
   }
-  rows.text("Time", fmt::format("{:.1f} s", score.time), "from the first contact to the last mark");
-  rows.text("Path", fmt::format("{:.2f} m", score.path), "of the tool in that time");
-  rows.text("Force", fmt::format("{:.2f} N, at most {:.2f} N", score.mean_force, score.largest_force),
-            "mean and largest tissue force in contact");
-  rows.text("Force rate", fmt::format("{:.2f} N/s", score.force_rate),
-            "root mean square of the force's change; low: smooth");
 }
 
 /// The colours of the map, with the factors at their ends.

@@ -1,10 +1,8 @@
 // The score of a search, and the map of the felt stiffness.
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "io/scene/make_world.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "science/palpation/score.h"
@@ -15,28 +13,19 @@
 namespace palpate::python {
 namespace {
 
-/// A scored recording with the world that its map refers to.
-struct Scored {
-  Scored(const record::Recording& recording, bool cache)
-      : world(scene::make_world(recording.setup, preparation_of(cache))),
-        scorer(palpation::score_recording(recording, world.contact)) {}
-  haptics::SimulationWorld world;
-  palpation::Scorer scorer;
-};
-
-std::unique_ptr<Scored> score(const record::Recording& recording, bool cache) {
+palpation::ScoredRecording score(const record::Recording& recording, bool cache) {
   const py::gil_scoped_release others_may_run;
-  return std::make_unique<Scored>(recording, cache);
+  return {recording, preparation_of(cache)};
 }
 
 py::object score_of(const record::Recording& recording, bool cache) {
-  const std::string text = palpation::to_json(score(recording, cache)->scorer.score());
+  const std::string text = palpation::to_json(score(recording, cache).scorer().score());
   return py::module_::import("json").attr("loads")(text);
 }
 
 py::dict felt_map_of(const record::Recording& recording, bool cache) {
-  const std::unique_ptr<Scored> scored = score(recording, cache);
-  const palpation::FeltMap& map = scored->scorer.map();
+  const palpation::ScoredRecording scored = score(recording, cache);
+  const palpation::FeltMap& map = scored.scorer().map();
   const std::size_t count = map.surface().vertices.size();
   std::vector<double> felt(count);
   std::vector<double> truth(count);

@@ -22,12 +22,6 @@ namespace {
 
 constexpr double kClearance = 10e-3;  // m, above everything nearby, between presses
 
-geometry::Bounds world_box(const Scene& setup) {
-  geometry::TriangleMesh placed = setup.organ;
-  geometry::transform(placed, setup.organ_pose);
-  return geometry::bounds(placed);
-}
-
 /// Points where a vertical line enters and leaves the organ.
 struct Crossing {
   double top = 0.0;     // m, height in the world
@@ -164,11 +158,10 @@ std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea
   return presses;
 }
 
-std::vector<SearchPress> presses_of(const Scene& setup) {
+std::vector<SearchPress> presses_of(const VerticalLines& lines, const Scene& setup) {
   constexpr std::size_t kMost = 60;
   constexpr double kMostColumns = 4000.0;
   constexpr double kClosest = 8e-3;  // m, between two presses
-  const VerticalLines lines(setup.organ, setup.organ_pose);
   const SearchArea area(setup.organ, setup.organ_pose);
   const Vec3 size = lines.box().size();
   const double coarse = std::sqrt(size.x() * size.y() / kMostColumns);  // of a very large organ
@@ -293,7 +286,8 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
           {from.time + u * duration, from.position + minimum_jerk(u) * (to - from.position), down});
     }
   };
-  const std::vector<SearchPress> presses = presses_of(setup);
+  const VerticalLines lines(setup.organ, setup.organ_pose);
+  const std::vector<SearchPress> presses = presses_of(lines, setup);
   const std::size_t first = std::min(presses.size() - 1, presses.size() * hand / setup.tools.size());
   const std::size_t last = std::max(first + 1, presses.size() * (hand + 1) / setup.tools.size());
   for (std::size_t i = first; i < last; ++i) {
@@ -305,9 +299,9 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
       move_to(touch.x(), touch.y(), over);
     } else {
       // From above the middle, so that a mouse, which begins there, reaches all around.
-      const geometry::Bounds box = world_box(setup);
-      const double over = box.high.z() + kClearance;
-      if (setup.tools.size() == 1) move_to(box.middle().x(), box.middle().y(), over);
+      const Vec3 middle = lines.box().middle();
+      const double over = lines.box().high.z() + kClearance;
+      if (setup.tools.size() == 1) move_to(middle.x(), middle.y(), over);
       move_to(touch.x(), touch.y(), over);
     }
     move_to(touch.x(), touch.y(), touch.z() - depth);

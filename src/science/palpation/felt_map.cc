@@ -15,6 +15,7 @@ constexpr double kLeastTicks = 20.0;     // weighted, of a vertex whose factor i
 constexpr double kLeastReach = 3e-3;     // m
 constexpr double kLargestReach = 10e-3;  // m; also the width of the grid's cells
 
+/// Area-weighted unit normals. (The prepared surface's normals have one side each at sharp edges.)
 std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
   for (const geometry::Triangle& triangle : mesh.triangles) {
@@ -26,6 +27,10 @@ std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+double normal_force(const haptics::TickRow& row) noexcept {
+  return std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
+}
 
 FeltMap::FeltMap(const contact::World& world)
     : world_(world),
@@ -43,10 +48,10 @@ double FeltMap::reach(std::size_t hand) const noexcept {
 
 double FeltMap::depth_rate(const haptics::TickRow& row) {
   Last& last = last_[row.hand];
-  const bool follows = last.depth > 0.0 && row.tick > last.tick && row.time - last.time < 0.1;
+  const bool follows = last.depth > 0.0 && row.time > last.time && row.time - last.time < 0.1;
   const double rate =
       follows ? (row.depth - last.depth) / (row.time - last.time) : std::numeric_limits<double>::quiet_NaN();
-  last = {row.tick, row.time, row.depth};
+  last = {row.time, row.depth};
   return rate;
 }
 
@@ -56,9 +61,8 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
   const Pose to_organ = organ_W.inverse();
   const Vec3 contact_S = to_organ * Vec3(row.contact[0], row.contact[1], row.contact[2]);
   const Vec3 normal_S = to_organ.rotation * Vec3(row.normal[0], row.normal[1], row.normal[2]);
-  const double normal_force =
-      std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
-  const double force = normal_force - world_.tissue().contact.damping * rate;
+  const double normal = normal_force(row);
+  const double force = normal - world_.tissue().contact.damping * rate;
   const bool tells =
       std::isfinite(rate) && row.depth >= kLeastDepth && (row.status & contact::kStartedInside) == 0;
   const double uniform = tells ? world_.press_law().force_at(row.depth).force : 0.0;
@@ -67,13 +71,13 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
     if (tells) {
       sums.ticks += weight;
       sums.force += weight * force;
+      sums.uniform += weight * uniform;
     }
-    sums.uniform += weight * uniform;
-    sums.depth += weight * uniform * row.depth;
     sums.deepest = std::max(sums.deepest, static_cast<float>(row.depth));
-    sums.largest = std::max(sums.largest, static_cast<float>(normal_force));
+    sums.largest = std::max(sums.largest, static_cast<float>(normal));
   };
-  add_to(all_, 1.0);
+  uniform_ += uniform;
+  depth_ += uniform * row.depth;
   const geometry::Cell middle = geometry::cell_at(contact_S, kLargestReach);
   for (int k = 0; k < 27; ++k) {
     const auto found = cells_.find({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1});
@@ -89,12 +93,6 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
   }
 }
 
-void FeltMap::clear() {
-  std::fill(sums_.begin(), sums_.end(), Sums{});
-  all_ = {};
-  std::fill(last_.begin(), last_.end(), Last{});
-}
-
 FeltPlace FeltMap::at(std::size_t vertex) const {
   const Sums& sums = sums_[vertex];
   FeltPlace place;
@@ -106,8 +104,7 @@ FeltPlace FeltMap::at(std::size_t vertex) const {
 
 double FeltMap::true_factor(std::size_t vertex) const {
   constexpr double kUsualDepth = 5e-3;  // m
-  const Sums& sums = sums_[vertex].uniform > 0.0 ? sums_[vertex] : all_;
-  const double depth = sums.uniform > 0.0 ? sums.depth / sums.uniform : kUsualDepth;
+  const double depth = uniform_ > 0.0 ? depth_ / uniform_ : kUsualDepth;
   const contact::World::Data& data = world_.data();
   const contact::ToolTissue tissue{data.laws, data.inclusions.now(), data.map, world_.tip_radius(0)};
   const geometry::NearestPoint place = data.surface.nearest(surface().vertices[vertex], -1);

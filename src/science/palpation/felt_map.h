@@ -11,6 +11,9 @@
 
 namespace palpate::palpation {
 
+/// [any] Normal component of a row's tissue force [N], without friction.
+[[nodiscard]] double normal_force(const haptics::TickRow& row) noexcept;
+
 /// What hands felt at a point of the organ's surface.
 struct FeltPlace {
   // Felt normal force divided by the force of the uniform tissue at the same depths; above 1: stiffer. NaN:
@@ -37,14 +40,12 @@ class FeltMap final {
   /// [any] Adds one tick of one hand; a tick without a press changes nothing. @param organ_W the organ's pose
   /// in that tick
   void add(const haptics::TickRow& row, const Pose& organ_W);
-  /// [any] Forgets everything.
-  void clear();
 
   [[nodiscard]] const geometry::TriangleMesh& surface() const noexcept { return world_.rest_surface(); }
   /// [any] @param vertex index in surface()
   [[nodiscard]] FeltPlace at(std::size_t vertex) const;
-  /// [any] The factor that the tissue has at a vertex, at the mean depth at which it was felt. Where it was
-  /// not felt, at the mean depth of all presses; without presses at 5 mm.
+  /// [any] The factor that the tissue has at a vertex, at the mean depth of all presses, weighted by F_0;
+  /// without presses at 5 mm.
   [[nodiscard]] double true_factor(std::size_t vertex) const;
   /// [any] The radius R [m] of a hand's tool.
   [[nodiscard]] double reach(std::size_t hand) const noexcept;
@@ -54,13 +55,11 @@ class FeltMap final {
     double ticks = 0.0;    // sum w
     double force = 0.0;    // sum w F_n
     double uniform = 0.0;  // sum w F_0
-    double depth = 0.0;    // sum w F_0 D
     float deepest = 0.0F;
     float largest = 0.0F;
   };
 
   struct Last {
-    std::uint64_t tick = 0;
     double time = 0.0;   // s
     double depth = 0.0;  // m
   };
@@ -73,7 +72,8 @@ class FeltMap final {
       cells_;               // vertices by cell
   std::vector<Sums> sums_;  // per vertex
   std::vector<Last> last_;  // per hand
-  Sums all_;                // over all presses
+  double uniform_ = 0.0;    // sum F_0 over all presses [N]
+  double depth_ = 0.0;      // sum F_0 D [N m]
 };
 
 }  // namespace palpate::palpation

@@ -167,17 +167,42 @@ Score Scorer::score() const {
   return score;
 }
 
-Scorer score_recording(const record::Recording& recording, const contact::World& world,
-                       const record::Progress& progress) {
+ScoredRecording::ScoredRecording(const record::Recording& recording, const contact::Preparation& how,
+                                 const record::Progress& progress)
+    : world_(std::make_unique<haptics::SimulationWorld>(scene::make_world(recording.setup, how))),
+      scorer_(recording.setup, world_->contact) {
   constexpr std::size_t kBlock = 10'000;  // rows
-  Scorer scorer(recording.setup, world);
   for (std::size_t i = 0; i < recording.rows.size(); ++i) {
-    scorer.add(recording.rows[i]);
+    scorer_.add(recording.rows[i]);
     if (progress && i % kBlock == 0) {
       progress(static_cast<double>(i) / static_cast<double>(recording.rows.size()));
     }
   }
-  return scorer;
+}
+
+std::vector<Measure> measures(const Score& score) {
+  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
+  return {
+      {"found", fmt::format("{} of {}", score.found, score.lumps.size()),
+       "lumps with a mark within the tolerance of the surface above them"},
+      {"missed", std::to_string(score.missed), "the other lumps"},
+      {"false marks", std::to_string(score.wrong), "marks outside every lump's tolerance"},
+      {"repeated marks", std::to_string(score.repeated), "further marks of a lump that is found"},
+      {"error", score.error ? fmt::format("{:.1f} mm", *score.error / kMillimetre) : "none found",
+       "mean distance of a found lump to its first mark"},
+      {"coverage", percent(score.coverage),
+       "share of the upper side within the tip's radius (3 to 10 mm) of a contact (Wang and Gerling 2010)"},
+      {"time", fmt::format("{:.1f} s", score.time),
+       fmt::format("from the first contact to the last mark; {:.1f} s in contact", score.contact_time)},
+      {"path", fmt::format("{:.2f} m", score.path), "length of the tools' way in that time"},
+      {"mean force", fmt::format("{:.3f} N", score.mean_force), "tissue force over the ticks in contact"},
+      {"largest force", fmt::format("{:.3f} N", score.largest_force),
+       "below 10 N deep masses may be missed in a breast (Laufer 2015)"},
+      {"variation of force", percent(score.force_variation),
+       "standard deviation divided by the mean (Wang and Gerling 2010)"},
+      {"force rate", fmt::format("{:.2f} N/s", score.force_rate),
+       "root mean square of dF/dt of the force averaged over 50 ms; low: smooth (Trejos 2014)"},
+  };
 }
 
 std::string to_json(const Score& score) {

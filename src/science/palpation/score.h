@@ -1,10 +1,12 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/haptics/simulation.h"
 #include "palpate/organ_motion.h"
 #include "palpate/recording.h"
 #include "science/palpation/felt_map.h"
@@ -97,10 +99,29 @@ class Scorer final {
   double rates_ = 0.0;    // (N/s)^2
 };
 
-/// [setup] Scores a recording of any task. @param world of the recording's scene, must outlive the result
-/// @param progress 0..1
-[[nodiscard]] Scorer score_recording(const record::Recording& recording, const contact::World& world,
-                                     const record::Progress& progress = {});
+/// A scored recording of any task, with the world that its map refers to.
+class ScoredRecording final {
+ public:
+  /// [setup] @param how preparation of the organ @param progress 0..1 @throws InputError as
+  /// scene::make_world()
+  ScoredRecording(const record::Recording& recording, const contact::Preparation& how = {},
+                  const record::Progress& progress = {});
+
+  [[nodiscard]] const Scorer& scorer() const noexcept { return scorer_; }
+
+ private:
+  std::unique_ptr<const haptics::SimulationWorld> world_;
+  Scorer scorer_;
+};
+
+/// One measure of a score, as text.
+struct Measure {
+  const char* name;
+  std::string value;  // with its unit
+  std::string definition;
+};
+/// [setup] All measures, in the order in which text, report and window show them.
+[[nodiscard]] std::vector<Measure> measures(const Score& score);
 
 /// [setup] The score as a JSON document. Keys as in docs/file-formats.md.
 [[nodiscard]] std::string to_json(const Score& score);

@@ -147,10 +147,6 @@ model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction) {
   return {setup.tissue, direction, 1.0 / setup.rate_Hz};
 }
 
-double normal_force(const haptics::TickRow& row) {
-  return std::sqrt(std::max(0.0, row.tissue_force * row.tissue_force - row.friction * row.friction));
-}
-
 bool in_contact(const haptics::TickRow& row, model::Direction direction) {
   const contact::Phase phase =
       direction == model::Direction::kPull ? contact::Phase::kPull : contact::Phase::kPress;

@@ -5,6 +5,7 @@
 
 #include "palpate/recording.h"
 #include "palpate/spring_law.h"
+#include "science/palpation/felt_map.h"
 #include "view/report/statistics.h"
 
 namespace palpate::report {
@@ -67,8 +68,7 @@ struct Analysis {
 /// [setup] Elastic law at the start of the run, before relaxation and parameter updates.
 [[nodiscard]] model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction);
 
-/// [setup] Normal component of a row's tissue force [N], without friction.
-[[nodiscard]] double normal_force(const haptics::TickRow& row);
+using palpation::normal_force;
 
 /// [setup] Whether the row is in contact in that direction.
 [[nodiscard]] bool in_contact(const haptics::TickRow& row, model::Direction direction);

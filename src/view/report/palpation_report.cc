@@ -15,33 +15,14 @@
 namespace palpate::report {
 namespace {
 
-std::string percent(double share) { return fixed(100.0 * share, 0) + " %"; }
 std::string mm(double length) { return fixed(length / kMillimetre, 1) + " mm"; }
 
-TableRows measures(const palpation::Score& score) {
-  const std::string in_contact = "over the ticks in contact";
-  return {
-      {"measure", "value", "definition"},
-      {"found", fmt::format("{} of {}", score.found, score.lumps.size()),
-       "lumps with a mark within the tolerance of the surface above them"},
-      {"missed", std::to_string(score.missed), "the other lumps"},
-      {"false marks", std::to_string(score.wrong), "marks outside every lump's tolerance"},
-      {"repeated marks", std::to_string(score.repeated), "further marks of a lump that is found"},
-      {"error", score.error ? mm(*score.error) : "none found",
-       "mean distance of a found lump to its first mark"},
-      {"coverage", percent(score.coverage),
-       "share of the upper side within the tip's radius (3 to 10 mm) of a contact (Wang and Gerling 2010)"},
-      {"time", fixed(score.time, 1) + " s",
-       fmt::format("from the first contact to the last mark; {} s in contact", fixed(score.contact_time, 1))},
-      {"path", fixed(score.path, 2) + " m", "length of the tools' way in that time"},
-      {"mean force", fixed(score.mean_force, 3) + " N", in_contact},
-      {"largest force", fixed(score.largest_force, 3) + " N",
-       "below 10 N deep masses may be missed in a breast (Laufer 2015)"},
-      {"variation of force", percent(score.force_variation),
-       "standard deviation divided by the mean, " + in_contact + " (Wang and Gerling 2010)"},
-      {"force rate", fixed(score.force_rate, 2) + " N/s",
-       "root mean square of dF/dt of the force averaged over 50 ms; low: smooth (Trejos 2014)"},
-  };
+TableRows measure_rows(const palpation::Score& score) {
+  TableRows rows{{"measure", "value", "definition"}};
+  for (const palpation::Measure& one : palpation::measures(score)) {
+    rows.push_back({one.name, one.value, escaped(one.definition)});
+  }
+  return rows;
 }
 
 TableRows lumps_and_marks(const palpation::Score& score) {
@@ -96,7 +77,7 @@ FactorRange range_of(const palpation::FeltMap& map) {
   // A step of 0.05 keeps the legend's numbers short.
   const double low = std::min(1.0, quantile(factors, kTail));
   const double high = std::max(1.2, quantile(factors, 1.0 - kTail));
-  return {std::floor(20.0 * low + 1e-6) / 20.0, std::ceil(20.0 * high - 1e-6) / 20.0};
+  return {std::round(20.0 * low) / 20.0, std::ceil(20.0 * high - 1e-6) / 20.0};
 }
 
 std::vector<render::SurfaceMark> marks_of(const palpation::Score& score) {
@@ -141,7 +122,7 @@ std::filesystem::path write_palpation_report(const scene::Scene& setup, const pa
   Page page("Search for lumps: " + setup.name,
             fmt::format("{} of {} found, {} false", score.found, score.lumps.size(), score.wrong));
   page.section("score", "Score");
-  page.table(measures(score));
+  page.table(measure_rows(score));
   page.section("maps", "What the hand felt, and what there is");
   page.figures("", {draw_figure(setup, scorer, folder / "felt-stiffness.png")});
   page.section("places", "Lumps and marks");

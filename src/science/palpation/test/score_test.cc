@@ -63,10 +63,7 @@ class Rows final {
   record::Recording made_;
 };
 
-Score score_of(const Rows& rows) {
-  const haptics::SimulationWorld world = scene::make_world(rows.recording().setup);
-  return score_recording(rows.recording(), world.contact).score();
-}
+Score score_of(const Rows& rows) { return ScoredRecording(rows.recording()).scorer().score(); }
 
 // The tolerance is 10 mm. Marks: 6 mm beside the left nodule; a second one there, 3 mm beside; 15 mm beside
 // the right nodule.
@@ -162,7 +159,8 @@ TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
     const double damping = i <= 0 ? 0.04 : -0.04;
     rows.touch(0.0, 0.0, 2.0 * world.contact.press_law().force_at(depth).force + damping, 0, depth);
   }
-  const Scorer made = score_recording(rows.recording(), world.contact);
+  const ScoredRecording scored(rows.recording());
+  const Scorer& made = scored.scorer();
   int felt = 0;
   for (std::size_t v = 0; v < made.map().surface().vertices.size(); ++v) {
     const Vec3& place = made.map().surface().vertices[v];
