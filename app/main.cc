@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   add_devices(program, exit_code);
   add_fit(program, command_line, exit_code);
   add_score(program, command_line, exit_code);
+  add_study(program, command_line, exit_code);
   add_sweep(program, exit_code);
   add_validate(program, command_line, exit_code);
   add_bench(program);

@@ -1,0 +1,35 @@
+#include "science/experiment/study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace palpate::experiment {
+
+std::optional<std::size_t> Study::find_task(const std::string& wanted) const {
+  const auto found =
+      std::find_if(tasks.begin(), tasks.end(), [&](const StudyTask& task) { return task.name == wanted; });
+  if (found == tasks.end()) return std::nullopt;
+  return static_cast<std::size_t>(std::distance(tasks.begin(), found));
+}
+
+std::optional<std::size_t> Study::threshold_task() const {
+  const auto found =
+      std::find_if(tasks.begin(), tasks.end(), [](const StudyTask& task) { return task.sets_threshold; });
+  if (found == tasks.end()) return std::nullopt;
+  return static_cast<std::size_t>(std::distance(tasks.begin(), found));
+}
+
+psychophysics::QuestPlusGrid grid_of(const StudyTask& task) {
+  if (task.comparison()) return psychophysics::difference_grid(task.least, task.largest, task.steps);
+  if (task.kind != TaskKind::kInclusion) {
+    return psychophysics::detection_grid(task.least, task.largest, task.steps);
+  }
+  // Detection of an inclusion: the levels are equally spaced in log10 of ln(ratio).
+  const double low = std::log10(std::log(task.least));
+  const double high = std::log10(std::log(task.largest));
+  return psychophysics::detection_grid(std::pow(10.0, low), std::pow(10.0, high),
+                                       static_cast<int>(std::lround((task.steps - 1) / (high - low))));
+}
+
+}  // namespace palpate::experiment

@@ -1,0 +1,108 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::experiment {
+
+/// What the hand felt and did in an interval, without the noise: for the analysis of cues.
+struct IntervalCues {
+  std::uint64_t from_tick = 0;
+  std::uint64_t to_tick = 0;  // first tick after it
+  double peak_force = 0.0;    // N, tissue force
+  double mean_force = 0.0;    // N, tissue force
+  double depth = 0.0;         // m, largest
+  double work = 0.0;          // J, of the hand
+
+  bool operator==(const IntervalCues&) const = default;
+};
+
+/// One trial of the log. It never holds the noise of a condition, only the code.
+struct TrialRecord {
+  std::string time;  // ISO 8601, UTC
+  int session = 1;
+  int block = 1;  // haptic run within the session
+  std::string task;
+  bool repeat = false;    // of the task's repetition at the end of its session
+  bool practice = false;
+  bool catch_trial = false;
+  int number = 0;         // of the trial in its task (or its practice), from 0
+  std::string code;       // of the arm: "c1", "c2", ...
+  double level = 0.0;     // of the stimulus, see grid_of(); kForceControl: target [N]
+  bool second = false;    // the signal, or the comparison, is in the second interval
+  int answer = 0;         // 1 or 2; 0: none
+  bool counted = false;   // correct, or of a comparison "comparison is stiffer"
+  double response_time = 0.0;        // s, from the end of the second interval
+  std::vector<std::string> spoiled;  // reasons; empty: the trial counts
+  std::array<IntervalCues, 2> intervals{};
+  // kForceControl, after the first second of holding: root mean square error and coefficient of variation
+  double rms_error = 0.0;  // N
+  double variation = 0.0;
+  std::string observer;  // simulated observer; empty: a person
+
+  bool operator==(const TrialRecord&) const = default;
+};
+
+/// Another line of the log: "consent", "session", "resumed", "note", "blinding", "audible", "withdrawn", ...
+struct EventRecord {
+  std::string time;
+  std::string event;
+  // Names and values in the order they were given; texts as they stand in the file.
+  std::vector<std::pair<std::string, std::string>> values;
+
+  [[nodiscard]] std::string value(const std::string& name) const;  // "" if there is none
+  bool operator==(const EventRecord&) const = default;
+};
+
+/// All lines of a participant's log.
+struct ParticipantLog {
+  std::string id;
+  std::vector<TrialRecord> trials;  // in the order of the file, spoiled ones and practice too
+  std::vector<EventRecord> events;
+  std::string last_hash;  // of the last line; of an empty file: the lock's hash
+  bool cut = false;       // the last line was incomplete (crash) and is left out
+
+  [[nodiscard]] bool withdrawn() const;
+};
+
+/// [setup] Reads a log and checks its chain: each line holds the SHA-256 of the line before it, the first one
+/// `first_hash`. A file that does not exist is an empty log. @throws InputError naming the file and the line
+/// that is malformed or was changed
+[[nodiscard]] ParticipantLog read_log(const std::filesystem::path& file, const std::string& first_hash);
+
+/// Appends lines to a participant's log. While it lives, another process cannot open the same log.
+class LogWriter final {
+ public:
+  /// [setup] Opens the log, or creates it, and removes an incomplete last line after keeping it beside the
+  /// file. @throws InputError when another process has it open, or as read_log()
+  LogWriter(std::filesystem::path file, const std::string& first_hash);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  /// [setup] What was in the log when it was opened.
+  [[nodiscard]] const ParticipantLog& opened() const noexcept { return opened_; }
+
+  /// [setup] Appends a line; it is on the disk (fdatasync) when the call returns. @throws InputError naming
+  /// the file when it cannot be written
+  void append(const TrialRecord& trial);
+  void append(const EventRecord& event);
+
+ private:
+  void append_line(const std::string& json_without_hash);
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  std::string last_hash_;
+  ParticipantLog opened_;
+};
+
+/// [setup] SHA-256 of bytes, in hexadecimal.
+[[nodiscard]] std::string sha256(const std::string& bytes);
+/// [setup] The time now, ISO 8601 UTC with milliseconds.
+[[nodiscard]] std::string utc_now();
+
+}  // namespace palpate::experiment
