@@ -28,9 +28,9 @@ using SealedKey = std::uint64_t;
 struct StudyFolder {
   std::filesystem::path folder;
   Study study;
-  std::string lock_hash;            // SHA-256 of lock.json; each log begins with it
-  std::vector<std::string> ids;     // of all participants, by number
-  bool simulated = false;           // filled by `palpate study simulate`
+  std::string lock_hash;         // SHA-256 of lock.json; each log begins with it
+  std::vector<std::string> ids;  // of all participants, by number
+  bool simulated = false;        // filled by `palpate study simulate`
 
   [[nodiscard]] std::filesystem::path log_of(const std::string& id) const;
   [[nodiscard]] std::filesystem::path recording_of(const std::string& id, int session, int block) const;

@@ -45,10 +45,10 @@ struct StudyTask {
   std::string name;
   TaskKind kind = TaskKind::kNoiseThreshold;
   Method method = Method::kQuestPlus;
-  std::vector<Arm> arms;  // at least one; a task without conditions has one without noise, named ""
-  int trials = 60;        // for each arm, without practice; of kForceControl: targets x repeats
-  int practice = 0;       // trials before the first, at an easy level, in arms drawn at random
-  double catch_share = 0.0;    // share of trials at the largest level, within `trials`
+  std::vector<Arm> arms;        // at least one; a task without conditions has one without noise, named ""
+  int trials = 60;              // for each arm, without practice; of kForceControl: targets x repeats
+  int practice = 0;             // trials before the first, at an easy level, in arms drawn at random
+  double catch_share = 0.0;     // share of trials at the largest level, within `trials`
   bool sets_threshold = false;  // its estimate is the noise threshold that shares refer to
   bool repeat_at_end = false;   // run again at the end of its session
 
@@ -62,13 +62,13 @@ struct StudyTask {
   // kInclusion: ratios.
   double least = 0.0;
   double largest = 0.0;
-  int steps = 0;  // stimuli for each factor of ten (amplitudes), or their number (ratios)
+  int steps = 0;                     // stimuli for each factor of ten (amplitudes), or their number (ratios)
   std::optional<SignalFrom> signal;  // kForceDetection: one level instead of a range
 
-  double standard_k1 = 18.0;  // N/m, kStiffness
-  double depth = 0.0;         // m: of the press (kStiffness; 0: free), of the inclusion (kInclusion)
-  double radius = 5e-3;       // m, of the inclusion
-  double search_time = 15.0;  // s, of an interval of kInclusion
+  double standard_k1 = 18.0;    // N/m, kStiffness
+  double depth = 0.0;           // m: of the press (kStiffness; 0: free), of the inclusion (kInclusion)
+  double radius = 5e-3;         // m, of the inclusion
+  double search_time = 15.0;    // s, of an interval of kInclusion
   std::vector<double> targets;  // N, kForceControl
   int repeats = 0;              // kForceControl: trials for each target and arm
 
@@ -85,8 +85,8 @@ struct StudyTask {
 /// The primary analysis, fixed before the first participant.
 struct PrimaryAnalysis {
   std::string task;
-  std::string condition, reference;  // the contrast "condition - reference"
-  std::string measure = "ln_jnd";    // ln_jnd | d_prime | ln_rms | ln_threshold
+  std::string condition, reference;       // the contrast "condition - reference"
+  std::string measure = "ln_jnd";         // ln_jnd | d_prime | ln_rms | ln_threshold
   std::string alternative = "two-sided";  // less | greater | two-sided
 };
 
@@ -123,7 +123,7 @@ struct Study {
 
   std::vector<std::string> first_keys, second_keys;
   std::uint32_t next_button = 0;
-  double timeout = 8.0;              // s
+  double timeout = 8.0;               // s
   std::string feedback = "practice";  // never | practice | always
 
   double homing_radius = 10e-3;  // m

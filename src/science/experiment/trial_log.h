@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate::experiment {
@@ -26,15 +27,15 @@ struct TrialRecord {
   int session = 1;
   int block = 1;  // haptic run within the session
   std::string task;
-  bool repeat = false;    // of the task's repetition at the end of its session
+  bool repeat = false;  // of the task's repetition at the end of its session
   bool practice = false;
   bool catch_trial = false;
-  int number = 0;         // of the trial in its task (or its practice), from 0
-  std::string code;       // of the arm: "c1", "c2", ...
-  double level = 0.0;     // of the stimulus, see grid_of(); kForceControl: target [N]
-  bool second = false;    // the signal, or the comparison, is in the second interval
-  int answer = 0;         // 1 or 2; 0: none
-  bool counted = false;   // correct, or of a comparison "comparison is stiffer"
+  int number = 0;                    // of the trial in its task (or its practice), from 0
+  std::string code;                  // of the arm: "c1", "c2", ...
+  double level = 0.0;                // of the stimulus, see grid_of(); kForceControl: target [N]
+  bool second = false;               // the signal, or the comparison, is in the second interval
+  int answer = 0;                    // 1 or 2; 0: none
+  bool counted = false;              // correct, or of a comparison "comparison is stiffer"
   double response_time = 0.0;        // s, from the end of the second interval
   std::vector<std::string> spoiled;  // reasons; empty: the trial counts
   std::array<IntervalCues, 2> intervals{};
@@ -50,6 +51,7 @@ struct TrialRecord {
 struct EventRecord {
   std::string time;
   std::string event;
+  std::size_t after_trials = 0;  // number of trial lines before it; not in the file
   // Names and values in the order they were given; texts as they stand in the file.
   std::vector<std::pair<std::string, std::string>> values;
 
