@@ -15,7 +15,7 @@ namespace palpate::experiment {
 /// read.
 using SealedKey = std::uint64_t;
 
-/// [setup] Code index -> arm index, for one participant and task: codes "c1", "c2", ... are drawn anew for
+/// [setup] Code index -> arm index, for one participant and task: codes "c1", "c2", ... are drawn for
 /// each participant. @param participant number from 0
 [[nodiscard]] std::vector<std::size_t> arms_of_codes(SealedKey key, std::uint32_t participant,
                                                      std::size_t task, std::size_t arms);
@@ -28,9 +28,9 @@ using SealedKey = std::uint64_t;
 struct StudyFolder {
   std::filesystem::path folder;
   Study study;
-  std::string lock_hash;            // SHA-256 of lock.json; each log begins with it
-  std::vector<std::string> ids;     // of all participants, by number
-  bool simulated = false;           // filled by `palpate study simulate`
+  std::string lock_hash;         // SHA-256 of lock.json; each log begins with it
+  std::vector<std::string> ids;  // of all participants, by number
+  bool simulated = false;        // filled by `palpate study simulate`
 
   [[nodiscard]] std::filesystem::path log_of(const std::string& id) const;
   [[nodiscard]] std::filesystem::path recording_of(const std::string& id, int session, int block) const;
