@@ -15,7 +15,7 @@ namespace palpate::experiment {
 /// read.
 using SealedKey = std::uint64_t;
 
-/// [setup] Code index -> arm index, for one participant and task: codes "c1", "c2", ... are drawn anew for
+/// [setup] Code index -> arm index, for one participant and task: codes "c1", "c2", ... are drawn for
 /// each participant. @param participant number from 0
 [[nodiscard]] std::vector<std::size_t> arms_of_codes(SealedKey key, std::uint32_t participant,
                                                      std::size_t task, std::size_t arms);
