@@ -52,9 +52,9 @@ class SessionScreens {
   virtual std::string take_note() = 0;
   /// Asks and waits. @return index of the answer; empty: the window was closed
   virtual std::optional<std::size_t> ask(const Question& question) = 0;
-  /// Plays a sound in each of two intervals, the hand off the device, and asks for the one with the noise.
-  /// @return whether the answer was correct; empty: the window was closed
-  virtual std::optional<bool> audible_trial(bool second) = 0;
+  /// Shows two intervals, the hand off the device, and asks which had the noise. @param noise switches the
+  /// device's noise @return whether the answer was correct; empty: the window was closed
+  virtual std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) = 0;
 };
 
 struct SessionOptions {
