@@ -82,9 +82,9 @@ void export_csv(const Recording& recording, const std::filesystem::path& file, c
 /// same folder.
 [[nodiscard]] std::filesystem::path changes_csv_path(const std::filesystem::path& csv);
 
-/// [setup] Writes the updates of tissue and noise as CSV. A line holds one update, with all parameters that
-/// apply from its tick on. The column what is tissue or noise, law is layered or smooth. @throws InputError
-/// that names the file when it cannot be written.
+/// [setup] Writes the parameter updates as CSV. A line holds one update, with the tissue and noise that apply
+/// from its tick on. The column what is tissue, noise, inclusion or stimulus, law is layered or smooth.
+/// @throws InputError that names the file when it cannot be written.
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file);
 
 /// Result of a replay.
@@ -101,8 +101,8 @@ struct ReplayResult {
 
 inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
 
-/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns. `hash` is the
-/// hash of the previous rows.
+/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns. Columns that
+/// older recordings lack count only where they are not 0. `hash` is the hash of the previous rows.
 [[nodiscard]] std::uint64_t hash_rows(std::span<const haptics::TickRow> rows,
                                       std::uint64_t hash = kHashStart) noexcept;
 

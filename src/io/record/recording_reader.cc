@@ -322,6 +322,7 @@ void RecordingReader::read_all_but_ticks() {
   check_columns(ticks_.id(), "/ticks", tick_columns());
   setup_ = read_setup(file_.id(), file_bytes_);
   facts_ = read_facts(file_.id());
+  row_bytes_ = H5Tget_size(Handle(H5Dget_type(ticks_.id()), "/ticks").id());
   rows_lost_ = static_cast<std::uint64_t>(run_value(file_.id(), run_names::kRowsLost));
   read_changes();
   if (cut_off_) facts_.complete = false;
@@ -381,11 +382,11 @@ std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t c
   hsize_t bytes = 0;
   if (H5Dget_chunk_info_by_coord(ticks_.id(), &first, &filters, &address, &bytes) < 0) return count;
   // Not the layout of RecordingWriter: compressed, or other chunk sizes.
-  constexpr hsize_t kRowBytes = RecordingWriter::kChunkRows * sizeof(haptics::TickRow);
+  const hsize_t chunk_bytes = RecordingWriter::kChunkRows * row_bytes_;
   constexpr hsize_t kChecksumBytes = 4;  // older recordings have no checksums
-  if (bytes != kRowBytes && bytes != kRowBytes + kChecksumBytes) return count;
+  if (bytes != chunk_bytes && bytes != chunk_bytes + kChecksumBytes) return count;
   if (address == HADDR_UNDEF || address >= file_bytes_) return 0;
-  return std::min<std::uint64_t>(count, (file_bytes_ - address) / sizeof(haptics::TickRow));
+  return std::min<std::uint64_t>(count, (file_bytes_ - address) / row_bytes_);
 }
 
 std::uint64_t RecordingReader::for_each_block(

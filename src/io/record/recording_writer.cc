@@ -159,7 +159,7 @@ Handle create_changes(hid_t file, hid_t change_type) {
   Handle changes(
       H5Dcreate2(file, "changes", change_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       "/changes");
-  hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise"));
+  hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise, 4 inclusion, 8 stimulus"));
   hdf5::write_attribute(changes.id(), "law", std::string("0 layered, 1 smooth"));
   return changes;
 }

@@ -28,6 +28,10 @@ const char* value_of(const TickRow& row, const Column& column) noexcept {
   return reinterpret_cast<const char*>(&row) + column.offset;
 }
 
+bool all_zero(const char* bytes, std::size_t count) noexcept {
+  return std::all_of(bytes, bytes + count, [](char byte) { return byte == 0; });
+}
+
 std::string text_of(const TickRow& row, const Column& column) {
   return haptics::with_number(row, column.type, column.offset, [](auto number) {
     if constexpr (std::is_floating_point_v<decltype(number)>)
@@ -142,6 +146,7 @@ std::uint64_t hash_rows(std::span<const TickRow> rows, std::uint64_t hash) noexc
       const char* at = value_of(row, column);
       for (std::size_t i = 0; i < column_size(column.type); ++i) {
         hash = (hash ^ static_cast<unsigned char>(at[i])) * kPrime;
+      if (column.added_later && all_zero(at, column_size(column.type))) continue;
       }
     }
   }
