@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/preparation.h"
 #include "science/experiment/course.h"
 #include "science/experiment/folder.h"
 #include "science/experiment/trial_loop.h"
