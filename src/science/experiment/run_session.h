@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/preparation.h"
 #include "science/experiment/course.h"
 #include "science/experiment/folder.h"
 #include "science/experiment/trial_loop.h"
@@ -52,17 +53,18 @@ class SessionScreens {
   virtual std::string take_note() = 0;
   /// Asks and waits. @return index of the answer; empty: the window was closed
   virtual std::optional<std::size_t> ask(const Question& question) = 0;
-  /// Plays a sound in each of two intervals, the hand off the device, and asks for the one with the noise.
-  /// @return whether the answer was correct; empty: the window was closed
-  virtual std::optional<bool> audible_trial(bool second) = 0;
+  /// Shows two intervals, the hand off the device, and asks which had the noise. @param noise switches the
+  /// device's noise @return whether the answer was correct; empty: the window was closed
+  virtual std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) = 0;
 };
 
 struct SessionOptions {
   std::string participant;
-  std::optional<int> session;         // empty: the first that is not finished
-  std::string device;                 // as --device; empty: the scene's
-  std::string observer;               // simulated observer in the chair; empty: a person
-  SessionScreens* screens = nullptr;  // of a person
+  std::optional<int> session;          // empty: the first that is not finished
+  std::string device;                  // as --device; empty: the scene's
+  std::string observer;                // simulated observer in the chair; empty: a person
+  contact::Preparation preparation{};  // of the organ, for each block
+  SessionScreens* screens = nullptr;   // of a person
   std::function<void(double, const std::string&)> progress;  // of an observer's session
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/scene.h"
 #include "science/psychophysics/psychophysics.h"
 
 namespace palpate::experiment {
@@ -72,6 +73,8 @@ struct StudyTask {
   std::vector<double> targets;  // N, kForceControl
   int repeats = 0;              // kForceControl: trials for each target and arm
 
+  /// [any] Some arm has noise.
+  [[nodiscard]] bool has_noise() const noexcept;
   /// [any] Answers are two-interval choices.
   [[nodiscard]] bool two_intervals() const noexcept { return kind != TaskKind::kForceControl; }
   /// [any] Levels are signed logarithms of ratios; else log10 of amplitudes [N], or indices of targets.
@@ -151,6 +154,30 @@ struct Study {
 /// [setup] Reads and checks a study file, without its scene. @throws InputError with one line: FILE:LINE:
 /// field = value: what would be right; for an unknown key the nearest valid key.
 [[nodiscard]] Study load_study(const std::filesystem::path& file);
+
+/// [setup] As load_study(), from the text of a study file. @param file name for messages and base of paths
+[[nodiscard]] Study parse_study(const std::string& text, const std::filesystem::path& file);
+
+/// Where the largest force of a task comes from [N]. Stiffness tasks and inclusions press tissue whose law
+/// only the scene knows: their tissue force is 0 here.
+struct ForceBound {
+  double tissue = 0.0;     // upper end of the force band, or the largest target
+  double commanded = 0.0;  // largest commanded force
+  double noise = 0.0;      // 6 standard deviations of the largest noise
+  [[nodiscard]] double sum() const noexcept { return tissue + commanded + noise; }
+};
+
+/// [any] Bound of the force of one task. load_study() requires max_force to be at least its sum.
+[[nodiscard]] ForceBound force_bound(const Study& study, const StudyTask& task);
+
+/// The noise of a trial that lasts longer than max_continuous_noise is faded out for this time [s] after
+/// every max_continuous_noise: in inclusion and force-control tasks.
+inline constexpr double kNoisePause = 0.5;
+
+/// [setup] The scene that a study names: a scene file, relative to the study file, or a built-in organ,
+/// pressed as by `palpate run --organ`. Its largest force is at most that of the study. @throws InputError
+/// naming the field, with the nearest organ
+[[nodiscard]] scene::Overrides scene_of(const Study& study);
 
 /// A part of a session: consecutive trials of one task.
 struct PlannedPart {

@@ -59,9 +59,10 @@ class TrialLoop final {
   void begin(const Trial& trial);
   /// [setup] Takes the next row of hand 0.
   void row(const haptics::TickRow& row);
-  /// [setup] An answer, 1 or 2. Before the end of the second interval it spoils the trial; during the search
-  /// for an inclusion it ends the interval.
+  /// [setup] An answer, 1 or 2. Before the end of the second interval it spoils the trial.
   void answer(int interval);
+  /// [setup] Ends the search of an interval of an inclusion task, once the tool has touched.
+  void next();
   /// [setup] Ends a running trial, which is spoiled.
   void abandon(const std::string& reason);
 
