@@ -28,9 +28,27 @@ struct Page {
   [[nodiscard]] float y(float share) const { return share * size.y; }
 };
 
+/// What to do while a stimulus interval lasts.
+std::string interval_action(const experiment::TrialView& trial, const experiment::StudyTask* task) {
+  const std::string number = fmt::format("Interval {}", trial.interval);
+  if (task == nullptr) return number;
+  switch (task->kind) {
+    case TaskKind::kStiffness:
+      return trial.deep_enough ? "Come up" : "Press";
+    case TaskKind::kInclusion:
+      return "Search. Space: done";
+    case TaskKind::kForceControl:
+      return "Hold this force";
+    case TaskKind::kNoiseThreshold:
+    case TaskKind::kForceDetection:
+      return task->free ? number : "Keep this force";
+  }
+  return number;
+}
+
 std::string action_of(const ScreenContent& content, const experiment::StudyTask* task) {
-  const bool one_press_each = task != nullptr && (task->kind == TaskKind::kStiffness);
-  const bool holds = task != nullptr && !task->two_intervals();
+  const bool lifts =
+      task != nullptr && (task->kind == TaskKind::kStiffness || task->kind == TaskKind::kInclusion);
   switch (content.trial.state) {
     case TrialState::kIdle:
     case TrialState::kFinished:
@@ -40,10 +58,9 @@ std::string action_of(const ScreenContent& content, const experiment::StudyTask*
     case TrialState::kReach:
       return content.trial.bar ? "Press until the force is in the band" : "Press";
     case TrialState::kInterval:
-      if (content.trial.deep_enough) return "Come up";
-      return holds ? "Hold this force" : fmt::format("Interval {}", content.trial.interval);
+      return interval_action(content.trial, task);
     case TrialState::kGap:
-      return one_press_each ? "Come up and wait" : "Wait";
+      return lifts ? "Come up" : task == nullptr || task->free ? "Wait" : "Keep this force";
     case TrialState::kAnswer:
       return "Which one?";
   }
@@ -86,8 +103,8 @@ void draw_box(const ImVec2& low, const ImVec2& high, const char* digit, bool lit
 void draw_boxes(const ParticipantView& view, const Page& page) {
   const float width = std::min(0.26F * page.size.x, 11.0F * page.text);
   const float gap = 2.0F * page.text;
-  const float top = page.y(0.32F);
-  const float bottom = page.y(0.60F);
+  const float top = page.y(0.30F);
+  const float bottom = page.y(0.57F);
   for (int box = 1; box <= 2; ++box) {
     const float left = box == 1 ? page.middle - gap - width : page.middle + gap;
     draw_box(ImVec2(left, top), ImVec2(left + width, bottom), box == 1 ? "1" : "2", view.lit == box,
@@ -102,10 +119,10 @@ void draw_boxes(const ParticipantView& view, const Page& page) {
 
 void draw_force_bar(const ParticipantView::ForceBar& bar, const Page& page) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const float left = 0.16F * page.size.x;
-  const float right = 0.84F * page.size.x;
-  const float top = page.y(0.86F);
-  const float bottom = page.y(0.92F);
+  const float left = 0.22F * page.size.x;
+  const float right = 0.78F * page.size.x;
+  const float top = page.y(0.90F);
+  const float bottom = page.y(0.95F);
   const double end = bar.high > 0.0 ? kBarEnd * bar.high : 1.0;
   const auto at = [&](double force) {
     return left + static_cast<float>(std::clamp(force / end, 0.0, 1.0)) * (right - left);
@@ -122,16 +139,16 @@ void draw_force_bar(const ParticipantView::ForceBar& bar, const Page& page) {
                        ImVec2(at(edge) + 0.06F * page.text, bottom + 0.3F * page.text),
                        packed(colour::kText));
   }
-  const char* words = inside ? "good" : bar.force < bar.low ? "more" : "less";
+  const char* words = inside ? "good" : bar.force < bar.low ? "press more" : "press less";
   (void)draw_text(list, StudyFont::kText, ImVec2(right + 0.6F * page.text, middle - 0.55F * page.text),
                   Align::kLeft, page.size.x, packed(colour::kText), words);
 }
 
-void draw_break(double left, const Page& page) {
+void draw_break(double left, const std::string& heading, const Page& page) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const int seconds = static_cast<int>(std::ceil(std::max(0.0, left)));
   (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(0.30F)), Align::kCentre, page.size.x,
-                  packed(colour::kText), "Break");
+                  packed(colour::kText), heading.empty() ? "Break" : heading);
   (void)draw_text(list, StudyFont::kDigits, ImVec2(page.middle, page.y(0.40F)), Align::kCentre, page.size.x,
                   packed(colour::kText), fmt::format("{}:{:02}", seconds / 60, seconds % 60));
   (void)draw_text(list, StudyFont::kText, ImVec2(page.middle, page.y(0.62F)), Align::kCentre,
@@ -206,16 +223,18 @@ void draw_participant(const ParticipantView& view) {
   const Page page;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   draw_progress(view, page);
-  (void)draw_text(list, StudyFont::kText, ImVec2(page.middle, page.y(0.13F)), Align::kCentre,
+  (void)draw_text(list, StudyFont::kText, ImVec2(page.middle, page.y(0.15F)), Align::kCentre,
                   0.84F * page.size.x, packed(colour::kText), view.sentence);
   if (view.boxes) draw_boxes(view, page);
-  if (view.break_left) draw_break(*view.break_left, page);
+  if (view.break_left) {
+    draw_break(*view.break_left, view.message, page);
+    return;
+  }
   // Without boxes, the words are in the middle of the page.
-  (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.68F : 0.42F)),
+  (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.69F : 0.42F)),
                   Align::kCentre, 0.9F * page.size.x, packed(colour::kText), view.action);
-  (void)draw_text(list, StudyFont::kLarge,
-                  ImVec2(page.middle, page.y(view.boxes || view.break_left ? 0.77F : 0.55F)), Align::kCentre,
-                  0.9F * page.size.x, packed(colour::kDepth), view.message);
+  (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.79F : 0.55F)),
+                  Align::kCentre, 0.9F * page.size.x, packed(colour::kDepth), view.message);
   if (view.bar) draw_force_bar(*view.bar, page);
 }
 
@@ -226,7 +245,6 @@ void draw_notice(const std::string& text, std::optional<double> part) {
   const float width = std::min(0.8F * size.x, 26.0F * unit);
   const ImVec2 low(0.5F * (size.x - width), 0.4F * size.y);
   const ImVec2 high(low.x + width, low.y + (part ? 5.0F : 4.2F) * unit);
-  list.AddRectFilled(ImVec2(0.0F, 0.0F), size, packed(ImVec4(0.0F, 0.0F, 0.0F, 0.6F)));
   list.AddRectFilled(low, high, packed(colour::kNotice), 0.4F * unit);
   list.AddRect(low, high, packed(colour::kText), 0.4F * unit, 0, 0.1F * unit);
   (void)draw_text(list, StudyFont::kText, ImVec2(0.5F * size.x, low.y + unit), Align::kCentre,

@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include <SDL.h>
-#include <fmt/core.h>
 #include <imgui.h>
 
 #include "app/window/study_participant.h"
@@ -22,16 +21,6 @@ bool begins_item(const std::string& line) {
 }
 
 StudyFont font_of(const Paragraph& one) { return one.heading ? StudyFont::kLarge : StudyFont::kText; }
-
-float height_of(const std::vector<Paragraph>& text, float width) {
-  float height = 0.0F;
-  for (const Paragraph& one : text) {
-    ImGui::PushFont(study_font(font_of(one)));
-    height += ImGui::CalcTextSize(one.text.c_str(), nullptr, false, width).y + 0.5F * ImGui::GetFontSize();
-    ImGui::PopFont();
-  }
-  return height;
-}
 
 void scroll_by_keys(float page) {
   constexpr float kPart = 0.85F;  // of a page: some lines stay
@@ -72,7 +61,8 @@ struct AnswerGrid {
     const float text = ImGui::GetFontSize();
     float widest = 6.0F * text;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-      labels.push_back(fmt::format("{}   {}", i + 1, answers[i]));
+      const std::string number = std::to_string(i + 1);
+      labels.push_back(answers[i] == number ? number : number + "   " + answers[i]);
       widest = std::max(widest, ImGui::CalcTextSize(labels.back().c_str()).x + 1.6F * text);
     }
     gap = 0.6F * text;
@@ -117,6 +107,7 @@ std::vector<Paragraph> paragraphs_of(const std::string& text) {
     } else if (open && !begins_item(line)) {
       all.back().text += " " + line;
     } else {
+      if (line.starts_with("- ") || line.starts_with("* ")) line = "•" + line.substr(1);
       all.push_back({line, false});
       open = true;
     }
@@ -134,20 +125,27 @@ std::optional<std::size_t> draw_question(const experiment::Question& question) {
   const float text = ImGui::GetFontSize();
   const float width = std::min(0.86F * size.x, kReadable * text);
   const AnswerGrid grid(question.answers, 0.92F * size.x);
+  const float answers_x = 0.5F * (size.x - grid.width());
   const std::vector<Paragraph> paragraphs = paragraphs_of(question.text);
-  const float answers_y = size.y - 1.5F * text - grid.height();
-  const float space = answers_y - 3.4F * text;  // above: a margin; below: the line "more below"
-  const float needed = height_of(paragraphs, width);
-  const bool fits = needed <= space;
-  const float left = 0.5F * (size.x - width);
-  ImGui::SetCursorPos(ImVec2(left, fits ? 1.2F * text + 0.4F * (space - needed) : 1.2F * text));
-  if (draw_paragraphs(paragraphs, width, fits ? needed + text : space)) {
-    (void)draw_text(*ImGui::GetWindowDrawList(), StudyFont::kText,
-                    ImVec2(0.5F * size.x, answers_y - 1.8F * text), Align::kCentre, size.x,
-                    packed(colour::kDepth), "↓  more below: Page Down or wheel");
+  std::optional<std::size_t> pressed;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  if (paragraphs.size() <= 2) {  // a short question, in the middle
+    float y = 0.26F * size.y;
+    for (const Paragraph& one : paragraphs) {
+      y += 0.4F * text + draw_text(list, StudyFont::kLarge, ImVec2(0.5F * size.x, y), Align::kCentre, width,
+                                   packed(colour::kText), one.text);
+    }
+    pressed = draw_answers(grid, ImVec2(answers_x, std::max(y + 1.5F * text, 0.45F * size.y)));
+  } else {
+    const float answers_y = size.y - 1.5F * text - grid.height();
+    const float space = answers_y - 3.4F * text;  // above: a margin; below: the line "more below"
+    ImGui::SetCursorPos(ImVec2(0.5F * (size.x - width), 1.2F * text));
+    if (draw_paragraphs(paragraphs, width, space)) {
+      (void)draw_text(list, StudyFont::kText, ImVec2(0.5F * size.x, answers_y - 1.8F * text), Align::kCentre,
+                      size.x, packed(colour::kDepth), "↓  more below: Page Down or wheel");
+    }
+    pressed = draw_answers(grid, ImVec2(answers_x, answers_y));
   }
-  const std::optional<std::size_t> pressed =
-      draw_answers(grid, ImVec2(0.5F * (size.x - grid.width()), answers_y));
   ImGui::End();
   return pressed;
 }

@@ -1,6 +1,7 @@
 #include "app/window/study_screens.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -37,7 +38,7 @@ void fit_text(Viewport& window, bool participant) {
   const auto width = static_cast<float>(size.width);
   const auto height = static_cast<float>(size.height);
   const float text = participant ? participant_text(width, height)
-                                 : kFontHeight * std::min(width / 1280.0F, height / 720.0F);
+                                 : kFontHeight * std::min(width / 1040.0F, height / 600.0F);
   const float scale = std::clamp(std::round(kStep * text / kFontHeight) / kStep, 0.25F, 8.0F);
   if (scale != window.scale()) window.set_scale(scale);
 }
@@ -120,15 +121,15 @@ std::optional<std::size_t> StudyScreens::ask(const experiment::Question& questio
   return interrupted() ? std::nullopt : answer_;
 }
 
-std::optional<bool> StudyScreens::audible_trial(bool second) {
+std::optional<bool> StudyScreens::audible_trial(bool second, const std::function<void(bool)>& noise) {
   inputs_.clear();
-  const std::optional<int> answer = listen(second);
-  if (audible_noise_) audible_noise_(false);
+  const std::optional<int> answer = listen(second, noise);
+  noise(false);
   if (!answer) return std::nullopt;
   return (*answer == 2) == second;
 }
 
-std::optional<int> StudyScreens::listen(bool second) {
+std::optional<int> StudyScreens::listen(bool second, const std::function<void(bool)>& noise) {
   struct Step {
     double until;  // s
     int lit;
@@ -141,14 +142,14 @@ std::optional<int> StudyScreens::listen(bool second) {
   for (const Step& step : kSteps) {
     view_.lit = step.lit;
     view_.action = step.lit == 0 ? "Wait" : fmt::format("Interval {}", step.lit);
-    if (audible_noise_) audible_noise_(step.lit == (second ? 2 : 1));
+    noise(step.lit == (second ? 2 : 1));
     for (double now = seconds_now(); now < began + step.until; now = seconds_now()) {
       frame();
       if (interrupted()) return std::nullopt;
       wait_for_frame(now);
     }
   }
-  if (audible_noise_) audible_noise_(false);
+  noise(false);
   view_.lit = 0;
   view_.action = "Which one?";
   view_.first = text_of_keys(study_.first_keys);
@@ -271,7 +272,8 @@ ExperimenterView StudyScreens::experimenter_view() const {
   view.title = study_.name + (options_.title.empty() ? "" : ": " + options_.title);
   view.action = view_.action;
   view.ladder = ladder_of(content_, study_);
-  if (question_) view.question = question_->text.substr(0, question_->text.find('\n'));
+  const std::vector<Paragraph> asked = paragraphs_of(question_ ? question_->text : std::string());
+  if (!asked.empty()) view.question = asked.front().text;
   view.sound_lost = sound_ != nullptr && !sound_->plays();
   view.sound = sound_ == nullptr ? "none"
                : view.sound_lost ? "the sound device has stopped"

@@ -23,7 +23,7 @@ namespace palpate::app {
 /// Options of a session's windows.
 struct StudyScreensOptions {
   std::string title;                  // participant and session, for the experimenter
-  std::filesystem::path status_file;  // of `experimenter = "file"`: gets a line each 0.5 s
+  std::filesystem::path status_file;  // of `experimenter = "file"`: a line is added every 0.5 s
   std::optional<Display::Size> size;  // of both windows; empty: full screen where there are two displays
   bool sound = true;                  // masking noise as the study has it
 };
@@ -45,10 +45,7 @@ class StudyScreens final : public experiment::SessionScreens {
   /// Also empty when stop, withdraw or force off was pressed; take_input() then returns it.
   std::optional<std::size_t> ask(const experiment::Question& question) override;
   /// Empty as with ask(). The noise is off when it returns.
-  std::optional<bool> audible_trial(bool second) override;
-
-  /// Sets what switches the device's noise on and off in audible_trial().
-  void set_audible_noise(std::function<void(bool on)> noise) { audible_noise_ = std::move(noise); }
+  std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) override;
 
   /// Whether a window was closed or the display was lost. Then nothing is drawn any more.
   [[nodiscard]] bool closed() const noexcept { return closed_; }
@@ -76,7 +73,7 @@ class StudyScreens final : public experiment::SessionScreens {
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] bool asks_experimenter() const;
   void wait_for_frame(double began) const;
-  std::optional<int> listen(bool second);
+  std::optional<int> listen(bool second, const std::function<void(bool)>& noise);
 
   const experiment::Study& study_;
   StudyScreensOptions options_;
@@ -99,7 +96,6 @@ class StudyScreens final : public experiment::SessionScreens {
   bool closed_ = false;
   std::deque<experiment::ScreenInput> inputs_;
   std::deque<std::string> notes_;
-  std::function<void(bool on)> audible_noise_;
 };
 
 }  // namespace palpate::app

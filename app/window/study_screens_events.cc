@@ -12,7 +12,8 @@ namespace {
 
 using experiment::ScreenInput;
 
-constexpr double kDeafTime = 0.5;  // s after a question appears: a key was meant for what was there before
+constexpr double kDeafTime =
+    0.5;  // s after a question appears; earlier keys were meant for the screen before
 
 /// The window that an event belongs to; 0: none.
 std::uint32_t window_of(const SDL_Event& event) {

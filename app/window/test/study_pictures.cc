@@ -50,11 +50,11 @@ class Pictures {
   void audible() {
     later(1500, SDLK_ESCAPE);
     later(1700, SDLK_RETURN);
-    (void)screens_->audible_trial(false);
+    (void)screens_->audible_trial(false, [](bool) {});
     save("audible-stop");
     screens_->take_input();
     later(4500, SDLK_1);
-    (void)screens_->audible_trial(false);
+    (void)screens_->audible_trial(false, [](bool) {});
     save("audible-answer");
   }
   void withdraw(const ScreenContent& content) {
@@ -113,7 +113,7 @@ void draw_all(Pictures& pictures) {
   pictures.save("correct");
   ScreenContent rest = contents::moment(TrialState::kIdle);
   rest.break_left = 24.3;
-  rest.message = "Press Space to go on";
+  rest.message = "Take a break";
   pictures.show(rest);
   pictures.save("break", "experimenter-break");
   ScreenContent fault = contents::moment(TrialState::kReach);
@@ -126,7 +126,7 @@ void draw_all(Pictures& pictures) {
   pictures.show(come_up);
   pictures.save("come-up", "experimenter-stiffness");
   ScreenContent idle = contents::moment(TrialState::kIdle);
-  idle.message = "Press Space to begin";
+  idle.message = "Press a key to go on";
   pictures.show(idle);
   pictures.save("idle");
   pictures.withdraw(contents::moment(TrialState::kInterval));
