@@ -1,6 +1,7 @@
 #include "app/window/study_experimenter.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/core.h>
@@ -30,6 +31,20 @@ std::string homing_of(TrialState state) {
   return state == TrialState::kIdle ? "-" : "at the start";
 }
 
+std::string state_of(const experiment::TrialView& trial) {
+  if (trial.state == TrialState::kInterval) return fmt::format("Interval {}", trial.interval);
+  std::string state = experiment::describe(trial.state);
+  if (!state.empty()) state[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(state[0])));
+  return state;
+}
+
+std::string fault_of(const experiment::TrialView& trial) {
+  return haptics::describe(static_cast<haptics::Fault>(trial.fault));
+}
+
+/// Number of the trial that runs, from 1.
+int trial_number(const experiment::CoursePosition& at) { return std::min(at.done + 1, at.of); }
+
 std::string catches_of(const ScreenContent& content) {
   return content.catch_trials == 0 ? "none yet"
                                    : fmt::format("{} of {}", content.catch_correct, content.catch_trials);
@@ -49,17 +64,20 @@ void draw_state(const ScreenContent& content, const ExperimenterView& view) {
   ImGui::PushFont(study_font(StudyFont::kLarge));
   if (content.trial.fault != 0) {
     ImGui::PushStyleColor(ImGuiCol_Text, colour::kWarning);
-    ImGui::TextWrapped("Zero force: %s", haptics::describe(static_cast<haptics::Fault>(content.trial.fault)));
+    ImGui::TextWrapped("Zero force: %s", fault_of(content.trial).c_str());
     ImGui::PopStyleColor();
   } else if (!view.question.empty()) {
     ImGui::TextWrapped("The participant answers a question");
   } else if (content.break_left > 0.0) {
     ImGui::TextWrapped("Break: %.0f s", std::ceil(content.break_left));
   } else {
-    ImGui::TextWrapped("%s", view.action.empty() ? "No trial is running" : view.action.c_str());
+    ImGui::TextWrapped("%s", state_of(content.trial).c_str());
   }
   ImGui::PopFont();
-  ImGui::TextDisabled("%s", view.question.empty() ? content.message.c_str() : view.question.c_str());
+  const std::string& message = content.message;
+  const std::string screen = view.action + (view.action.empty() || message.empty() ? "" : "; ") +
+                             (view.question.empty() ? message : "");
+  ImGui::TextDisabled("%s", view.question.empty() ? screen.c_str() : view.question.c_str());
 }
 
 void draw_table(const ScreenContent& content, const ExperimenterView& view) {
@@ -69,8 +87,8 @@ void draw_table(const ScreenContent& content, const ExperimenterView& view) {
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   const experiment::CoursePosition& at = content.position;
   entry("task", content.task);
-  entry("trial", fmt::format("{} of {}", std::min(at.done + 1, std::max(1, at.of)), at.of));
-  entry("part", fmt::format("{} of {}", at.part + 1, at.parts));
+  entry("trial", fmt::format("{} of {}", trial_number(at), at.of));
+  entry("part", fmt::format("{} of {}", std::min(at.part + 1, at.parts), at.parts));
   entry("session, block", fmt::format("{}, {}", content.session, content.block));
   entry("session clock", clock_of(content.minutes));
   entry("homing", homing_of(content.trial.state));
@@ -137,8 +155,8 @@ void draw_ladder(const std::vector<double>& levels, const ImVec2& size) {
     const ImVec2 here(low.x + across * static_cast<float>(i + 1), y_of(1e3 * std::max(1e-6, levels[i])));
     list.AddCircleFilled(here, std::min(0.2F * text, 0.35F * across), packed(colour::kNoise));
   }
-  (void)draw_text(list, StudyFont::kText, ImVec2(low.x, high.y + 0.2F * text), Align::kLeft, size.x,
-                  packed(colour::kFaint), "1");
+  (void)draw_text(list, StudyFont::kText, ImVec2(low.x + across, high.y + 0.2F * text), Align::kCentre,
+                  size.x, packed(colour::kFaint), "1");
   (void)draw_text(list, StudyFont::kText,
                   ImVec2(low.x + across * static_cast<float>(levels.size()), high.y + 0.2F * text),
                   Align::kCentre, size.x, packed(colour::kFaint),
@@ -163,7 +181,8 @@ void draw_notes(ExperimenterControls& controls) {
   for (const std::string& note : controls.notes) ImGui::TextWrapped("- %s", note.c_str());
 }
 
-void draw_buttons(const ScreenContent& content, ExperimenterControls& controls) {
+void draw_buttons(const ScreenContent& content, const ExperimenterView& view,
+                  ExperimenterControls& controls) {
   if (content.trial.state == TrialState::kIdle || content.trial.state == TrialState::kFinished) {
     controls.pausing = false;
   }
@@ -177,7 +196,8 @@ void draw_buttons(const ScreenContent& content, ExperimenterControls& controls) 
     controls.pressed.push_back(ScreenInput::kPause);
   }
   ImGui::SameLine();
-  if (ImGui::Button("Stop session  (Esc)", ImVec2(11.5F * text, usual.y)))
+  if (ImGui::Button(view.asks_to_stop ? "Really stop  (Enter)" : "Stop session  (Esc)",
+                    ImVec2(11.5F * text, usual.y)))
     controls.pressed.push_back(ScreenInput::kStop);
   const ImVec2 large(15.0F * text, 3.4F * text);
   ImGui::SetCursorPos(ImVec2(ImGui::GetWindowWidth() - large.x - ImGui::GetStyle().WindowPadding.x,
@@ -201,16 +221,15 @@ std::vector<double> ladder_of(const ScreenContent& content, const experiment::St
 
 std::string status_line(const ScreenContent& content, const ExperimenterView& view) {
   const experiment::CoursePosition& at = content.position;
-  return fmt::format(
+  std::string line = fmt::format(
       "{}  {}; task {}; trial {} of {}; part {} of {}; block {}; force {:.2f} of {:.1f} N; late ticks {}; "
-      "spoiled {}; catch trials right {}{}",
-      clock_of(content.minutes), view.action.empty() ? "no trial is running" : view.action, content.task,
-      std::min(at.done + 1, std::max(1, at.of)), at.of, at.part + 1, at.parts, content.block,
-      content.trial.force, content.max_force, content.late_ticks, content.spoiled, catches_of(content),
-      content.trial.fault == 0
-          ? std::string()
-          : fmt::format("; zero force: {}",
-                        haptics::describe(static_cast<haptics::Fault>(content.trial.fault))));
+      "spoiled {}; catch trials right {}",
+      clock_of(content.minutes), state_of(content.trial), content.task, trial_number(at), at.of,
+      std::min(at.part + 1, at.parts), at.parts, content.block, content.trial.force, content.max_force,
+      content.late_ticks, content.spoiled, catches_of(content));
+  if (view.sound_lost) line += "; masking noise: " + view.sound;
+  if (content.trial.fault != 0) line += "; zero force: " + fault_of(content.trial);
+  return line;
 }
 
 void draw_experimenter(const ScreenContent& content, const ExperimenterView& view,
@@ -244,7 +263,7 @@ void draw_experimenter(const ScreenContent& content, const ExperimenterView& vie
   draw_notes(controls);
   ImGui::EndChild();
   ImGui::SetCursorPosY(size.y - 3.6F * text);
-  draw_buttons(content, controls);
+  draw_buttons(content, view, controls);
   ImGui::End();
   ImGui::PopStyleVar();
 }

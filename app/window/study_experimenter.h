@@ -13,10 +13,11 @@ namespace palpate::app {
 /// What the experimenter's window shows besides the content of the screens.
 struct ExperimenterView {
   std::string title;     // participant and session
-  std::string action;    // what the participant is asked to do now
+  std::string action;    // text on the participant's screen: "Press"
   std::string question;  // which the participant is answering; empty: none
   std::string sound;     // state of the masking noise
   bool sound_lost = false;
+  bool asks_to_stop = false;   // the stop button was pressed once
   std::vector<double> ladder;  // N
 };
 

@@ -163,7 +163,8 @@ ParticipantView participant_view(const ScreenContent& content, const Study& stud
   const experiment::TrialView& trial = content.trial;
   ParticipantView view;
   if (content.position.parts > 0) {
-    view.progress = fmt::format("part {} of {}", content.position.part + 1, content.position.parts);
+    view.progress = fmt::format("part {} of {}", std::min(content.position.part + 1, content.position.parts),
+                                content.position.parts);
     view.part_done =
         content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 0.0;
   }
@@ -230,7 +231,7 @@ void draw_participant(const ParticipantView& view) {
     draw_break(*view.break_left, view.message, page);
     return;
   }
-  // Without boxes, the words are in the middle of the page.
+  // Without boxes, the text is in the middle of the page.
   (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.69F : 0.42F)),
                   Align::kCentre, 0.9F * page.size.x, packed(colour::kText), view.action);
   (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.79F : 0.55F)),

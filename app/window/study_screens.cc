@@ -17,9 +17,9 @@ namespace {
 
 using experiment::ScreenInput;
 
-constexpr double kFrameTime = 1.0 / 60.0;  // s, of a display without vertical synchronisation
-constexpr double kStatusPeriod = 0.5;      // s
-constexpr std::size_t kMostInputs = 64;    // waiting
+constexpr double kFrameTime = 0.012;     // s, least: for windows that do not wait for their display
+constexpr double kStatusPeriod = 0.5;    // s
+constexpr std::size_t kMostInputs = 64;  // waiting
 constexpr Display::Size kParticipantSize{1280, 720};
 constexpr Display::Size kExperimenterSize{1280, 800};
 
@@ -90,7 +90,7 @@ void StudyScreens::open_gamepads() {
 void StudyScreens::show(const experiment::ScreenContent& content) {
   content_ = content;
   view_ = participant_view(content, study_);
-  frame();
+  next_frame();
 }
 
 std::optional<ScreenInput> StudyScreens::take_input() {
@@ -111,18 +111,14 @@ std::optional<std::size_t> StudyScreens::ask(const experiment::Question& questio
   question_ = question;
   question_since_ = seconds_now();
   answer_.reset();
-  inputs_.clear();  // pressed before the question was there
-  while (!answer_ && !interrupted()) {
-    const double began = seconds_now();
-    frame();
-    wait_for_frame(began);
-  }
+  forget_answers();
+  while (!answer_ && !interrupted()) next_frame();
   question_.reset();
   return interrupted() ? std::nullopt : answer_;
 }
 
 std::optional<bool> StudyScreens::audible_trial(bool second, const std::function<void(bool)>& noise) {
-  inputs_.clear();
+  forget_answers();
   const std::optional<int> answer = listen(second, noise);
   noise(false);
   if (!answer) return std::nullopt;
@@ -143,10 +139,9 @@ std::optional<int> StudyScreens::listen(bool second, const std::function<void(bo
     view_.lit = step.lit;
     view_.action = step.lit == 0 ? "Wait" : fmt::format("Interval {}", step.lit);
     noise(step.lit == (second ? 2 : 1));
-    for (double now = seconds_now(); now < began + step.until; now = seconds_now()) {
-      frame();
+    while (seconds_now() < began + step.until) {
+      next_frame();
       if (interrupted()) return std::nullopt;
-      wait_for_frame(now);
     }
   }
   noise(false);
@@ -154,17 +149,21 @@ std::optional<int> StudyScreens::listen(bool second, const std::function<void(bo
   view_.action = "Which one?";
   view_.first = text_of_keys(study_.first_keys);
   view_.second = text_of_keys(study_.second_keys);
-  inputs_.clear();  // answers during the intervals
+  forget_answers();  // given during the intervals
   while (!interrupted()) {
-    const double now = seconds_now();
-    frame();
+    next_frame();
     while (const std::optional<ScreenInput> input = interrupted() ? std::nullopt : take_input()) {
       if (*input == ScreenInput::kFirst) return 1;
       if (*input == ScreenInput::kSecond) return 2;
     }
-    wait_for_frame(now);
   }
   return std::nullopt;
+}
+
+void StudyScreens::forget_answers() {
+  std::erase_if(inputs_, [](ScreenInput input) {
+    return input == ScreenInput::kFirst || input == ScreenInput::kSecond || input == ScreenInput::kNext;
+  });
 }
 
 bool StudyScreens::interrupted() const {
@@ -174,12 +173,10 @@ bool StudyScreens::interrupted() const {
          });
 }
 
-void StudyScreens::wait_for_frame(double began) const {
-  const double left = began + kFrameTime - seconds_now();
-  if (left > 0.0 && !closed_) SDL_Delay(static_cast<Uint32>(1e3 * left));
-}
-
-void StudyScreens::frame() {
+void StudyScreens::next_frame() {
+  const double left = frame_began_ + kFrameTime - seconds_now();
+  if (left > 0.0) SDL_Delay(static_cast<Uint32>(1e3 * left));
+  frame_began_ = seconds_now();
   if (closed_) return;
   try {
     SDL_Event event;
@@ -201,11 +198,8 @@ void StudyScreens::draw() {
   if (experimenter_ == nullptr) return;
   draw_experimenters();
   for (const ScreenInput input : controls_.pressed) {
-    if (input == ScreenInput::kStop) {
-      asks_to_stop_ = true;
-    } else {
-      press(input);
-    }
+    if (input != ScreenInput::kStop || asks_to_stop_) press(input);
+    asks_to_stop_ = input == ScreenInput::kStop && !asks_to_stop_;
   }
   controls_.pressed.clear();
   if (controls_.stored) notes_.push_back(*controls_.stored);
@@ -269,6 +263,7 @@ void StudyScreens::draw_notices() const {
 
 ExperimenterView StudyScreens::experimenter_view() const {
   ExperimenterView view;
+  view.asks_to_stop = asks_to_stop_;
   view.title = study_.name + (options_.title.empty() ? "" : ": " + options_.title);
   view.action = view_.action;
   view.ladder = ladder_of(content_, study_);

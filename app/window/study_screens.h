@@ -58,7 +58,7 @@ class StudyScreens final : public experiment::SessionScreens {
  private:
   void open_windows();
   void open_gamepads();
-  void frame();
+  void next_frame();
   void draw();
   void draw_participants();
   void draw_experimenters();
@@ -70,9 +70,9 @@ class StudyScreens final : public experiment::SessionScreens {
   void function_key(SDL_Keycode key, Viewport& window);
   void press(experiment::ScreenInput input);
   void leave();
+  void forget_answers();
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] bool asks_experimenter() const;
-  void wait_for_frame(double began) const;
   std::optional<int> listen(bool second, const std::function<void(bool)>& noise);
 
   const experiment::Study& study_;
@@ -84,6 +84,7 @@ class StudyScreens final : public experiment::SessionScreens {
   std::vector<SDL_GameController*> gamepads_;
   std::ofstream status_;
   double status_written_ = -1.0;  // s
+  double frame_began_ = 0.0;      // s
 
   experiment::ScreenContent content_;
   ParticipantView view_;

@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "palpate/error.h"
+
 #include "app/window/study_question.h"
 #include "app/window/test/study_contents.h"
 #include "app/window/test/window_fixture.h"
@@ -262,6 +264,7 @@ TEST_F(StudyScreensTest, ForceOffEndsAQuestion) {
     answer = screens->ask(contents::consent());
   }
   EXPECT_EQ(answer, std::nullopt);
+  EXPECT_EQ(screens->ask(contents::ages()), std::nullopt) << "nobody has taken the input yet";
   EXPECT_EQ(screens->take_input(), ScreenInput::kForceOff);
 }
 
