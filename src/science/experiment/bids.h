@@ -7,7 +7,7 @@
 
 namespace palpate::experiment {
 
-/// What a BIDS folder is written from.
+/// Study, people and files of a BIDS folder.
 struct BidsSource {
   const Study& study;
   std::span<const Participant> people;

@@ -1,5 +1,6 @@
 #include "science/experiment/bids.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
