@@ -101,6 +101,7 @@ struct Effect {
   double low = 0.0;  // 95 % interval
   double high = 0.0;
   double p_value = 1.0;          // of the stated alternative
+  bool open = false;             // an end of the interval is the end of the model's range: it is wider
   double smallest_effect = 0.0;  // that this study finds with a power of 0.8, see analyse()
 };
 

@@ -47,7 +47,7 @@ double p_of(double two_sided, double effect, const std::string& alternative) {
 }
 
 Effect effect_of(const PairedTest& test, std::size_t people) {
-  return {static_cast<int>(people), test.mean, test.low, test.high, test.two_sided, 0.0};
+  return {static_cast<int>(people), test.mean, test.low, test.high, test.two_sided, false, 0.0};
 }
 
 void finish(Effect& effect, const std::string& alternative) {
@@ -99,7 +99,9 @@ std::optional<Effect> measure_effect(const People& people, const Contrast& contr
   Effect effect;
   if (comparison != nullptr) {
     const psychophysics::GroupEffect found = comparison->model.fit(counts);
-    effect = {static_cast<int>(counts.size()), found.effect, found.low, found.high, found.p_value, 0.0};
+    const double end = 0.999 * GroupModel::largest_effect();
+    const bool open = found.low < -end || found.high > end;
+    effect = {static_cast<int>(counts.size()), found.effect, found.low, found.high, found.p_value, open, 0.0};
   } else {
     effect = effect_of(psychophysics::paired_t(differences), differences.size());
   }
@@ -183,7 +185,7 @@ std::vector<Contrast> contrasts_of(const Study& study, std::size_t task, bool un
       contrast.kept = measure_effect(kept, contrast, model);
       contrast.everybody =
           everybody.size() == kept.size() ? contrast.kept : measure_effect(everybody, contrast, model);
-      contrasts.push_back(contrast);
+      if (contrast.primary || contrast.everybody) contrasts.push_back(contrast);
     }
   }
   adjust_by_holm(contrasts);
