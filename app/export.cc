@@ -9,6 +9,7 @@
 #include "io/system/output_file.h"
 #include "palpate/recording.h"
 
+#include "app/blind.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/progress.h"
@@ -20,6 +21,7 @@ namespace {
 struct ExportFlags {
   std::string file;
   std::string csv;
+  bool break_blind = false;
 };
 
 int export_file(const ExportFlags& flags) {
@@ -31,8 +33,8 @@ int export_file(const ExportFlags& flags) {
   record::Recording recording;
   {
     Progress bar("export");
-    recording = record::read_recording(
-        flags.file, [&](double share) { bar.update(0.3 * share, "reading " + flags.file); });
+    recording = read_to_show(flags.file, "palpate export", flags.break_blind,
+                             [&](double share) { bar.update(0.3 * share, "reading " + flags.file); });
     record::export_csv(recording, flags.csv,
                        [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
   }
@@ -57,6 +59,7 @@ void add_export(CLI::App& program, int& exit_code) {
       program.add_subcommand("export", "Write a recording's ticks as CSV, one row per tick and hand");
   command->add_option("recording", flags->file, "The recording (.h5)")->required();
   command->add_option("--csv", flags->csv, "The CSV file to write")->required();
+  command->add_flag("--break-blind", flags->break_blind, kBreakBlindHelp);
   command->footer("Example:\n  palpate export run.h5 --csv run.csv");
   command->callback([flags, &exit_code] { exit_code = export_file(*flags); });
 }

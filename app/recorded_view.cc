@@ -6,11 +6,14 @@
 
 #include "palpate/error.h"
 
+#include "app/blind.h"
+
 namespace palpate::app {
 namespace {
 
-record::Recording read_some(const std::filesystem::path& file, const record::Progress& progress) {
-  record::Recording recording = record::read_recording(file, progress);
+record::Recording read_some(const std::filesystem::path& file, const record::Progress& progress,
+                            bool break_blind) {
+  record::Recording recording = read_to_show(file, "palpate view", break_blind, progress);
   if (recording.rows.empty())
     throw InputError(file.string() + ": contains no tick, so there is nothing to show");
   return recording;
@@ -18,9 +21,10 @@ record::Recording read_some(const std::filesystem::path& file, const record::Pro
 
 }  // namespace
 
-RecordedView::RecordedView(std::filesystem::path file, bool no_cache, const record::Progress& progress)
+RecordedView::RecordedView(std::filesystem::path file, bool no_cache, const record::Progress& progress,
+                           bool break_blind)
     : file_(std::move(file)),
-      recording_(read_some(file_, progress)),
+      recording_(read_some(file_, progress, break_blind)),
       preparation_(no_cache),
       frames_(recording_, preparation_.how()) {}
 

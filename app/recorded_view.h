@@ -15,8 +15,10 @@ namespace palpate::app {
 class RecordedView final {
  public:
   /// [setup] Reads the file and prepares its organ. @param no_cache ignores the cache of prepared organs
+  /// @param break_blind opens the recording of a study that is still blind, too
   /// @throws InputError naming the file when it cannot be read or replayed, or contains no tick.
-  RecordedView(std::filesystem::path file, bool no_cache, const record::Progress& progress = {});
+  RecordedView(std::filesystem::path file, bool no_cache, const record::Progress& progress = {},
+               bool break_blind = false);
   RecordedView(const RecordedView&) = delete;
   RecordedView& operator=(const RecordedView&) = delete;
 

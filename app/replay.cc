@@ -71,7 +71,8 @@ record::ReplayResult run_again(const record::Recording& recording, const std::st
 int replay_file(const ReplayFlags& flags) {
   Progress bar("replay");
   const record::Recording recording = record::read_recording(
-      flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); });
+      flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); },
+      record::Blind::kAllow);
   const record::ReplayResult result = run_again(recording, flags.file, bar, flags.no_cache);
   const std::uint64_t ticks = result.rows_compared / recording.setup.tools.size();
   if (flags.json) {

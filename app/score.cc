@@ -10,6 +10,7 @@
 #include "palpate/recording.h"
 #include "view/report/palpation_report.h"
 
+#include "app/blind.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/preparation.h"
@@ -26,6 +27,7 @@ struct ScoreFlags {
   std::string report;
   bool json = false;
   bool no_cache = false;
+  bool break_blind = false;
 };
 
 int score_file(const ScoreFlags& flags, const std::string& command_line) {
@@ -39,7 +41,7 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   require_no_overwrite(outputs, std::vector<NamedFile>{{"the recording", flags.file}});
   if (!flags.map.empty()) require_writable_file(flags.map, "--map");
   if (!flags.picture.empty()) require_writable_file(flags.picture, "--picture");
-  const record::Recording recording = record::read_recording(flags.file);
+  const record::Recording recording = read_to_show(flags.file, "palpate score", flags.break_blind);
   if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
   const palpation::ScoredRecording scored = score_of(recording, flags.no_cache);
   const palpation::Scorer& made = scored.scorer();
@@ -71,6 +73,7 @@ void add_score(CLI::App& program, const std::string& command_line, int& exit_cod
   command->add_option("--report", flags->report,
                       "write report.html with score, maps and definitions to this folder");
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
+  command->add_flag("--break-blind", flags->break_blind, kBreakBlindHelp);
   command->add_flag("--json", flags->json, "print one JSON document");
   command->footer(
       "Examples:\n  palpate run --task palpate --device mouse --record search.h5\n"

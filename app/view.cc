@@ -15,6 +15,7 @@
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 
+#include "app/blind.h"
 #include "app/commands.h"
 #include "app/film.h"
 #include "app/messages.h"
@@ -43,6 +44,7 @@ struct ViewFlags {
   std::string ui_scale;
   bool close_up = false;
   bool no_cache = false;
+  bool break_blind = false;
 
   [[nodiscard]] bool window() const { return screenshot.empty() && video.empty(); }
 };
@@ -159,7 +161,8 @@ int view(const ViewFlags& asked) {
   const ViewFlags flags = checked(asked);
   Progress bar("view");
   auto seen = std::make_unique<RecordedView>(
-      flags.file, flags.no_cache, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); });
+      flags.file, flags.no_cache, [&](double share) { bar.update(0.1 * share, "reading " + flags.file); },
+      flags.break_blind);
   if (flags.at) require_within("--at-s", *flags.at, *seen);
   if (flags.window()) {
     bar.clear();
@@ -207,6 +210,7 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
   command.add_option("--ui-scale", flags.ui_scale,
                      "Size of the window's text and panels, 0.5 to 4 (default: from the display)");
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
+  command.add_flag("--break-blind", flags.break_blind, kBreakBlindHelp);
   command.footer(
       "Without --screenshot and --video a window opens (F1 lists its keys).\n"
       "Examples:\n  palpate view run.h5\n  palpate view run.h5 --screenshot deepest.png --close-up\n"

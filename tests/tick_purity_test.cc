@@ -77,7 +77,7 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
   (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true, .control = &control});
   EXPECT_EQ(heap_uses() - heap_before, 0u);
   EXPECT_EQ(lock_uses() - locks_before, 0u);
-  EXPECT_EQ(changes.waiting(), nullptr) << "all were taken";
+  EXPECT_EQ(changes.waiting(0), nullptr) << "all were taken";
   EXPECT_GT(bracket.touching, 100u) << "the ticks are of an experiment that touches";
 }
 

@@ -97,7 +97,7 @@ void palpate_simulation::take_samples(const palpate_sample* samples) noexcept {
 
 /// Applies the oldest change that waits, from this tick on.
 void palpate_simulation::take_update() noexcept {
-  const palpate::haptics::PreparedUpdate* update = updates_->waiting();
+  const palpate::haptics::PreparedUpdate* update = updates_->waiting(next_tick_);
   if (update == nullptr) return;
   palpate::haptics::apply_update(world_, state_, *update);
   palpate::haptics::ParameterUpdate noted = update->values;

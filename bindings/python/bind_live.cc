@@ -127,20 +127,27 @@ std::optional<NewestState> state_of(LiveSimulation& live) {
 }
 
 std::vector<std::string> set_noise(LiveSimulation& live, std::optional<bool> enabled,
-                                   std::optional<double> gain, std::optional<double> threshold) {
+                                   std::optional<double> gain, std::optional<double> threshold,
+                                   std::uint64_t not_before_tick) {
   haptics::LiveNoise noise = live.changes().noise();
   if (enabled) noise.enabled = *enabled;
   if (gain) noise.gain = *gain;
   if (threshold) noise.threshold = *threshold;
-  return live.changes().offer(noise).warnings;
+  return live.changes().offer(noise, not_before_tick).warnings;
+}
+
+void set_stimulus(LiveSimulation& live, double force_N, double ramp_ms, std::uint32_t interval,
+                  std::uint64_t not_before_tick) {
+  (void)live.changes().offer(haptics::LiveStimulus{force_N, 1e-3 * ramp_ms, interval}, not_before_tick);
 }
 
 std::vector<std::string> set_inclusion(LiveSimulation& live,
                                        const std::variant<std::size_t, std::string>& which,
-                                       const std::optional<Numbers>& position, std::optional<double> ratio) {
+                                       const std::optional<Numbers>& position, std::optional<double> ratio,
+                                       std::uint64_t not_before_tick) {
   const std::size_t index = inclusion_index(live.setup(), which);
   const model::Inclusion now = live.changes().inclusions()[index];
-  return live.changes().offer(live_inclusion(index, now, position, ratio)).warnings;
+  return live.changes().offer(live_inclusion(index, now, position, ratio), not_before_tick).warnings;
 }
 
 void reset_fault(LiveSimulation& live, std::optional<std::size_t> hand) {
@@ -283,25 +290,29 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
       .def("__exit__", &leave, py::arg("type"), py::arg("value"), py::arg("trace"))
       .def(
           "set_tissue",
-          [](LiveSimulation& live, const TissueArgument& tissue) {
-            return live.changes().offer(tissue_of(tissue)).warnings;
+          [](LiveSimulation& live, const TissueArgument& tissue, std::uint64_t not_before_tick) {
+            return live.changes().offer(tissue_of(tissue), not_before_tick).warnings;
           },
-          py::arg("tissue"), others_may_run,
-          "Changes the tissue (a Tissue, a built-in name or a tissue file) at one of the next ticks, which "
-          "the "
-          "recording states. Returns the warnings of the stability check. Raises ParameterError for an "
-          "invalid value, and InputError if the reference radius differs from the run's or if eight changes "
-          "are waiting; then nothing changes.")
+          py::arg("tissue"), py::kw_only(), py::arg("not_before_tick") = 0, others_may_run,
+          "Changes the tissue (a Tissue, a built-in name or a tissue file) at the first tick that is not "
+          "before not_before_tick, which the recording states; a later change waits behind it. Returns the "
+          "warnings of the stability check. Raises ParameterError for an invalid value, and InputError if "
+          "the reference radius differs from the run's or if 32 changes are waiting; then nothing changes.")
       .def(
           "set_noise", &set_noise, py::arg("enabled") = none, py::arg("gain") = none,
-          py::arg("threshold") = none,
+          py::arg("threshold") = none, py::kw_only(), py::arg("not_before_tick") = 0,
           "Switches the touch noise on or off and sets gain (N m) and threshold (m); None keeps a value. The "
           "noise crossfades within 50 ms. Returns and raises as set_tissue() does.")
       .def("set_inclusion", &set_inclusion, py::arg("inclusion"), py::kw_only(), py::arg("position") = none,
-           py::arg("stiffness_ratio") = none,
+           py::arg("stiffness_ratio") = none, py::arg("not_before_tick") = 0,
            "Moves an inclusion (its name or number from 0) to `position` (m, organ frame) and sets its "
            "stiffness ratio; None keeps a value. Returns and raises as set_tissue() does; InputError for a "
            "position that is not inside the organ.")
+      .def("set_stimulus", &set_stimulus, py::arg("force_N"), py::kw_only(), py::arg("ramp_ms") = 50.0,
+           py::arg("interval") = 0, py::arg("not_before_tick") = 0,
+           "Ramps a commanded force to force_N (positive away from the tissue) within ramp_ms, on every hand "
+           "along the direction of the touch noise. interval: number of the stimulus interval that begins, 1 "
+           "or 2; 0 ends it. Raises as set_tissue() does.")
       .def("reset_fault", &reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all hands, at the next tick. The force of a held "
            "device "

@@ -31,6 +31,8 @@ inline constexpr double kStalledAfter = 20e-3;  // s
 inline constexpr std::uint32_t kResetFault = 1U << 0;        // clear a latched fault
 inline constexpr std::uint32_t kParameterUpdated = 1U << 1;  // tissue or noise parameters change at this tick
 inline constexpr std::uint32_t kMotorsWarm = 1U << 2;        // the motors are warm: the gate lowers the force
+inline constexpr std::uint32_t kIntervalBegan = 1U << 3;     // a stimulus interval began; set by the tick
+inline constexpr std::uint32_t kIntervalEnded = 1U << 4;     // a stimulus interval ended; set by the tick
 
 /// One sample of a device: all values belong to the same moment. SI units, in the device's frame D.
 struct DeviceState {

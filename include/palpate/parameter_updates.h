@@ -33,23 +33,35 @@ struct LiveInclusion {
   bool operator==(const LiveInclusion&) const = default;
 };
 
+/// A commanded force on every hand, for experiments with people. It acts along the direction of the touch
+/// noise, and both share one energy limit.
+struct LiveStimulus {
+  double force = 0.0;          // N, positive away from the tissue
+  double ramp = 50e-3;         // s, duration of the linear ramp from the force before to this one
+  std::uint32_t interval = 0;  // number of the stimulus interval that this update begins; 0: none
+
+  bool operator==(const LiveStimulus&) const = default;
+};
+
 /// Bits of ParameterUpdate::what.
 inline constexpr std::uint32_t kTissueChanged = 1U << 0;
 inline constexpr std::uint32_t kNoiseChanged = 1U << 1;
 inline constexpr std::uint32_t kInclusionChanged = 1U << 2;
+inline constexpr std::uint32_t kStimulusChanged = 1U << 3;
 
-/// One update of tissue, noise or an inclusion during a run. It holds the tissue and noise that apply from
-/// `tick` on, and at most one inclusion; `what` marks the parts that are new. It is plain data, so one copy
-/// passes it to another thread.
+/// One update of tissue, noise, an inclusion or the commanded force during a run. It holds the tissue and
+/// noise that apply from `tick` on, and at most one inclusion or commanded force; `what` marks the parts that
+/// are new. It is plain data, so one copy passes it to another thread.
 struct ParameterUpdate {
   static constexpr std::size_t kNameBytes = 64;
 
   std::uint64_t tick = 0;    // first tick that uses the update
   std::uint64_t number = 0;  // 1, 2, ... in the order of the calls of offer()
-  std::uint32_t what = 0;    // bits kTissueChanged, kNoiseChanged
+  std::uint32_t what = 0;    // bits kTissueChanged, kNoiseChanged, kInclusionChanged, kStimulusChanged
   model::TissueNumbers tissue;
   LiveNoise noise;
   LiveInclusion inclusion;              // only with kInclusionChanged
+  LiveStimulus stimulus;                // only with kStimulusChanged
   std::array<char, kNameBytes> name{};  // name of the tissue, truncated or padded with zeros
 
   bool operator==(const ParameterUpdate&) const = default;
@@ -70,10 +82,13 @@ struct SimulationWorld;
 /// Passes new tissue and noise parameters from any thread to a running loop. The calling thread checks and
 /// prepares each update. The loop takes at most one update per tick with one copy of plain data and never
 /// waits.
+///
+/// An update with a `not_before_tick` is taken at the first tick that is not less, so 0 is the next tick. The
+/// loop takes the updates in the order of the calls: a later update waits behind an earlier one.
 class ParameterUpdates final {
  public:
   /// Largest number of updates that wait for the loop.
-  static constexpr std::size_t kMaxWaiting = 8;
+  static constexpr std::size_t kMaxWaiting = 32;
 
   /// Returns the stability warnings for a tissue and its inclusions with this scene's devices
   /// (scene::stability_remarks).
@@ -97,19 +112,26 @@ class ParameterUpdates final {
   /// damping and grip limit. It allocates and may wait for another caller, so do not call it from the tick.
   /// @throws ParameterError for an invalid value; InputError for a reference radius that differs from the
   /// run's, or when kMaxWaiting updates wait already. After an exception nothing has changed.
-  Accepted offer(const model::TissueParameters& tissue);
+  Accepted offer(const model::TissueParameters& tissue, std::uint64_t not_before_tick = 0);
 
   /// [any] Switches the touch noise on or off and sets its strength at one of the next ticks. The crossfade
   /// takes 50 ms. It allocates and may wait for another caller, so do not call it from the tick.
   /// @throws ParameterError that names gain_N_m or threshold_mm; InputError when kMaxWaiting updates wait
   /// already. After an exception nothing has changed.
-  Accepted offer(const LiveNoise& noise);
+  Accepted offer(const LiveNoise& noise, std::uint64_t not_before_tick = 0);
 
   /// [any] Moves an inclusion and sets its stiffness ratio at one of the next ticks. It allocates and may
   /// wait for another caller, so do not call it from the tick.
   /// @throws ParameterError for a ratio out of range; InputError when the scene has no inclusion of this
   /// index, when it would not be inside the organ, or when kMaxWaiting updates wait already.
-  Accepted offer(const LiveInclusion& inclusion);
+  Accepted offer(const LiveInclusion& inclusion, std::uint64_t not_before_tick = 0);
+
+  /// [any] Changes the commanded force at one of the next ticks, which makes the first step of the ramp. A
+  /// fault sets it to zero on its hand until the next update. It allocates and may wait for another caller,
+  /// so do not call it from the tick.
+  /// @throws ParameterError that names force_N (at most the run's largest force), ramp_ms (10 to 10000) or
+  /// interval (0 to 2); InputError when kMaxWaiting updates wait already.
+  Accepted offer(const LiveStimulus& stimulus, std::uint64_t not_before_tick = 0);
 
   /// [any] The parameters of the last accepted update, or those at the start of the run. May wait for another
   /// caller, so do not call them from the tick.
@@ -117,13 +139,14 @@ class ParameterUpdates final {
   [[nodiscard]] LiveNoise noise() const;
   [[nodiscard]] std::vector<model::Inclusion> inclusions() const;
 
-  /// [rt] For the loop: the oldest update that waits, or null. It stays valid until taken().
-  [[nodiscard]] const PreparedUpdate* waiting() const noexcept;
+  /// [rt] For the loop: the oldest update that waits, or null when this tick must not take it yet. It stays
+  /// valid until taken().
+  [[nodiscard]] const PreparedUpdate* waiting(std::uint64_t tick) const noexcept;
   /// [rt] For the loop: removes the update that waiting() returned.
   void taken() noexcept;
 
  private:
-  void hand_over(ParameterUpdate values);
+  void hand_over(ParameterUpdate values, std::uint64_t not_before_tick);
 
   const SimulationWorld& world_;
   Warnings warnings_;

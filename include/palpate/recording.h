@@ -47,6 +47,8 @@ struct RunFacts {
   TimeHistogram late_histogram;  // of lateness
   std::uint64_t watchdog_stops = 0;
   std::vector<std::string> remarks;  // requests that the system refused, and stops by the watchdog
+  std::string study{};               // that the run belongs to; empty: none
+  bool blind = false;                // of a study that is not unblinded yet
 };
 
 /// A complete recording in memory.
@@ -57,10 +59,21 @@ struct Recording {
   std::vector<haptics::ParameterUpdate> changes{};  // of tissue and noise, by tick; at most one per tick
 };
 
+/// Whether the recording of a study that is not unblinded yet may be read. Its forces and noise show the
+/// condition, so a caller that allows it must not show them.
+enum class Blind { kRefuse, kAllow };
+
 /// [setup] Reads a recording. A truncated file (kill -9, full disk, interrupted copy), or one that is still
 /// being written, gives the rows up to the last complete tick before the damage. @throws InputError that
-/// names the file and the defect.
-[[nodiscard]] Recording read_recording(const std::filesystem::path& file, const Progress& progress = {});
+/// names the file and the defect, or the study that is still blind.
+[[nodiscard]] Recording read_recording(const std::filesystem::path& file, const Progress& progress = {},
+                                       Blind blind = Blind::kRefuse);
+
+/// [setup] Reads a recording, also of a study that is still blind. Then it first appends a line to the file
+/// blind-broken.jsonl in the recording's folder. @param command that reads it @throws InputError as
+/// read_recording(), and when the line cannot be written.
+[[nodiscard]] Recording break_blind(const std::filesystem::path& file, const std::string& command,
+                                    const Progress& progress = {});
 
 /// Result of repair_recording().
 struct RepairResult {
@@ -82,27 +95,29 @@ void export_csv(const Recording& recording, const std::filesystem::path& file, c
 /// same folder.
 [[nodiscard]] std::filesystem::path changes_csv_path(const std::filesystem::path& csv);
 
-/// [setup] Writes the updates of tissue and noise as CSV. A line holds one update, with all parameters that
-/// apply from its tick on. The column what is tissue or noise, law is layered or smooth. @throws InputError
-/// that names the file when it cannot be written.
+/// [setup] Writes the parameter updates as CSV. A line holds one update, with the tissue and noise that apply
+/// from its tick on. The column what is tissue, noise, inclusion or stimulus, law is layered or smooth.
+/// @throws InputError that names the file when it cannot be written.
 void export_changes_csv(const Recording& recording, const std::filesystem::path& file);
 
 /// Result of a replay.
 struct ReplayResult {
   std::uint64_t rows_compared = 0;
   std::uint64_t rows_different = 0;
-  std::string first_difference;  // tick, hand, column, recorded and replayed value; empty: all rows are equal
-  std::uint64_t hash = 0;        // of the replayed rows' bits, without tick_ns and late_ns
+  // tick, hand, column, and unless blind the recorded and replayed value; empty: all rows are equal
+  std::string first_difference;
+  std::uint64_t hash = 0;  // of the replayed rows' bits, without tick_ns and late_ns
 };
 
 /// [setup] Describes the first column whose bits differ; tick_ns and late_ns are not compared. Empty: all
-/// columns are equal.
-[[nodiscard]] std::string row_difference(const haptics::TickRow& recorded, const haptics::TickRow& replayed);
+/// columns are equal. @param values whether the description has the values
+[[nodiscard]] std::string row_difference(const haptics::TickRow& recorded, const haptics::TickRow& replayed,
+                                         bool values = true);
 
 inline constexpr std::uint64_t kHashStart = 14695981039346656037ULL;
 
-/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns. `hash` is the
-/// hash of the previous rows.
+/// [any] 64-bit FNV-1a hash (Fowler, Noll, Vo) of the rows' bits without tick_ns and late_ns. Columns that
+/// older recordings lack count only where they are not 0. `hash` is the hash of the previous rows.
 [[nodiscard]] std::uint64_t hash_rows(std::span<const haptics::TickRow> rows,
                                       std::uint64_t hash = kHashStart) noexcept;
 

@@ -44,6 +44,7 @@ struct TickRow {
   std::uint32_t device_valid = 1;  // 0: the device could not be read
   std::uint32_t device_fault = 0;  // Fault of the sample
   std::uint32_t events = 0;        // bits of DeviceState::events (device.h)
+  double stimulus_force = 0.0;     // N, commanded force, signed along the normal
 };
 
 }  // namespace palpate::haptics

@@ -78,9 +78,9 @@ std::uint32_t apply_limits(const GateLimits& limits, GateState& state, const For
 }
 
 /// Duty limit: updates the RMS of the written force, and lowers the force near the device's continuous force.
-/// @return status bits
-std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm,
-                         ForceCommand& tissue) noexcept {
+/// @param stimulus_scale gain of the commanded force, lowered too @return status bits
+std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm, ForceCommand& tissue,
+                         double& stimulus_scale) noexcept {
   if (!std::isfinite(limits.continuous_force)) return 0;
   const double square = state.force.squaredNorm();
   state.square_short += (square - state.square_short) * limits.period / kDutyShort;
@@ -95,6 +95,7 @@ std::uint32_t limit_duty(const GateLimits& limits, GateState& state, bool warm,
     const double share = std::max(0.0, (1.0 - load) / (1.0 - kDutyBegin));
     tissue.force *= share;
     tissue.torque *= share;
+    stimulus_scale *= share;
     status |= kDutyLimited;
   }
   return status;
@@ -115,9 +116,11 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
 
   GateOutput output;
   if (input.controlled) output.noise_scale = noise_scale(state.energy);
+  output.stimulus_scale = output.noise_scale;
   ForceCommand tissue = input.tissue;
-  const Vec3 noise = output.noise_scale * input.noise;
-  output.status |= limit_duty(limits, state, input.warm, tissue);
+  output.status |= limit_duty(limits, state, input.warm, tissue, output.stimulus_scale);
+  Vec3 noise = output.noise_scale * input.noise;
+  if (!input.stimulus.isZero(0.0)) noise += output.stimulus_scale * input.stimulus;
   const bool usable = finite(tissue, tissue.force + noise);
   const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);

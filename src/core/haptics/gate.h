@@ -48,7 +48,7 @@ struct GateState {
   Vec3 force = Vec3::Zero();  // written in the last tick
   Vec3 torque = Vec3::Zero();
   double gripper_force = 0.0;
-  Vec3 noise = Vec3::Zero();  // the noise in `force`
+  Vec3 noise = Vec3::Zero();  // touch noise and commanded force in `force`
   PassivityObserver energy;
   double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
   double square_long = 0.0;   // N^2, over kDutyLong; raised while the motors are warm
@@ -59,32 +59,34 @@ struct GateState {
 
 /// Input of the gate in one tick.
 struct GateInput {
-  ForceCommand tissue{};       // from contact
-  Vec3 noise = Vec3::Zero();   // N
-  DeviceMotion motion{};       // of the device since the last tick
-  DeviceMotion organ{};        // motion of the organ itself at the handle, in the device's lengths
-  bool outside = false;        // the tool is not in contact
-  bool warm = false;           // the device reports warm motors: lower the force
-  bool controlled = false;     // the passivity controller acts; otherwise energy is only observed
-  Fault fault = Fault::kNone;  // detected in this tick outside the gate
+  ForceCommand tissue{};         // from contact
+  Vec3 noise = Vec3::Zero();     // N
+  Vec3 stimulus = Vec3::Zero();  // N, commanded force
+  DeviceMotion motion{};         // of the device since the last tick
+  DeviceMotion organ{};          // motion of the organ itself at the handle, in the device's lengths
+  bool outside = false;          // the tool is not in contact
+  bool warm = false;             // the device reports warm motors: lower the force
+  bool controlled = false;       // the passivity controller acts; otherwise energy is only observed
+  Fault fault = Fault::kNone;    // detected in this tick outside the gate
 };
 
 struct GateOutput {
   ForceCommand command;
   std::uint32_t status = 0;
-  double noise_scale = 1.0;  // gain that was applied to GateInput::noise
+  double noise_scale = 1.0;     // gain that was applied to GateInput::noise
+  double stimulus_scale = 1.0;  // and to GateInput::stimulus
 };
 
 /// After a fault the force ramps linearly to zero within this time, at any rate and slew limit.
 inline constexpr double kFaultFall = 10e-3;  // s
 
 /// [rt] The one gate before the hardware. Order: finite check, passivity controller on the tissue force, +
-/// noise (lowered when it has given too much energy), clamp, slew, both on vector norms. The written force
-/// never exceeds max_force and never changes by more than force_step per tick. Torque obeys its own limits
-/// and the gripper force the limits of the force. A vector whose norm overflows counts as not finite. A fault
-/// latches: all commands ramp linearly to zero within kFaultFall and stay exactly zero until reset_fault().
-/// After a stalled loop they are zero at once, because the watchdog has already removed the force. The
-/// passivity observer integrates what was written, also during faults.
+/// noise and commanded force (lowered when they have given too much energy), clamp, slew, both on vector
+/// norms. The written force never exceeds max_force and never changes by more than force_step per tick.
+/// Torque obeys its own limits and the gripper force the limits of the force. A vector whose norm overflows
+/// counts as not finite. A fault latches: all commands ramp linearly to zero within kFaultFall and stay
+/// exactly zero until reset_fault(). After a stalled loop they are zero at once, because the watchdog has
+/// already removed the force. The passivity observer integrates what was written, also during faults.
 [[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state,
                                    const GateInput& input) noexcept;
 

@@ -1,5 +1,6 @@
 #include "palpate/parameter_updates.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,6 +11,11 @@
 
 namespace palpate::haptics {
 namespace {
+
+constexpr double kShortestRamp = 10e-3;  // s, of a commanded force
+constexpr double kLongestRamp = 10.0;    // s
+constexpr std::uint32_t kMaxInterval = 2;
+constexpr double kMillisecond = 1e-3;  // s
 
 LiveNoise noise_of_world(const SimulationWorld& world) {
   const noise::NoiseSettings& settings = world.noise.settings();
@@ -29,6 +35,32 @@ model::Inclusion inclusion_of(const contact::World& world, const LiveInclusion& 
   return changed;
 }
 
+void validate(const LiveStimulus& stimulus, double max_force) {
+  if (!(std::abs(stimulus.force) <= max_force)) {
+    throw ParameterError(
+        "force_N", stimulus.force,
+        "between -" + shortest(max_force) + " and " + shortest(max_force) + ", the run's largest force");
+  }
+  if (!(stimulus.ramp >= kShortestRamp && stimulus.ramp <= kLongestRamp)) {
+    throw ParameterError("ramp_ms", stimulus.ramp / kMillisecond, "10 to 10000");
+  }
+  if (stimulus.interval > kMaxInterval) throw ParameterError("interval", stimulus.interval, "0, 1 or 2");
+}
+
+/// Starts the ramp to a new commanded force on every hand.
+void change_stimulus(SimulationState& state, const LiveStimulus& stimulus, double rate_Hz) noexcept {
+  const double ticks = std::max(1.0, std::round(stimulus.ramp * rate_Hz));
+  for (StimulusRamp& ramp : state.stimuli) {
+    ramp.from = ramp.force();
+    ramp.to = stimulus.force;
+    ramp.ticks = ramp.ticks_left = static_cast<std::uint32_t>(ticks);
+  }
+  if (stimulus.interval == state.interval) return;
+  state.interval_events =
+      (state.interval != 0 ? kIntervalEnded : 0U) | (stimulus.interval != 0 ? kIntervalBegan : 0U);
+  state.interval = stimulus.interval;
+}
+
 std::string in_mm(double metres) { return shortest(metres / kMillimetre) + " mm"; }
 
 }  // namespace
@@ -46,6 +78,7 @@ PreparedUpdate prepare_update(const SimulationWorld& world, const ParameterUpdat
   settings.gain = values.noise.gain;
   settings.threshold = values.noise.threshold;
   noise::validate(settings, world.rate_Hz, world.limits.max_sigma());
+  if ((values.what & kStimulusChanged) != 0) validate(values.stimulus, world.limits.max_force);
   PreparedUpdate prepared{values, contact::TissueLaws(tissue, 1.0 / world.rate_Hz)};
   if ((values.what & kInclusionChanged) != 0) {
     prepared.inclusion = contact::placed_inclusion(world.contact, values.inclusion.index,
@@ -69,6 +102,7 @@ void apply_update(const SimulationWorld& world, SimulationState& state,
   if ((values.what & kInclusionChanged) != 0) {
     contact::change_inclusion(state.contact, values.inclusion.index, change.inclusion);
   }
+  if ((values.what & kStimulusChanged) != 0) change_stimulus(state, values.stimulus, world.rate_Hz);
   state.change = values.number;
 }
 
@@ -83,9 +117,10 @@ ParameterUpdates::ParameterUpdates(const SimulationWorld& world, const model::Ti
 
 ParameterUpdates::~ParameterUpdates() = default;
 
-void ParameterUpdates::hand_over(ParameterUpdate values) {
+void ParameterUpdates::hand_over(ParameterUpdate values, std::uint64_t not_before_tick) {
   values.number = offered_ + 1;
   PreparedUpdate prepared = prepare_update(world_, values);
+  prepared.not_before_tick = not_before_tick;
   const std::uint64_t head = head_.load(std::memory_order_relaxed);
   if (head - tail_.load(std::memory_order_acquire) == kMaxWaiting) {
     throw InputError("change of tissue or noise: the loop has not taken the last " +
@@ -96,25 +131,27 @@ void ParameterUpdates::hand_over(ParameterUpdate values) {
   head_.store(head + 1, std::memory_order_release);
 }
 
-ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters& tissue) {
+ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters& tissue,
+                                                   std::uint64_t not_before_tick) {
   const std::lock_guard lock(callers_);
   model::validate(tissue);
   Accepted accepted;
   if (warnings_) accepted.warnings = warnings_(tissue, inclusions_);
-  hand_over(parameter_update(tissue, noise_, kTissueChanged));
+  hand_over(parameter_update(tissue, noise_, kTissueChanged), not_before_tick);
   tissue_ = tissue;
   accepted.number = offered_;
   return accepted;
 }
 
-ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise) {
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveNoise& noise, std::uint64_t not_before_tick) {
   const std::lock_guard lock(callers_);
-  hand_over(parameter_update(tissue_, noise, kNoiseChanged));
+  hand_over(parameter_update(tissue_, noise, kNoiseChanged), not_before_tick);
   noise_ = noise;
   return {offered_, {}};
 }
 
-ParameterUpdates::Accepted ParameterUpdates::offer(const LiveInclusion& inclusion) {
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveInclusion& inclusion,
+                                                   std::uint64_t not_before_tick) {
   const std::lock_guard lock(callers_);
   const model::Inclusion changed = inclusion_of(world_.contact, inclusion);
   model::validate(changed);
@@ -124,10 +161,19 @@ ParameterUpdates::Accepted ParameterUpdates::offer(const LiveInclusion& inclusio
   if (warnings_) accepted.warnings = warnings_(tissue_, all);
   ParameterUpdate update = parameter_update(tissue_, noise_, kInclusionChanged);
   update.inclusion = inclusion;
-  hand_over(update);
+  hand_over(update, not_before_tick);
   inclusions_ = std::move(all);
   accepted.number = offered_;
   return accepted;
+}
+
+ParameterUpdates::Accepted ParameterUpdates::offer(const LiveStimulus& stimulus,
+                                                   std::uint64_t not_before_tick) {
+  const std::lock_guard lock(callers_);
+  ParameterUpdate update = parameter_update(tissue_, noise_, kStimulusChanged);
+  update.stimulus = stimulus;
+  hand_over(update, not_before_tick);
+  return {offered_, {}};
 }
 
 std::vector<model::Inclusion> ParameterUpdates::inclusions() const {
@@ -145,9 +191,11 @@ LiveNoise ParameterUpdates::noise() const {
   return noise_;
 }
 
-const PreparedUpdate* ParameterUpdates::waiting() const noexcept {
+const PreparedUpdate* ParameterUpdates::waiting(std::uint64_t tick) const noexcept {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-  return tail == head_.load(std::memory_order_acquire) ? nullptr : &slots_[tail % kMaxWaiting];
+  if (tail == head_.load(std::memory_order_acquire)) return nullptr;
+  const PreparedUpdate& oldest = slots_[tail % kMaxWaiting];
+  return tick < oldest.not_before_tick ? nullptr : &oldest;
 }
 
 void ParameterUpdates::taken() noexcept {

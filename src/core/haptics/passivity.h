@@ -10,7 +10,7 @@ namespace palpate::haptics {
 struct PassivityObserver {
   // J, net energy that the hand and the organ's own motion have put into the tissue's force and torque
   double tissue = 0.0;
-  double noise = 0.0;         // J given to the hand by the touch noise, an open-loop source
+  double noise = 0.0;         // J given to the hand by touch noise and commanded force, open-loop sources
   double noise_excess = 0.0;  // J given beyond kNoisePower
 };
 
@@ -22,9 +22,9 @@ inline constexpr double kEnergyTolerance = 20e-6;  // J
 inline constexpr double kMaxDamping = 10.0;         // N s/m
 inline constexpr double kMaxAngularDamping = 2e-3;  // N m s/rad
 
-/// The touch noise may give kNoisePower [W] continuously and kNoiseEnergy [J] beyond it. Above that it fades,
-/// to zero at twice the leeway. White noise of sigma on a mass m gives sigma^2 T / (2 m): 1 uW for the
-/// default 10 mN on 50 g.
+/// Touch noise and commanded force together may give kNoisePower [W] continuously and kNoiseEnergy [J] beyond
+/// it. Above that it fades, to zero at twice the leeway. White noise of sigma on a mass m gives sigma^2 T /
+/// (2 m): 1 uW for the default 10 mN on 50 g.
 inline constexpr double kNoisePower = 1e-3;
 inline constexpr double kNoiseEnergy = 1e-3;
 

@@ -11,6 +11,7 @@ struct PreparedUpdate {
   ParameterUpdate values;
   contact::TissueLaws laws;
   contact::PlacedInclusion inclusion{};  // only with kInclusionChanged
+  std::uint64_t not_before_tick = 0;     // the first tick that may take it
 };
 
 /// [setup] Checks a parameter update and prepares it for ticks. @throws ParameterError for a bad value;

@@ -49,7 +49,7 @@ void describe_contact(const contact::ToolInput& input, const contact::ToolResult
   row.normal = plain(result.normal_W);
 }
 
-void copy_sample(const DeviceState& sample, TickRow& row) noexcept {
+void copy_sample(const DeviceState& sample, std::uint32_t interval_events, TickRow& row) noexcept {
   row.device = plain(sample.position_D);
   row.device_q = plain(sample.orientation_D);
   row.device_velocity = plain(sample.velocity_D);
@@ -58,7 +58,7 @@ void copy_sample(const DeviceState& sample, TickRow& row) noexcept {
   row.device_age = sample.age;
   row.device_valid = sample.fault == Fault::kDevice ? 0 : 1;
   row.device_fault = static_cast<std::uint32_t>(sample.fault);
-  row.events = sample.events;
+  row.events = (sample.events & ~(kIntervalBegan | kIntervalEnded)) | interval_events;
 }
 
 /// Reads a hand's sample: sets the tool's pose and returns the device's motion. An invalid sample keeps the
@@ -105,7 +105,7 @@ DeviceMotion organ_at_handle(const Pose& before_W, const Pose& now_W, const Vec3
   return {(step * handle_W - handle_W) / scale, sign * step.rotation.vec()};
 }
 
-/// Noise, gate and row of one hand, after contact.
+/// Noise, commanded force, gate and row of one hand, after contact.
 void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
                  std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
                  const DeviceMotion& organ, ForceCommand& command, TickRow& row) noexcept {
@@ -120,6 +120,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   const double noise =
       state.touch_noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand),
                               tick_number, touching ? 0.0 : result.distance);
+  const double stimulus = state.stimuli[hand].force();
   const bool outside = !touching && result.distance > 0.0;
   const double share = force_ramp_gain(world, state, hand, fault, outside);
   const double tissue_share = share * world.mappings[hand].force_scale;
@@ -128,6 +129,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
       pass_gate(world.limits, gate,
                 {.tissue = {tissue_share * result.force_W, torque_share * result.torque_W, 0.0},
                  .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
+                 .stimulus = share * stimulus * result.away_W,
                  .motion = motion,
                  .organ = organ,
                  .outside = outside,
@@ -135,6 +137,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
                  .controlled = world.mappings[hand].held,
                  .fault = fault});
   command = out.command;
+  if (gate.fault != Fault::kNone) state.stimuli[hand] = {};
 
   row = TickRow{};
   row.tick = tick_number;
@@ -142,6 +145,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.hand = static_cast<std::uint32_t>(hand);
   describe_contact(state.inputs[hand], result, row);
   row.noise_force = gate.fault == Fault::kNone ? out.noise_scale * share * noise : 0.0;
+  row.stimulus_force = gate.fault == Fault::kNone ? out.stimulus_scale * share * stimulus : 0.0;
   row.force = plain(command.force);
   row.torque = plain(command.torque);
   row.gripper_force = command.gripper_force;
@@ -149,7 +153,7 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   row.fault = static_cast<std::uint32_t>(gate.fault);
   row.energy = gate.energy.tissue;
   row.engagement = share;
-  copy_sample(sample, row);
+  copy_sample(sample, state.interval_events, row);
 }
 
 }  // namespace
@@ -166,6 +170,7 @@ SimulationState::SimulationState(const SimulationWorld& world)
       organ_W(world.organ_W),
       noise_enabled(world.noise.settings().enabled),
       touch_noise(world.noise),
+      stimuli(world.hands()),
       reach(world.contact.tissue().reach) {}
 
 DeviceState sample_of(const TickRow& row) noexcept {
@@ -186,6 +191,9 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
           std::span<TickRow> rows) noexcept {
   const std::size_t hands = world.hands();
   if (state.noise_crossfade.ticks_left > 0) advance_crossfade(state.noise_crossfade, state.touch_noise);
+  for (StimulusRamp& ramp : state.stimuli) {
+    if (ramp.ticks_left > 0) --ramp.ticks_left;
+  }
   for (std::size_t hand = 0; hand < hands; ++hand) {
     state.motions[hand] = read_sample(world, state, hand, samples[hand]);
   }
@@ -202,6 +210,7 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
     finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], organ, commands[hand],
                 rows[hand]);
   }
+  state.interval_events = 0;
 }
 
 }  // namespace palpate::haptics

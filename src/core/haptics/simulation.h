@@ -36,6 +36,19 @@ struct NoiseCrossfade {
   std::uint32_t ticks_left = 0;  // 0: finished
 };
 
+/// The commanded force of one hand: a linear ramp between two values.
+struct StimulusRamp {
+  double from = 0.0;             // N, before the ramp
+  double to = 0.0;               // N, at its end
+  std::uint32_t ticks = 0;       // duration
+  std::uint32_t ticks_left = 0;  // 0: the end is reached
+
+  /// [rt] The force at this tick [N].
+  [[nodiscard]] double force() const noexcept {
+    return ticks_left == 0 ? to : to + (from - to) * static_cast<double>(ticks_left) / ticks;
+  }
+};
+
 /// The changing part of a simulation. A copy continues with the same results.
 struct SimulationState {
   /// [setup] The state before tick 0.
@@ -54,8 +67,11 @@ struct SimulationState {
   // Values that parameter updates (parameter_updates.h) have changed:
   noise::TouchNoise touch_noise;  // in force
   NoiseCrossfade noise_crossfade;
-  model::FalloffRatios reach;  // for pictures
-  std::uint64_t change = 0;    // number of the last parameter update; 0: none
+  std::vector<StimulusRamp> stimuli;  // per hand
+  std::uint32_t interval = 0;         // number of the stimulus interval; 0: none
+  std::uint32_t interval_events = 0;  // kIntervalBegan, kIntervalEnded: for the rows of the next tick
+  model::FalloffRatios reach;         // for pictures
+  std::uint64_t change = 0;           // number of the last parameter update; 0: none
 };
 
 /// [any] The device sample of a row, bit for bit.

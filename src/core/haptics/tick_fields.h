@@ -43,10 +43,11 @@ auto with_number(const Row& row, ColumnType type, std::size_t offset, Use use) {
 struct TickField {
   std::array<const char*, 4> columns;  // names in recordings and export, one per number; unused ones null
   ColumnType type;
-  std::size_t offset;     // in a TickRow [bytes]; the numbers are contiguous
-  const char* live;       // name in a message of the live interface; null: not sent
-  const char* attribute;  // name in Python's HandState; null: absent, or bound by hand
-  const char* meaning;    // one line for users
+  std::size_t offset;        // in a TickRow [bytes]; the numbers are contiguous
+  const char* live;          // name in a message of the live interface; null: not sent
+  const char* attribute;     // name in Python's HandState; null: absent, or bound by hand
+  const char* meaning;       // one line for users
+  bool added_later = false;  // recordings without it have 0, and a 0 does not count in hash_rows()
 
   /// [any] Number of components.
   [[nodiscard]] constexpr std::size_t size() const noexcept {
@@ -112,7 +113,10 @@ inline constexpr auto kTickFields = [] {
     {{"device_valid"}, kU32, offsetof(TickRow, device_valid), nullptr, nullptr, "0: the device could not be read"},
     {{"device_fault"}, kU32, offsetof(TickRow, device_fault), nullptr, nullptr, "fault that came with the sample"},
     {{"events"}, kU32, offsetof(TickRow, events), nullptr, nullptr,
-     "bit 0: a fault was reset; bit 1: tissue or noise changed; bit 2: the device's motors are warm"},
+     "bit 0: a fault was reset; bit 1: a parameter update; bit 2: the device's motors are warm; bit 3: a stimulus "
+     "interval began; bit 4: one ended"},
+    {{"stimulus_force_N"}, kF64, offsetof(TickRow, stimulus_force), nullptr, "stimulus_force",
+     "commanded force, signed like the noise", true},
   });
 }();
 // clang-format on

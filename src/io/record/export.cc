@@ -90,6 +90,7 @@ std::string changes_header() {
 
 char* append_value(char* at, const UpdateRow& row, const Column& column) {
   if (column.offset == offsetof(UpdateRow, what)) {
+    if ((row.what & haptics::kStimulusChanged) != 0) return append(at, "stimulus");
     if ((row.what & haptics::kInclusionChanged) != 0) return append(at, "inclusion");
     return append(at, (row.what & haptics::kTissueChanged) != 0 ? "tissue" : "noise");
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <unistd.h>
 
@@ -20,8 +21,9 @@ std::size_t rows_in(double seconds, const scene::Scene& setup) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const scene::Scene& setup)
+FlightRecorder::FlightRecorder(const scene::Scene& setup, std::string study)
     : setup_(setup),
+      study_(std::move(study)),
       hands_(setup.tools.size()),
       rows_after_fault_(rows_in(kAfter, setup)),
       ring_(rows_in(kKept, setup) + rows_in(kAfter, setup)) {}
@@ -65,7 +67,7 @@ std::vector<haptics::ParameterUpdate> FlightRecorder::changes() const {
 }
 
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
-  Recorder recorder(file, setup_, true);
+  Recorder recorder(file, setup_, true, {}, study_);
   recorder.on_start(started_unix_ns_);
   for (const haptics::ParameterUpdate& change : changes()) recorder.on_update(change);
   for (const haptics::TickRow& row : rows()) recorder.on_row(row);

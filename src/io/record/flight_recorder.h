@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "palpate/scene.h"
@@ -17,8 +18,8 @@ class FlightRecorder final : public haptics::TickObserver {
   static constexpr double kAfter = 0.25;  // s from the fault on
   static constexpr std::size_t kChangesKept = 64;
 
-  /// [setup] @param setup must outlive this
-  explicit FlightRecorder(const scene::Scene& setup);
+  /// [setup] @param setup must outlive this @param study that the run belongs to; empty: none
+  explicit FlightRecorder(const scene::Scene& setup, std::string study = {});
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
@@ -36,6 +37,7 @@ class FlightRecorder final : public haptics::TickObserver {
 
  private:
   const scene::Scene& setup_;
+  std::string study_;
   std::size_t hands_;
   std::size_t rows_after_fault_;
   std::vector<haptics::TickRow> ring_;

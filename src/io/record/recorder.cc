@@ -48,8 +48,9 @@ std::size_t ring_rows_in(double seconds, const scene::Scene& setup) {
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
 }
 
-RunFacts facts_before(bool offline) {
+RunFacts facts_before(bool offline, const std::string& study) {
   RunFacts facts;
+  facts.study = study;
   facts.version = palpate_version();
   facts.compiler = compiler_version();
   facts.machine = machine_description();
@@ -290,11 +291,11 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
 }
 
 Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
-                   std::function<void(const std::string&)> on_failure)
+                   std::function<void(const std::string&)> on_failure, const std::string& study)
     : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
   const hdf5::SilenceErrors quiet;
   try {
-    impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline));
+    impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline, study));
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
   } catch (const std::exception& error) {
     impl_->writer.reset();

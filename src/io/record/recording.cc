@@ -2,13 +2,15 @@
 
 #include <new>
 
+#include "io/record/blind.h"
 #include "io/record/recording_reader.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
 
-Recording read_recording(const std::filesystem::path& file, const Progress& progress) {
+Recording read_recording(const std::filesystem::path& file, const Progress& progress, Blind blind) {
   RecordingReader reader(file);
+  if (blind == Blind::kRefuse && reader.facts().blind) refuse_blind(file, reader.facts().study);
   Recording recording;
   try {
     (void)reader.for_each_block(true, [&](std::span<const haptics::TickRow> rows) {
@@ -23,6 +25,14 @@ Recording read_recording(const std::filesystem::path& file, const Progress& prog
   recording.facts = reader.facts();
   recording.changes = reader.changes();
   recording.setup = reader.take_setup();
+  return recording;
+}
+
+Recording break_blind(const std::filesystem::path& file, const std::string& command,
+                      const Progress& progress) {
+  Recording recording = read_recording(file, progress, Blind::kAllow);
+  if (recording.facts.blind) log_broken_blind(file, command);
+  recording.facts.blind = false;
   return recording;
 }
 

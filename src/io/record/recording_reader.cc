@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "core/base/text.h"
+#include "io/record/blind.h"
 #include "io/record/recording_writer.h"
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
@@ -154,6 +155,7 @@ std::vector<std::string> run_remarks(hid_t file) {
 RunFacts read_facts(hid_t file) {
   RunFacts facts;
   facts.version = hdf5::read_text_attribute(file, "version");
+  if (H5Aexists(file, kStudyAttribute) > 0) facts.study = hdf5::read_text_attribute(file, kStudyAttribute);
   facts.compiler = hdf5::read_text_attribute(file, "compiler");
   facts.machine = hdf5::read_text_attribute(file, "machine");
   facts.started_unix_ns = hdf5::read_integer_attribute(file, "started_unix_ns");
@@ -320,8 +322,10 @@ void RecordingReader::read_all_but_ticks() {
   rows_claimed_ = rows;
   row_type_ = tick_row_type();
   check_columns(ticks_.id(), "/ticks", tick_columns());
+  row_bytes_ = H5Tget_size(Handle(H5Dget_type(ticks_.id()), "/ticks").id());
   setup_ = read_setup(file_.id(), file_bytes_);
   facts_ = read_facts(file_.id());
+  facts_.blind = !facts_.study.empty() && !is_unblinded(path_);
   rows_lost_ = static_cast<std::uint64_t>(run_value(file_.id(), run_names::kRowsLost));
   read_changes();
   if (cut_off_) facts_.complete = false;
@@ -381,11 +385,11 @@ std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t c
   hsize_t bytes = 0;
   if (H5Dget_chunk_info_by_coord(ticks_.id(), &first, &filters, &address, &bytes) < 0) return count;
   // Not the layout of RecordingWriter: compressed, or other chunk sizes.
-  constexpr hsize_t kRowBytes = RecordingWriter::kChunkRows * sizeof(haptics::TickRow);
+  const hsize_t chunk_bytes = RecordingWriter::kChunkRows * row_bytes_;
   constexpr hsize_t kChecksumBytes = 4;  // older recordings have no checksums
-  if (bytes != kRowBytes && bytes != kRowBytes + kChecksumBytes) return count;
+  if (bytes != chunk_bytes && bytes != chunk_bytes + kChecksumBytes) return count;
   if (address == HADDR_UNDEF || address >= file_bytes_) return 0;
-  return std::min<std::uint64_t>(count, (file_bytes_ - address) / sizeof(haptics::TickRow));
+  return std::min<std::uint64_t>(count, (file_bytes_ - address) / row_bytes_);
 }
 
 std::uint64_t RecordingReader::for_each_block(

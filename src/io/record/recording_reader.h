@@ -51,6 +51,7 @@ class RecordingReader final {
   hdf5::SilenceErrors quiet_;
   std::filesystem::path path_;
   std::uint64_t file_bytes_ = 0;
+  std::size_t row_bytes_ = 0;  // of a row in the file
   hdf5::Handle file_;
   hdf5::Handle row_type_;
   hdf5::Handle ticks_;

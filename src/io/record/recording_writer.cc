@@ -109,6 +109,7 @@ void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
   hdf5::write_attribute(file, "offline", std::int64_t{facts.offline ? 1 : 0});
   hdf5::write_attribute(file, "seed", setup.seed);
   hdf5::write_attribute(file, "rate_Hz", setup.rate_Hz);
+  if (!facts.study.empty()) hdf5::write_attribute(file, kStudyAttribute, facts.study);
 }
 
 void create_summary(hid_t file) {
@@ -159,7 +160,7 @@ Handle create_changes(hid_t file, hid_t change_type) {
   Handle changes(
       H5Dcreate2(file, "changes", change_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       "/changes");
-  hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise"));
+  hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise, 4 inclusion, 8 stimulus"));
   hdf5::write_attribute(changes.id(), "law", std::string("0 layered, 1 smooth"));
   return changes;
 }

@@ -102,4 +102,7 @@ inline constexpr const char* kRemarks = "remarks";
 inline constexpr const char* kFormatName = "palpate recording";
 inline constexpr std::int64_t kFormatVersion = 1;
 
+/// The root attribute that names the study of a recording; its runs are blind until it is unblinded.
+inline constexpr const char* kStudyAttribute = "study_blind";
+
 }  // namespace palpate::record

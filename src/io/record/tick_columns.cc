@@ -23,7 +23,8 @@ constexpr std::array<Column, kCount> kColumns = [] {
   std::size_t next = 0;
   for (const haptics::TickField& field : kTickFields) {
     for (std::size_t i = 0; i < field.size(); ++i) {
-      columns[next++] = {field.columns[i], field.type, field.offset + i * column_size(field.type)};
+      columns[next++] = {field.columns[i], field.type, field.offset + i * column_size(field.type),
+                         field.added_later};
     }
   }
   return columns;

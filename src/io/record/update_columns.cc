@@ -15,7 +15,7 @@ using model::kTissueFields;
 
 static_assert(std::is_standard_layout_v<UpdateRow> && std::is_trivially_copyable_v<UpdateRow>);
 static_assert(sizeof(UpdateRow) ==
-                  (11 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
+                  (14 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
 constexpr std::array<const char*, kMaxRelaxationTerms> kShareColumns{
@@ -50,6 +50,9 @@ std::vector<Column> all_columns() {
   add("inclusion_y_m", offsetof(UpdateRow, inclusion_centre), 1, true);
   add("inclusion_z_m", offsetof(UpdateRow, inclusion_centre), 2, true);
   add("inclusion_stiffness_ratio", offsetof(UpdateRow, inclusion_ratio), 0, true);
+  add("stimulus_force_N", offsetof(UpdateRow, stimulus_force), 0, true);
+  add("stimulus_ramp_s", offsetof(UpdateRow, stimulus_ramp), 0, true);
+  columns.push_back({"stimulus_interval", ColumnType::kU64, offsetof(UpdateRow, stimulus_interval), true});
   return columns;
 }
 
@@ -73,6 +76,11 @@ UpdateRow row_of(const ParameterUpdate& change) noexcept {
     row.inclusion_centre = change.inclusion.centre_S;
     row.inclusion_ratio = change.inclusion.ratio;
   }
+  if ((change.what & haptics::kStimulusChanged) != 0) {
+    row.stimulus_force = change.stimulus.force;
+    row.stimulus_ramp = change.stimulus.ramp;
+    row.stimulus_interval = change.stimulus.interval;
+  }
   row.name = change.name;
   return row;
 }
@@ -94,6 +102,10 @@ ParameterUpdate update_of(const UpdateRow& row) {
   if (row.inclusion > 0) {
     change.inclusion = {static_cast<std::uint32_t>(row.inclusion - 1), row.inclusion_centre,
                         row.inclusion_ratio};
+  }
+  if ((row.what & haptics::kStimulusChanged) != 0) {
+    change.stimulus = {row.stimulus_force, row.stimulus_ramp,
+                       static_cast<std::uint32_t>(row.stimulus_interval)};
   }
   change.name = row.name;
   return change;

@@ -24,6 +24,9 @@ struct UpdateRow {
   std::uint64_t inclusion = 0;                               // 0: none; otherwise its number from 1
   std::array<double, 3> inclusion_centre{};                  // organ frame [m]
   double inclusion_ratio = 0.0;
+  double stimulus_force = 0.0;          // N
+  double stimulus_ramp = 0.0;           // s
+  std::uint64_t stimulus_interval = 0;  // 0: none
   std::array<char, haptics::ParameterUpdate::kNameBytes> name{};
 };
 

@@ -30,6 +30,29 @@ std::optional<double> as_number(const toml::node& node) {
   return std::nullopt;
 }
 
+std::optional<double> as_number_in(const toml::node& node, const Range& range) {
+  const std::optional<double> value = as_number(node);
+  return value && std::isfinite(*value) && range.contains(*value) ? value : std::nullopt;
+}
+
+std::optional<std::vector<double>> as_numbers(const toml::node& node, const Range& range) {
+  const auto* array = node.as_array();
+  if (array == nullptr || array->empty()) return std::nullopt;
+  std::vector<double> values;
+  for (const toml::node& entry : *array) {
+    const std::optional<double> value = as_number_in(entry, range);
+    if (!value) return std::nullopt;
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::optional<std::string> as_line(const toml::node& node) {
+  const auto* value = node.as_string();
+  if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) return std::nullopt;
+  return value->get();
+}
+
 /// The valid key that the user probably meant: one that continues `word` (a missing unit), else the nearest
 /// by spelling.
 std::string nearest_key(std::string_view word, const std::vector<std::string>& known) {
@@ -108,8 +131,8 @@ TomlTable TomlTable::child(std::string_view key, const toml::node& node) const {
 std::optional<double> TomlTable::number(std::string_view key, const Range& range) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
-  const std::optional<double> value = as_number(*node);
-  if (!value || !std::isfinite(*value) || !range.contains(*value)) fail(key, "must be " + range.to_string());
+  const std::optional<double> value = as_number_in(*node, range);
+  if (!value) fail(key, "must be " + range.to_string());
   return value;
 }
 
@@ -138,26 +161,58 @@ std::optional<bool> TomlTable::truth(std::string_view key) const {
 std::optional<std::string> TomlTable::text(std::string_view key) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
-  const auto* value = node->as_string();
-  if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) {
-    fail(key, "must be a text in quotes, not empty, on one line");
+  std::optional<std::string> value = as_line(*node);
+  if (!value) fail(key, "must be a text in quotes, not empty, on one line");
+  return value;
+}
+
+std::optional<std::vector<double>> TomlTable::numbers(std::string_view key, const Range& range) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  std::optional<std::vector<double>> values = as_numbers(*node, range);
+  if (!values) fail(key, "must be a list of numbers [a, b, ...], each " + range.to_string());
+  return values;
+}
+
+std::optional<std::vector<std::vector<double>>> TomlTable::number_lists(std::string_view key,
+                                                                        const Range& range) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const std::string want =
+      "must be a list of lists of numbers [[a, ...], [b, ...]], each " + range.to_string();
+  const auto* array = node->as_array();
+  if (array == nullptr) fail(key, want);
+  std::vector<std::vector<double>> lists;
+  for (const toml::node& entry : *array) {
+    std::optional<std::vector<double>> values = as_numbers(entry, range);
+    if (!values) fail(key, want);
+    lists.push_back(std::move(*values));
   }
-  return value->get();
+  return lists;
+}
+
+std::optional<std::vector<std::string>> TomlTable::texts(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  if (node == nullptr) return std::nullopt;
+  const std::string want = "must be a list of texts [\"a\", \"b\", ...], each not empty, on one line";
+  const auto* array = node->as_array();
+  if (array == nullptr || array->empty()) fail(key, want);
+  std::vector<std::string> values;
+  for (const toml::node& entry : *array) {
+    std::optional<std::string> value = as_line(entry);
+    if (!value) fail(key, want);
+    values.push_back(std::move(*value));
+  }
+  return values;
 }
 
 std::optional<Vec3> TomlTable::vector(std::string_view key, const Range& range) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
   const std::string want = "must be three numbers [x, y, z], each " + range.to_string();
-  const auto* array = node->as_array();
-  if (array == nullptr || array->size() != 3) fail(key, want);
-  Vec3 value = Vec3::Zero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::optional<double> entry = as_number(*array->get(i));
-    if (!entry || !std::isfinite(*entry) || !range.contains(*entry)) fail(key, want);
-    value(static_cast<Eigen::Index>(i)) = *entry;
-  }
-  return value;
+  const std::optional<std::vector<double>> values = as_numbers(*node, range);
+  if (!values || values->size() != 3) fail(key, want);
+  return Vec3((*values)[0], (*values)[1], (*values)[2]);
 }
 
 std::optional<TomlTable> TomlTable::table(std::string_view key) const {

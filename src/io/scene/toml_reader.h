@@ -67,6 +67,14 @@ class TomlTable final {
   [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
   /// Three finite numbers, each within `range`.
   [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber) const;
+  /// A list of finite numbers, each within `range`; not empty.
+  [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key,
+                                                           const Range& range = kAnyNumber) const;
+  /// A list of lists of numbers, as numbers().
+  [[nodiscard]] std::optional<std::vector<std::vector<double>>> number_lists(
+      std::string_view key, const Range& range = kAnyNumber) const;
+  /// A list of texts, as text(); not empty.
+  [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
   [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
   /// A table, or an array of tables; empty when the key is missing.
   [[nodiscard]] std::vector<TomlTable> tables(std::string_view key) const;

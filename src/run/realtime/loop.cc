@@ -143,10 +143,10 @@ class Loop final {
     hand_over(number, options_.offline ? 0 : spent, late);
   }
 
-  /// The oldest change to tissue or noise that waits, from this tick on. @return whether there was one
+  /// Applies the oldest parameter update that waits for this tick. @return whether there was one
   bool take_change(std::uint64_t number) noexcept {
     ParameterUpdates* updates = options_.control == nullptr ? nullptr : options_.control->updates();
-    const PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting();
+    const PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting(number);
     if (change == nullptr) return false;
     apply_update(world_, state_, *change);
     ParameterUpdate noted = change->values;

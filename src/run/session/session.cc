@@ -111,10 +111,10 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
     std::vector<NamedFile> inputs;
     for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
     require_no_overwrite(outputs, inputs);
-    all.push_back(
-        &recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure));
+    all.push_back(&recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure,
+                                    options.study));
   } else if (options.keep_fault) {
-    all.push_back(&flight.emplace(setup_));
+    all.push_back(&flight.emplace(setup_, options.study));
   }
   StatisticsObserver statistics(setup_);
   all.push_back(&statistics);

@@ -6,6 +6,10 @@
 
 namespace palpate::experiment {
 
+bool StudyTask::has_noise() const noexcept {
+  return std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.share > 0.0; });
+}
+
 std::optional<std::size_t> Study::find_task(const std::string& wanted) const {
   const auto found =
       std::find_if(tasks.begin(), tasks.end(), [&](const StudyTask& task) { return task.name == wanted; });
@@ -30,6 +34,33 @@ psychophysics::QuestPlusGrid grid_of(const StudyTask& task) {
   const double high = std::log10(std::log(task.largest));
   return psychophysics::detection_grid(std::pow(10.0, low), std::pow(10.0, high),
                                        static_cast<int>(std::lround((task.steps - 1) / (high - low))));
+}
+
+ForceBound force_bound(const Study& study, const StudyTask& task) {
+  constexpr double kDeviations = 6.0;  // the noise exceeds them once in 10^9 samples
+  ForceBound bound;
+  if (task.has_noise()) bound.noise = kDeviations * study.max_noise;
+  switch (task.kind) {
+    case TaskKind::kNoiseThreshold:
+      bound.tissue = task.free ? 0.0 : task.band_high;
+      bound.noise = kDeviations * task.largest;
+      break;
+    case TaskKind::kForceDetection:
+      bound.tissue = task.free ? 0.0 : task.band_high;
+      bound.commanded = task.largest;
+      if (task.signal) {
+        const std::optional<std::size_t> source = study.find_task(task.signal->task);
+        bound.commanded = source ? study.tasks[*source].largest : 0.0;
+      }
+      break;
+    case TaskKind::kForceControl:
+      bound.tissue = *std::max_element(task.targets.begin(), task.targets.end());
+      break;
+    case TaskKind::kStiffness:
+    case TaskKind::kInclusion:
+      break;
+  }
+  return bound;
 }
 
 }  // namespace palpate::experiment

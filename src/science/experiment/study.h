@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/scene.h"
 #include "science/psychophysics/psychophysics.h"
 
 namespace palpate::experiment {
@@ -45,10 +46,10 @@ struct StudyTask {
   std::string name;
   TaskKind kind = TaskKind::kNoiseThreshold;
   Method method = Method::kQuestPlus;
-  std::vector<Arm> arms;  // at least one; a task without conditions has one without noise, named ""
-  int trials = 60;        // for each arm, without practice; of kForceControl: targets x repeats
-  int practice = 0;       // trials before the first, at an easy level, in arms drawn at random
-  double catch_share = 0.0;    // share of trials at the largest level, within `trials`
+  std::vector<Arm> arms;        // at least one; a task without conditions has one without noise, named ""
+  int trials = 60;              // for each arm, without practice; of kForceControl: targets x repeats
+  int practice = 0;             // trials before the first, at an easy level, in arms drawn at random
+  double catch_share = 0.0;     // share of trials at the largest level, within `trials`
   bool sets_threshold = false;  // its estimate is the noise threshold that shares refer to
   bool repeat_at_end = false;   // run again at the end of its session
 
@@ -62,16 +63,18 @@ struct StudyTask {
   // kInclusion: ratios.
   double least = 0.0;
   double largest = 0.0;
-  int steps = 0;  // stimuli for each factor of ten (amplitudes), or their number (ratios)
+  int steps = 0;                     // stimuli for each factor of ten (amplitudes), or their number (ratios)
   std::optional<SignalFrom> signal;  // kForceDetection: one level instead of a range
 
-  double standard_k1 = 18.0;  // N/m, kStiffness
-  double depth = 0.0;         // m: of the press (kStiffness; 0: free), of the inclusion (kInclusion)
-  double radius = 5e-3;       // m, of the inclusion
-  double search_time = 15.0;  // s, of an interval of kInclusion
+  double standard_k1 = 18.0;    // N/m, kStiffness
+  double depth = 0.0;           // m: of the press (kStiffness; 0: free), of the inclusion (kInclusion)
+  double radius = 5e-3;         // m, of the inclusion
+  double search_time = 15.0;    // s, of an interval of kInclusion
   std::vector<double> targets;  // N, kForceControl
   int repeats = 0;              // kForceControl: trials for each target and arm
 
+  /// [any] Some arm has noise.
+  [[nodiscard]] bool has_noise() const noexcept;
   /// [any] Answers are two-interval choices.
   [[nodiscard]] bool two_intervals() const noexcept { return kind != TaskKind::kForceControl; }
   /// [any] Levels are signed logarithms of ratios; else log10 of amplitudes [N], or indices of targets.
@@ -85,8 +88,8 @@ struct StudyTask {
 /// The primary analysis, fixed before the first participant.
 struct PrimaryAnalysis {
   std::string task;
-  std::string condition, reference;  // the contrast "condition - reference"
-  std::string measure = "ln_jnd";    // ln_jnd | d_prime | ln_rms | ln_threshold
+  std::string condition, reference;       // the contrast "condition - reference"
+  std::string measure = "ln_jnd";         // ln_jnd | d_prime | ln_rms | ln_threshold
   std::string alternative = "two-sided";  // less | greater | two-sided
 };
 
@@ -123,7 +126,7 @@ struct Study {
 
   std::vector<std::string> first_keys, second_keys;
   std::uint32_t next_button = 0;
-  double timeout = 8.0;              // s
+  double timeout = 8.0;               // s
   std::string feedback = "practice";  // never | practice | always
 
   double homing_radius = 10e-3;  // m
@@ -151,6 +154,30 @@ struct Study {
 /// [setup] Reads and checks a study file, without its scene. @throws InputError with one line: FILE:LINE:
 /// field = value: what would be right; for an unknown key the nearest valid key.
 [[nodiscard]] Study load_study(const std::filesystem::path& file);
+
+/// [setup] As load_study(), from the text of a study file. @param file name for messages and base of paths
+[[nodiscard]] Study parse_study(const std::string& text, const std::filesystem::path& file);
+
+/// Where the largest force of a task comes from [N]. Stiffness tasks and inclusions press tissue whose law
+/// only the scene knows: their tissue force is 0 here.
+struct ForceBound {
+  double tissue = 0.0;     // upper end of the force band, or the largest target
+  double commanded = 0.0;  // largest commanded force
+  double noise = 0.0;      // 6 standard deviations of the largest noise
+  [[nodiscard]] double sum() const noexcept { return tissue + commanded + noise; }
+};
+
+/// [any] Bound of the force of one task. load_study() requires max_force to be at least its sum.
+[[nodiscard]] ForceBound force_bound(const Study& study, const StudyTask& task);
+
+/// The noise of a trial that lasts longer than max_continuous_noise is faded out for this time [s] after
+/// every max_continuous_noise: in inclusion and force-control tasks.
+inline constexpr double kNoisePause = 0.5;
+
+/// [setup] The scene that a study names: a scene file, relative to the study file, or a built-in organ,
+/// pressed as by `palpate run --organ`. Its largest force is at most that of the study. @throws InputError
+/// naming the field, with the nearest organ
+[[nodiscard]] scene::Overrides scene_of(const Study& study);
 
 /// A part of a session: consecutive trials of one task.
 struct PlannedPart {

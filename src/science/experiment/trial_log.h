@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate::experiment {
@@ -26,15 +27,15 @@ struct TrialRecord {
   int session = 1;
   int block = 1;  // haptic run within the session
   std::string task;
-  bool repeat = false;    // of the task's repetition at the end of its session
+  bool repeat = false;  // of the task's repetition at the end of its session
   bool practice = false;
   bool catch_trial = false;
-  int number = 0;         // of the trial in its task (or its practice), from 0
-  std::string code;       // of the arm: "c1", "c2", ...
-  double level = 0.0;     // of the stimulus, see grid_of(); kForceControl: target [N]
-  bool second = false;    // the signal, or the comparison, is in the second interval
-  int answer = 0;         // 1 or 2; 0: none
-  bool counted = false;   // correct, or of a comparison "comparison is stiffer"
+  int number = 0;                    // of the trial in its task (or its practice), from 0
+  std::string code;                  // of the arm: "c1", "c2", ...
+  double level = 0.0;                // of the stimulus, see grid_of(); kForceControl: target [N]
+  bool second = false;               // the signal, or the comparison, is in the second interval
+  int answer = 0;                    // 1 or 2; 0: none
+  bool counted = false;              // correct, or of a comparison "comparison is stiffer"
   double response_time = 0.0;        // s, from the end of the second interval
   std::vector<std::string> spoiled;  // reasons; empty: the trial counts
   std::array<IntervalCues, 2> intervals{};
@@ -50,11 +51,14 @@ struct TrialRecord {
 struct EventRecord {
   std::string time;
   std::string event;
-  // Names and values in the order they were given; texts as they stand in the file.
+  // Names and values in the order they were given; texts as written in the file.
   std::vector<std::pair<std::string, std::string>> values;
+  std::size_t after_trials = 0;  // number of trial lines before it; not compared
 
-  [[nodiscard]] std::string value(const std::string& name) const;  // "" if there is none
-  bool operator==(const EventRecord&) const = default;
+  [[nodiscard]] std::string value(const std::string& name) const;  // "" without such a name
+  bool operator==(const EventRecord& other) const {
+    return time == other.time && event == other.event && values == other.values;
+  }
 };
 
 /// All lines of a participant's log.
@@ -63,7 +67,8 @@ struct ParticipantLog {
   std::vector<TrialRecord> trials;  // in the order of the file, spoiled ones and practice too
   std::vector<EventRecord> events;
   std::string last_hash;  // of the last line; of an empty file: the lock's hash
-  bool cut = false;       // the last line was incomplete (crash) and is left out
+  // The last line was incomplete, without a line end or with zeros (crash), and is left out.
+  bool cut = false;
 
   [[nodiscard]] bool withdrawn() const;
 };
@@ -73,12 +78,20 @@ struct ParticipantLog {
 /// that is malformed or was changed
 [[nodiscard]] ParticipantLog read_log(const std::filesystem::path& file, const std::string& first_hash);
 
+/// [any] The file that keeps incomplete last lines of a log: ID.cut beside ID.jsonl.
+[[nodiscard]] std::filesystem::path cut_lines_of(std::filesystem::path log);
+
 /// Appends lines to a participant's log. While it lives, another process cannot open the same log.
 class LogWriter final {
  public:
+  enum class Sync {
+    kEachLine,  // a line is on the disk when append() returns
+    kAtEnd      // of a simulated log
+  };
+
   /// [setup] Opens the log, or creates it, and removes an incomplete last line after keeping it beside the
   /// file. @throws InputError when another process has it open, or as read_log()
-  LogWriter(std::filesystem::path file, const std::string& first_hash);
+  LogWriter(std::filesystem::path file, const std::string& first_hash, Sync sync = Sync::kEachLine);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -86,16 +99,21 @@ class LogWriter final {
   /// [setup] What was in the log when it was opened.
   [[nodiscard]] const ParticipantLog& opened() const noexcept { return opened_; }
 
-  /// [setup] Appends a line; it is on the disk (fdatasync) when the call returns. @throws InputError naming
+  /// [setup] Appends a line, which fdatasync brings to the disk. @throws InputError naming
   /// the file when it cannot be written
   void append(const TrialRecord& trial);
   void append(const EventRecord& event);
 
  private:
+  void open_and_lock();
+  void remove_cut_line(const std::string& first_hash);
   void append_line(const std::string& json_without_hash);
 
   std::filesystem::path file_;
+  Sync sync_;
   int descriptor_ = -1;
+  std::uint64_t size_ = 0;   // bytes of complete lines
+  std::uint64_t lines_ = 0;  // complete lines
   std::string last_hash_;
   ParticipantLog opened_;
 };

@@ -18,8 +18,8 @@ double signal_of(const Observer& observer, const ObserverTrial& trial) noexcept 
   return trial.level * portable::exp(-kLn10 * observer.drift * trial.progress);
 }
 
-double noise_of(const Observer& observer, const ObserverTrial& trial) noexcept {
-  return std::sqrt(observer.internal_noise * observer.internal_noise + trial.noise * trial.noise);
+double noise_of(const Observer& observer, double noise) noexcept {
+  return std::sqrt(observer.internal_noise * observer.internal_noise + noise * noise);
 }
 
 double by_function(const Observer& observer, const ObserverTrial& trial) noexcept {
@@ -48,9 +48,8 @@ double binomial(int m, int n, double probability) noexcept {
 
 // Probability that more samples exceed the threshold with the signal than without; ties count half.
 double threshold_correct(const Observer& observer, const ObserverTrial& trial) noexcept {
-  const double sd = noise_of(observer, trial);
-  const double with = normal_cdf((signal_of(observer, trial) - 1.0) / sd);
-  const double without = normal_cdf(-1.0 / sd);
+  const double with = normal_cdf((signal_of(observer, trial) - 1.0) / noise_of(observer, trial.noise));
+  const double without = normal_cdf(-1.0 / noise_of(observer, trial.noise_without.value_or(trial.noise)));
   double sum = 0.0;
   double fewer = 0.0;  // probability of fewer samples without the signal
   for (int n = 0; n <= observer.samples; ++n) {
@@ -111,7 +110,7 @@ double probability_second(const Observer& observer, const ObserverTrial& trial) 
       }
       break;
     case Observer::Kind::kLinear:  // [Green and Swets 1966]: P = Phi(d'/sqrt 2)
-      correct = normal_cdf(signal_of(observer, trial) / noise_of(observer, trial) / std::sqrt(2.0));
+      correct = normal_cdf(signal_of(observer, trial) / noise_of(observer, trial.noise) / std::sqrt(2.0));
       break;
     case Observer::Kind::kThreshold:
       correct = threshold_correct(observer, trial);
@@ -133,11 +132,12 @@ double probability_yes(const Observer& observer, const ObserverTrial& trial) noe
       yes = by_function(observer, trial);
       break;
     case Observer::Kind::kLinear:
-      yes = normal_cdf((signal_of(observer, trial) - observer.criterion) / noise_of(observer, trial));
+      yes = normal_cdf((signal_of(observer, trial) - observer.criterion) / noise_of(observer, trial.noise));
       break;
     case Observer::Kind::kThreshold:  // at least one sample exceeds the threshold
-      yes = 1.0 - power(1.0 - normal_cdf((signal_of(observer, trial) - 1.0) / noise_of(observer, trial)),
-                        observer.samples);
+      yes =
+          1.0 - power(1.0 - normal_cdf((signal_of(observer, trial) - 1.0) / noise_of(observer, trial.noise)),
+                      observer.samples);
       break;
     case Observer::Kind::kFirstInterval:
       yes = 1.0;

@@ -232,6 +232,8 @@ struct ObserverTrial {
   bool second = false;       // the signal is in the second interval; unused in comparisons
   double progress = 0.0;     // elapsed share of the session
   bool last_answer = false;  // "second" or "yes" in the previous trial
+  // Standard deviation in the interval without the signal; empty: as in the other one. Of kThreshold.
+  std::optional<double> noise_without{};
 };
 
 /// [any] Probability of the answer "second" in a task with two intervals.

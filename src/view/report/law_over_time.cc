@@ -60,6 +60,10 @@ namespace {
 std::string change_text(const haptics::ParameterUpdate& change) {
   if ((change.what & haptics::kTissueChanged) != 0) return tissue_text(tissue_of(change));
   if ((change.what & haptics::kNoiseChanged) != 0) return noise_text(change.noise);
+  if ((change.what & haptics::kStimulusChanged) != 0) {
+    return fmt::format("commanded force {} N within {} ms", shortest(change.stimulus.force),
+                       brief(1e3 * change.stimulus.ramp, 3));
+  }
   const haptics::LiveInclusion& inclusion = change.inclusion;
   return fmt::format("inclusion {} at {} with stiffness ratio {}", inclusion.index + 1,
                      point_mm({inclusion.centre_S[0], inclusion.centre_S[1], inclusion.centre_S[2]}),

@@ -266,7 +266,7 @@ TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
   EXPECT_EQ(lines[1],
             "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
-            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,0,0,0,0,0,\"a,\"\"\"");
+            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,0,0,0,0,0,0,0,0,\"a,\"\"\"");
   EXPECT_EQ(changes_csv_path("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }

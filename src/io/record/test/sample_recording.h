@@ -88,9 +88,9 @@ inline haptics::TickRow sample_row(std::uint64_t tick, std::uint32_t hand) {
   row.hand = hand;
   row.phase = static_cast<std::uint32_t>(tick % 3);
   double value = static_cast<double>(tick) / 7.0 + static_cast<double>(hand) / 3.0;
-  for (double* member :
-       {&row.distance, &row.depth, &row.tissue_force, &row.noise_force, &row.friction, &row.gripper_force,
-        &row.gripper, &row.device_gripper, &row.device_age, &row.energy, &row.engagement}) {
+  for (double* member : {&row.distance, &row.depth, &row.tissue_force, &row.noise_force, &row.friction,
+                         &row.gripper_force, &row.gripper, &row.device_gripper, &row.device_age, &row.energy,
+                         &row.engagement, &row.stimulus_force}) {
     *member = value += 0.1;
   }
   for (auto* triple :

@@ -97,14 +97,52 @@ TEST(ParameterUpdates, OneIsTakenATickInTheOrderOffered) {
   }
   SimulationState state(world);
   for (std::uint64_t i = 1; i <= 3; ++i) {
-    const PreparedUpdate* change = changes.waiting();
+    const PreparedUpdate* change = changes.waiting(0);
     ASSERT_NE(change, nullptr);
     EXPECT_EQ(change->values.tissue.k1, gallbladder().k1 * static_cast<double>(i));
     apply_update(world, state, *change);
     EXPECT_EQ(state.change, i);
     changes.taken();
   }
-  EXPECT_EQ(changes.waiting(), nullptr);
+  EXPECT_EQ(changes.waiting(0), nullptr);
+}
+
+/// The ticks that took an update.
+std::vector<std::uint64_t> ticks_with_an_update(const std::vector<TickRow>& rows) {
+  std::vector<std::uint64_t> ticks;
+  for (const TickRow& row : rows) {
+    if ((row.events & kParameterUpdated) != 0) ticks.push_back(row.tick);
+  }
+  return ticks;
+}
+
+TEST(ParameterUpdates, ATimedUpdateIsTakenExactlyAtItsTickAndALateOneAtTheNext) {
+  const SimulationWorld world = block_and_balls(1, 1000.0, no_noise());
+  ParameterUpdates changes(world, gallbladder(), {});
+  const std::vector<TickRow> rows = run(world, 700, changes, [&](std::uint64_t tick) {
+    if (tick == 10) (void)changes.offer(twice_as_stiff(), 600);
+    if (tick == 650) (void)changes.offer(gallbladder(), 640);
+  });
+  EXPECT_THAT(ticks_with_an_update(rows), testing::ElementsAre(600, 651));
+  EXPECT_EQ(rows[600].depth, rows[599].depth);
+  EXPECT_NEAR(rows[600].tissue_force, 2.0 * rows[599].tissue_force, 1e-12);
+  EXPECT_NEAR(rows[651].tissue_force, rows[599].tissue_force, 1e-12);
+}
+
+TEST(ParameterUpdates, ALaterUpdateWaitsBehindATimedOne) {
+  const SimulationWorld world = block_and_balls(1, 1000.0);
+  ParameterUpdates changes(world, gallbladder(), {});
+  (void)changes.offer(LiveNoise{false, 1e-5, 4e-3}, 100);
+  (void)changes.offer(twice_as_stiff());
+  (void)changes.offer(LiveStimulus{0.1, 50e-3, 1}, 50);
+  (void)changes.offer(LiveStimulus{0.0, 50e-3, 0}, 200);
+  const std::vector<TickRow> rows = run(world, 300, changes, [](std::uint64_t) {});
+  EXPECT_THAT(ticks_with_an_update(rows), testing::ElementsAre(100, 101, 102, 200));
+  EXPECT_EQ(rows[101].events, kParameterUpdated);
+  EXPECT_EQ(rows[102].events, kParameterUpdated | kIntervalBegan);
+  EXPECT_EQ(rows[151].stimulus_force, 0.1) << "50 ticks, from 102 on";
+  EXPECT_LT(rows[150].stimulus_force, 0.1);
+  EXPECT_EQ(rows[200].events, kParameterUpdated | kIntervalEnded);
 }
 
 TEST(ParameterUpdates, SwitchedNoiseAndItsNewGainAreFullWithinFiftyMilliseconds) {
@@ -144,11 +182,11 @@ TEST(ParameterUpdates, ATissueChangeLeavesTheNoiseAndTheOtherWayRound) {
   EXPECT_EQ(changes.noise(), (LiveNoise{false, 1e-5, 4e-3}));
   EXPECT_EQ(changes.tissue().k1, 36.0);
   SimulationState state(world);
-  apply_update(world, state, *changes.waiting());
+  apply_update(world, state, *changes.waiting(0));
   changes.taken();
   const NoiseCrossfade glide = state.noise_crossfade;
-  EXPECT_EQ(changes.waiting()->values.noise.gain, 1e-5) << "each states all that is in force";
-  apply_update(world, state, *changes.waiting());
+  EXPECT_EQ(changes.waiting(0)->values.noise.gain, 1e-5) << "each states all that is in force";
+  apply_update(world, state, *changes.waiting(0));
   EXPECT_EQ(state.noise_crossfade.ticks_left, glide.ticks_left);
   EXPECT_FALSE(state.noise_enabled);
 }
@@ -175,18 +213,18 @@ TEST(ParameterUpdates, BadValuesAreRefusedInWordsAndChangeNothing) {
   ParameterUpdate unknown_law = parameter_update(gallbladder(), {}, kTissueChanged);
   unknown_law.tissue.law = static_cast<model::LawKind>(7);
   EXPECT_THROW((void)prepare_update(world, unknown_law), ParameterError);
-  EXPECT_EQ(changes.waiting(), nullptr);
+  EXPECT_EQ(changes.waiting(0), nullptr);
   EXPECT_EQ(changes.tissue().k1, gallbladder().k1);
 }
 
-TEST(ParameterUpdates, NoMoreThanEightWaitAndTheNextIsRefused) {
+TEST(ParameterUpdates, NoMoreThanThirtyTwoWaitAndTheNextIsRefused) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   ParameterUpdates changes(world, gallbladder(), {});
   for (std::size_t i = 0; i < ParameterUpdates::kMaxWaiting; ++i) (void)changes.offer(gallbladder());
-  EXPECT_THAT(refusal_of(changes, twice_as_stiff()), HasSubstr("has not taken the last 8 changes"));
+  EXPECT_THAT(refusal_of(changes, twice_as_stiff()), HasSubstr("has not taken the last 32 changes"));
   EXPECT_EQ(changes.tissue().k1, gallbladder().k1);
   changes.taken();
-  EXPECT_EQ(changes.offer(twice_as_stiff()).number, 9u);
+  EXPECT_EQ(changes.offer(twice_as_stiff()).number, 33u);
 }
 
 TEST(ParameterUpdates, WarningsOfTheNewTissueComeBackToTheCaller) {
@@ -225,14 +263,14 @@ TEST(ParameterUpdates, OffersOfSeveralThreadsAllArriveOnce) {
         (void)changes.offer(twice_as_stiff());
         ++done;
       } catch (const InputError&) {
-        std::this_thread::yield();  // eight updates wait already
+        std::this_thread::yield();  // 32 updates wait already
       }
     }
   };
   std::thread one(offer_all);
   std::thread other(offer_all);
   for (std::uint64_t taken = 0; taken < 2 * kEach;) {
-    const PreparedUpdate* change = changes.waiting();
+    const PreparedUpdate* change = changes.waiting(0);
     if (change == nullptr) {
       std::this_thread::yield();
       continue;
@@ -242,7 +280,7 @@ TEST(ParameterUpdates, OffersOfSeveralThreadsAllArriveOnce) {
   }
   one.join();
   other.join();
-  EXPECT_EQ(changes.waiting(), nullptr);
+  EXPECT_EQ(changes.waiting(0), nullptr);
 }
 
 }  // namespace

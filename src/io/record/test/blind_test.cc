@@ -1,0 +1,150 @@
+// Recordings of a study that is still blind.
+#include "io/record/blind.h"
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/record/flight_recorder.h"
+#include "io/record/test/sample_recording.h"
+#include "palpate/error.h"
+
+namespace palpate::record {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+/// A study's folder with one blind recording.
+struct Study {
+  Study() {
+    fs::create_directory(folder / "recordings");
+    Recorder recorder(file, setup, true, {}, "touch-noise-1");
+    recorder.on_start(kStarted);
+    for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.on_row(sample_row(tick, 0));
+    recorder.finish({});
+  }
+  void unblind() const { std::ofstream(folder / "unblinded.json") << "{}\n"; }
+  [[nodiscard]] fs::path log() const { return folder / "recordings" / "blind-broken.jsonl"; }
+
+  TemporaryFolder folder;
+  scene::Scene setup = sample_setup(1);
+  fs::path file = folder / "recordings" / "block-1.h5";
+};
+
+TEST(BlindRecording, IsRefusedWithTheReasonAndTheWaysToOpenIt) {
+  const Study study;
+  EXPECT_THAT(
+      [&] { (void)read_recording(study.file); },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("block-1.h5: belongs to the study touch-noise-1"),
+                                      HasSubstr("palpate study unblind"), HasSubstr("--break-blind"))));
+}
+
+TEST(BlindRecording, IsReadByACallerThatShowsNoForce) {
+  const Study study;
+  const Recording recording = read_recording(study.file, {}, Blind::kAllow);
+  EXPECT_EQ(recording.rows.size(), 5U);
+  EXPECT_EQ(recording.facts.study, "touch-noise-1");
+  EXPECT_TRUE(recording.facts.blind);
+}
+
+TEST(BlindRecording, IsOpenedByTheFileAboveItsFolder) {
+  const Study study;
+  std::ofstream(study.folder / "recordings" / "unblinded.json") << "{}\n";
+  EXPECT_THROW((void)read_recording(study.file), InputError) << "beside it the file does not count";
+  study.unblind();
+  const Recording recording = read_recording(study.file);
+  EXPECT_EQ(recording.facts.study, "touch-noise-1");
+  EXPECT_FALSE(recording.facts.blind);
+}
+
+TEST(BlindRecording, ALinkToItIsAsBlind) {
+  const Study study;
+  const TemporaryFolder other;
+  fs::create_directory(other / "recordings");
+  std::ofstream(other / "unblinded.json") << "{}\n";
+  fs::create_symlink(study.file, other / "recordings" / "link.h5");
+  EXPECT_THROW((void)read_recording(other / "recordings" / "link.h5"), InputError);
+}
+
+TEST(BlindRecording, ARecordingOfNoStudyIsNotBlind) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 5, 1);
+  const Recording recording = break_blind(folder / "a.h5", "palpate export");
+  EXPECT_EQ(recording.facts.study, "");
+  EXPECT_FALSE(recording.facts.blind);
+  EXPECT_FALSE(fs::exists(folder / "blind-broken.jsonl")) << "nothing was broken";
+}
+
+TEST(BlindRecording, BreakingTheBlindAppendsALineEachTime) {
+  const Study study;
+  EXPECT_EQ(break_blind(study.file, "palpate export").rows.size(), 5U);
+  EXPECT_FALSE(break_blind(study.file, "palpate view").facts.blind);
+  std::istringstream lines(contents(study.log()));
+  std::vector<nlohmann::json> entries;
+  for (std::string line; std::getline(lines, line);) entries.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(entries.size(), 2U);
+  EXPECT_EQ(entries[0]["event"], "break-blind");
+  EXPECT_EQ(entries[0]["file"], "block-1.h5");
+  EXPECT_EQ(entries[0]["command"], "palpate export");
+  EXPECT_EQ(entries[1]["command"], "palpate view");
+  EXPECT_THAT(entries[0]["time"].get<std::string>(), testing::MatchesRegex("20..-..-..T..:..:..Z"));
+  study.unblind();
+  (void)break_blind(study.file, "palpate view");
+  EXPECT_EQ(contents(study.log()), lines.str()) << "an open recording is not broken";
+}
+
+TEST(BlindRecording, WithoutALogItStaysBlind) {
+  const Study study;
+  fs::create_directory(study.log());
+  EXPECT_THAT([&] { (void)break_blind(study.file, "palpate export"); },
+              ThrowsMessage<InputError>(HasSubstr("blind-broken.jsonl: cannot be written")));
+}
+
+TEST(BlindRecording, ALogThatIsALinkIsNotFollowed) {
+  const Study study;
+  fs::create_symlink(study.folder / "elsewhere", study.log());
+  EXPECT_THROW((void)break_blind(study.file, "palpate export"), InputError);
+  EXPECT_FALSE(fs::exists(study.folder / "elsewhere"));
+}
+
+TEST(BlindRecording, RepairKeepsItBlind) {
+  const Study study;
+  {
+    Recorder recorder(study.file, study.setup, true, {}, "touch-noise-1");
+    recorder.on_start(kStarted);
+    for (std::uint64_t tick = 0; tick < 3000; ++tick) recorder.on_row(sample_row(tick, 0));
+    recorder.finish({});
+  }
+  fs::resize_file(study.file, fs::file_size(study.file) - 300'000);
+  EXPECT_TRUE(repair_recording(study.file).was_damaged);
+  EXPECT_TRUE(opens_plainly(study.file));
+  EXPECT_THROW((void)read_recording(study.file), InputError);
+  EXPECT_GT(read_recording(study.file, {}, Blind::kAllow).rows.size(), 1000U);
+}
+
+TEST(BlindRecording, TheTicksBeforeAFaultAreBlindToo) {
+  const TemporaryFolder folder;
+  const scene::Scene setup = sample_setup(1);
+  FlightRecorder flight(setup, "touch-noise-1");
+  flight.on_row(sample_row(0, 0));
+  flight.write(folder / "fault.h5", {});
+  EXPECT_THROW((void)read_recording(folder / "fault.h5"), InputError);
+}
+
+TEST(BlindRecording, ADifferenceOfItsRowsIsReportedWithoutValues) {
+  haptics::TickRow other = sample_row(3, 0);
+  other.noise_force += 0.25;
+  EXPECT_EQ(row_difference(sample_row(3, 0), other, false), "tick 3, hand 0, noise_force_N");
+  EXPECT_THAT(row_difference(sample_row(3, 0), other), HasSubstr("noise_force_N: recorded "));
+}
+
+}  // namespace
+}  // namespace palpate::record

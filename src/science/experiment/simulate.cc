@@ -1,0 +1,117 @@
+#include "science/experiment/simulate.h"
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+#include "io/system/temporary.h"
+#include "palpate/error.h"
+#include "science/experiment/course.h"
+#include "science/experiment/simulated_person.h"
+
+namespace palpate::experiment {
+namespace {
+
+// A simulated session begins at nine o'clock, one a day from this one on.
+constexpr std::time_t kFirstMorning = 946'717'200;  // 2000-01-01T09:00:00Z
+constexpr std::time_t kDay = 86'400;
+
+std::string time_of(int session, double seconds) {
+  const std::time_t at = kFirstMorning + (session - 1) * kDay + static_cast<std::time_t>(seconds);
+  std::tm parts{};
+  gmtime_r(&at, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S.000Z", &parts);
+  return text.data();
+}
+
+int planned_trials(const PlannedSession& session) {
+  int trials = 0;
+  for (const PlannedPart& part : session.parts) trials += part.trials;
+  return trials;
+}
+
+/// One simulated participant at work.
+class SimulatedCourse final {
+ public:
+  SimulatedCourse(const StudyFolder& study, SealedKey key, std::uint32_t participant,
+                  const std::string& observer, LogWriter& log)
+      : study_(study.study),
+        participant_(participant),
+        observer_(observer),
+        log_(log),
+        person_(make_person(observer, study.study.seed, participant)),
+        course_(study.study, key, participant),
+        plan_(plan_sessions(study.study)) {}
+
+  void run() {
+    for (std::size_t session = 1; session <= plan_.size(); ++session) run_session(static_cast<int>(session));
+  }
+
+ private:
+  void append(const std::string& event, std::vector<std::pair<std::string, std::string>> values) {
+    log_.append(EventRecord{time_of(session_, seconds_), event, std::move(values)});
+  }
+
+  void run_session(int session) {
+    session_ = session;
+    seconds_ = 0.0;
+    const std::string number = std::to_string(session);
+    append("session", {{"session", number}, {"observer", observer_}, {"level", "formula"}});
+    course_.begin_session(session);
+    const int planned = planned_trials(plan_[static_cast<std::size_t>(session - 1)]);
+    int block = 1;
+    int in_block = 0;
+    std::string task;
+    for (int done = 0; const auto trial = course_.next(); ++done) {
+      const std::string& name = study_.tasks[trial->task].name;
+      if (in_block == study_.break_trials || (!task.empty() && task != name)) {
+        ++block;
+        in_block = 0;
+        seconds_ += study_.break_least;
+      }
+      task = name;
+      ++in_block;
+      seconds_ += trial_seconds(study_, study_.tasks[trial->task]);
+      TrialRecord record = record_of(study_, *trial, session, block);
+      record.time = time_of(session, seconds_);
+      const double progress = planned > 0 ? std::min(1.0, static_cast<double>(done) / planned) : 0.0;
+      answer_by_formula(study_, person_, *trial, progress, last_second_, study_.seed, participant_, record);
+      last_second_ = record.answer == 2;
+      log_.append(record);
+      course_.add(record);
+    }
+    append("session-end", {{"session", number}});
+  }
+
+  const Study& study_;
+  std::uint32_t participant_;
+  const std::string& observer_;
+  LogWriter& log_;
+  SimulatedPerson person_;
+  Course course_;
+  std::vector<PlannedSession> plan_;
+  int session_ = 1;
+  double seconds_ = 0.0;
+  bool last_second_ = false;
+};
+
+}  // namespace
+
+std::string simulate_log(const StudyFolder& study, SealedKey key, std::uint32_t participant,
+                         const std::string& observer) {
+  const ScratchFolder scratch("palpate-study");
+  const std::filesystem::path file = scratch.path() / "log.jsonl";
+  {
+    LogWriter log(file, study.lock_hash, LogWriter::Sync::kAtEnd);
+    SimulatedCourse(study, key, participant, observer, log).run();
+  }
+  std::ifstream bytes(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(bytes), {}};
+}
+
+}  // namespace palpate::experiment

@@ -1,0 +1,15 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "science/experiment/folder.h"
+
+namespace palpate::experiment {
+
+/// [setup] All sessions of a participant by formulas, without a run. Times are those of a simulated clock.
+/// @param observer as make_person() @return the log, which depends on folder, key, participant and observer
+/// alone @throws InputError
+[[nodiscard]] std::string simulate_log(const StudyFolder& study, SealedKey key, std::uint32_t participant,
+                                       const std::string& observer);
+
+}  // namespace palpate::experiment

@@ -1,0 +1,368 @@
+#include "science/experiment/trial_log.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+#include <openssl/evp.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "core/base/text.h"
+#include "io/system/clock.h"
+#include "io/system/input_file.h"
+#include "io/system/whole_json.h"
+#include "palpate/error.h"
+
+namespace palpate::experiment {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr InputKind kLogInput{"a participant's log", std::uint64_t{256} << 20};
+// Names that a line has by itself.
+constexpr std::array<std::string_view, 5> kLineKeys{"n", "previous", "type", "time", "event"};
+
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+double finite(const char* name, double value) {
+  if (!std::isfinite(value)) throw ParameterError(name, value, "finite");
+  return value;
+}
+
+Json json_of_cues(const IntervalCues& cues) {
+  Json json;
+  json["from_tick"] = cues.from_tick;
+  json["to_tick"] = cues.to_tick;
+  json["peak_force_N"] = finite("peak_force_N", cues.peak_force);
+  json["mean_force_N"] = finite("mean_force_N", cues.mean_force);
+  json["depth_m"] = finite("depth_m", cues.depth);
+  json["work_J"] = finite("work_J", cues.work);
+  return json;
+}
+
+IntervalCues cues_of(const Json& json) {
+  IntervalCues cues;
+  cues.from_tick = whole_number<std::uint64_t>(json, "from_tick");
+  cues.to_tick = whole_number<std::uint64_t>(json, "to_tick");
+  json.at("peak_force_N").get_to(cues.peak_force);
+  json.at("mean_force_N").get_to(cues.mean_force);
+  json.at("depth_m").get_to(cues.depth);
+  json.at("work_J").get_to(cues.work);
+  return cues;
+}
+
+Json json_of_trial(const TrialRecord& trial) {
+  Json json;
+  json["type"] = "trial";
+  json["time"] = trial.time;
+  json["session"] = trial.session;
+  json["block"] = trial.block;
+  json["task"] = trial.task;
+  json["repeat"] = trial.repeat;
+  json["practice"] = trial.practice;
+  json["catch"] = trial.catch_trial;
+  json["number"] = trial.number;
+  json["code"] = trial.code;
+  json["level"] = finite("level", trial.level);
+  json["second"] = trial.second;
+  json["answer"] = trial.answer;
+  json["counted"] = trial.counted;
+  json["response_time_s"] = finite("response_time_s", trial.response_time);
+  json["spoiled"] = trial.spoiled;
+  json["intervals"] = Json::array({json_of_cues(trial.intervals[0]), json_of_cues(trial.intervals[1])});
+  json["rms_error_N"] = finite("rms_error_N", trial.rms_error);
+  json["variation"] = finite("variation", trial.variation);
+  json["observer"] = trial.observer;
+  return json;
+}
+
+TrialRecord trial_of(const Json& json) {
+  TrialRecord trial;
+  json.at("time").get_to(trial.time);
+  trial.session = whole_number<int>(json, "session");
+  trial.block = whole_number<int>(json, "block");
+  json.at("task").get_to(trial.task);
+  json.at("repeat").get_to(trial.repeat);
+  json.at("practice").get_to(trial.practice);
+  json.at("catch").get_to(trial.catch_trial);
+  trial.number = whole_number<int>(json, "number");
+  json.at("code").get_to(trial.code);
+  json.at("level").get_to(trial.level);
+  json.at("second").get_to(trial.second);
+  trial.answer = whole_number<int>(json, "answer");
+  json.at("counted").get_to(trial.counted);
+  json.at("response_time_s").get_to(trial.response_time);
+  json.at("spoiled").get_to(trial.spoiled);
+  const Json& intervals = json.at("intervals");
+  if (intervals.size() != trial.intervals.size()) throw InputError("intervals must have two entries");
+  for (std::size_t i = 0; i < trial.intervals.size(); ++i) trial.intervals[i] = cues_of(intervals.at(i));
+  json.at("rms_error_N").get_to(trial.rms_error);
+  json.at("variation").get_to(trial.variation);
+  json.at("observer").get_to(trial.observer);
+  return trial;
+}
+
+Json json_of_event(const EventRecord& event) {
+  Json json;
+  json["type"] = "event";
+  json["time"] = event.time;
+  json["event"] = event.event;
+  for (const auto& [name, value] : event.values) {
+    const bool reserved = std::find(kLineKeys.begin(), kLineKeys.end(), name) != kLineKeys.end();
+    if (reserved || json.contains(name)) {
+      throw InputError(
+          fmt::format("event {}: value {}: the name is taken, must be another", event.event, one_line(name)));
+    }
+    json[name] = value;
+  }
+  return json;
+}
+
+EventRecord event_of(const Json& json) {
+  EventRecord event;
+  json.at("time").get_to(event.time);
+  json.at("event").get_to(event.event);
+  for (const auto& [name, value] : json.items()) {
+    if (std::find(kLineKeys.begin(), kLineKeys.end(), name) != kLineKeys.end()) continue;
+    event.values.emplace_back(name, value.get<std::string>());
+  }
+  return event;
+}
+
+/// A line of a log and what the chain needs of it.
+struct LogLine {
+  std::string_view text;
+  Json json;
+  std::string hash;  // of the text
+};
+
+/// Lines of a log up to the last complete one.
+struct LogLines {
+  std::vector<LogLine> lines;
+  std::size_t complete = 0;  // bytes
+};
+
+[[noreturn]] void fail_line(const fs::path& file, std::size_t line, const std::string& what) {
+  throw InputError(fmt::format("{}:{}: {}", file.string(), line, what));
+}
+
+LogLines split_log(const fs::path& file, std::string_view bytes) {
+  LogLines found;
+  while (found.complete < bytes.size()) {
+    const std::size_t end = bytes.find('\n', found.complete);
+    if (end == std::string_view::npos) break;
+    const std::string_view text = bytes.substr(found.complete, end - found.complete);
+    Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object()) {
+      // A file system may leave zeros for a part of the last line that it lost in a power failure.
+      if (end + 1 == bytes.size() && text.find('\0') != std::string_view::npos) break;
+      fail_line(file, found.lines.size() + 1, "is not a JSON object: the line was changed");
+    }
+    found.lines.push_back({text, std::move(json), sha256(std::string(text))});
+    found.complete = end + 1;
+  }
+  return found;
+}
+
+bool follows(const LogLine& line, const std::string& hash) {
+  const auto previous = line.json.find("previous");
+  return previous != line.json.end() && previous->is_string() && previous->get<std::string>() == hash;
+}
+
+/// Names the changed line. One changed line breaks the chain at itself and at the next line when its own
+/// "previous" was changed, and else only at the next line.
+void check_chain(const fs::path& file, const std::vector<LogLine>& lines, const std::string& first_hash) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (follows(lines[i], i == 0 ? first_hash : lines[i - 1].hash)) continue;
+    if (i + 1 < lines.size() && !follows(lines[i + 1], lines[i].hash)) {
+      fail_line(file, i + 1, "was changed: the next line holds another hash of it");
+    }
+    if (i == 0) fail_line(file, 1, "\"previous\" is not the hash of lock.json: the log is of another study");
+    if (i + 1 == lines.size()) {
+      fail_line(file, i, fmt::format("this line or line {} was changed: their hashes do not match", i + 1));
+    }
+    fail_line(file, i, "was changed: the next line holds another hash of it");
+  }
+}
+
+void add_line(ParticipantLog& log, const LogLine& line, std::size_t number) {
+  if (whole_number<std::uint64_t>(line.json, "n") != number) {
+    throw InputError(fmt::format("n must be {}, the number of the line", number));
+  }
+  const auto type = line.json.at("type").get<std::string>();
+  if (type == "trial") {
+    log.trials.push_back(trial_of(line.json));
+  } else if (type == "event") {
+    log.events.push_back(event_of(line.json));
+  } else {
+    throw InputError("type is \"" + excerpt(type) + "\", must be trial or event");
+  }
+}
+
+ParticipantLog parse_log(const fs::path& file, std::string_view bytes, const std::string& first_hash) {
+  const LogLines found = split_log(file, bytes);
+  check_chain(file, found.lines, first_hash);
+  ParticipantLog log;
+  log.id = file.stem().string();
+  log.last_hash = found.lines.empty() ? first_hash : found.lines.back().hash;
+  log.cut = found.complete < bytes.size();
+  for (std::size_t i = 0; i < found.lines.size(); ++i) {
+    try {
+      const std::size_t before = log.trials.size();
+      const std::size_t events = log.events.size();
+      add_line(log, found.lines[i], i + 1);
+      if (log.events.size() > events) log.events.back().after_trials = before;
+    } catch (const std::exception& error) {
+      fail_line(file, i + 1, one_line(error.what()));
+    }
+  }
+  return log;
+}
+
+std::string reason() { return std::strerror(errno); }
+
+/// Writes all bytes at an offset, and flushes them to the disk.
+bool write_through(int descriptor, std::string_view bytes, std::uint64_t offset, bool flush = true) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    offset += static_cast<std::uint64_t>(written);
+  }
+  return !flush || ::fdatasync(descriptor) == 0;
+}
+
+/// Flushes a folder's list of files to the disk, so that a new file stays after a power failure.
+void flush_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+std::string read_bytes(const fs::path& file) { return InputFile(file, kLogInput).read_rest(); }
+
+}  // namespace
+
+std::string sha256(const std::string& bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("libcrypto cannot compute SHA-256");
+  }
+  std::string hexadecimal;
+  for (unsigned int i = 0; i < size; ++i) hexadecimal += fmt::format("{:02x}", digest[i]);
+  return hexadecimal;
+}
+
+std::string utc_now() {
+  constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
+  const std::int64_t milliseconds = unix_ns() / kNanosecondsPerMillisecond;
+  const auto seconds = static_cast<std::time_t>(milliseconds / 1000);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
+                     parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, milliseconds % 1000);
+}
+
+std::string EventRecord::value(const std::string& name) const {
+  const auto found =
+      std::find_if(values.begin(), values.end(), [&](const auto& entry) { return entry.first == name; });
+  return found == values.end() ? "" : found->second;
+}
+
+bool ParticipantLog::withdrawn() const {
+  return std::any_of(events.begin(), events.end(),
+                     [](const EventRecord& event) { return event.event == "withdrawn"; });
+}
+
+ParticipantLog read_log(const fs::path& file, const std::string& first_hash) {
+  std::error_code error;
+  return parse_log(file, fs::exists(file, error) ? read_bytes(file) : "", first_hash);
+}
+
+fs::path cut_lines_of(fs::path log) { return log.replace_extension(".cut"); }
+
+LogWriter::LogWriter(fs::path file, const std::string& first_hash, Sync sync)
+    : file_(std::move(file)), sync_(sync) {
+  open_and_lock();
+  try {
+    remove_cut_line(first_hash);
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+LogWriter::~LogWriter() {
+  if (sync_ == Sync::kAtEnd) ::fdatasync(descriptor_);
+  ::close(descriptor_);  // also releases the lock
+}
+
+void LogWriter::open_and_lock() {
+  constexpr mode_t kRights = 0644;
+  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, kRights);
+  if (descriptor_ < 0) throw InputError(file_.string() + ": cannot be opened for writing: " + reason());
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  const std::string why = errno == EWOULDBLOCK ? "another process has this log open: end that session first"
+                                               : "cannot be locked: " + reason();
+  ::close(descriptor_);
+  throw InputError(file_.string() + ": " + why);
+}
+
+void LogWriter::remove_cut_line(const std::string& first_hash) {
+  const std::string bytes = read_bytes(file_);
+  opened_ = parse_log(file_, bytes, first_hash);
+  size_ = split_log(file_, bytes).complete;
+  lines_ = opened_.trials.size() + opened_.events.size();
+  last_hash_ = opened_.last_hash;
+  flush_folder(file_.parent_path());
+  if (!opened_.cut) return;
+  const fs::path kept = cut_lines_of(file_);
+  constexpr mode_t kRights = 0644;
+  const int descriptor = ::open(kept.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK, kRights);
+  if (descriptor < 0) throw InputError(kept.string() + ": cannot be opened for writing: " + reason());
+  std::string tail = bytes.substr(size_);
+  if (!tail.ends_with('\n')) tail += '\n';
+  const off_t end = ::lseek(descriptor, 0, SEEK_END);
+  const bool written = end >= 0 && write_through(descriptor, tail, static_cast<std::uint64_t>(end));
+  const std::string why = reason();
+  ::close(descriptor);
+  if (!written) throw InputError(kept.string() + ": cannot be written: " + why);
+  if (::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0 || ::fdatasync(descriptor_) != 0) {
+    throw InputError(file_.string() + ": the incomplete last line cannot be removed: " + reason());
+  }
+}
+
+void LogWriter::append(const TrialRecord& trial) { append_line(dumped(json_of_trial(trial))); }
+
+void LogWriter::append(const EventRecord& event) { append_line(dumped(json_of_event(event))); }
+
+void LogWriter::append_line(const std::string& json_without_hash) {
+  const std::string line = fmt::format(R"({{"n":{},"previous":"{}",{})", lines_ + 1, last_hash_,
+                                       std::string_view(json_without_hash).substr(1));
+  if (!write_through(descriptor_, line + '\n', size_, sync_ == Sync::kEachLine)) {
+    const std::string why = reason();
+    static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
+    throw InputError(file_.string() + ": cannot be written: " + why);
+  }
+  size_ += line.size() + 1;
+  ++lines_;
+  last_hash_ = sha256(line);
+}
+
+}  // namespace palpate::experiment
