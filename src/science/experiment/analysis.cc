@@ -38,10 +38,6 @@ Readable readable_estimate(const StudyTask& task, double log10_estimate) noexcep
 
 bool is_number(const std::optional<ThresholdFit>& fit) noexcept { return fit && !fit->range_too_small; }
 
-bool correct_answer(const StudyTask& task, const TrialRecord& trial) noexcept {
-  return task.comparison() ? trial.counted == (trial.level > 0.0) : trial.counted;
-}
-
 bool target_second(const StudyTask& task, const TrialRecord& trial) noexcept {
   return task.comparison() ? trial.second == (trial.level > 0.0) : trial.second;
 }

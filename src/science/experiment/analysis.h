@@ -187,8 +187,6 @@ struct Readable {
 /// [any] Whether an estimate of ThresholdFit may be stated.
 [[nodiscard]] bool is_number(const std::optional<ThresholdFit>& fit) noexcept;
 
-/// [any] Whether the answer was correct; of a comparison, whether the stiffer interval was chosen.
-[[nodiscard]] bool correct_answer(const StudyTask& task, const TrialRecord& trial) noexcept;
 /// [any] Whether the signal, or the stiffer one, was in the second interval.
 [[nodiscard]] bool target_second(const StudyTask& task, const TrialRecord& trial) noexcept;
 

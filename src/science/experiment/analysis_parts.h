@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "science/experiment/analysis.h"
@@ -39,6 +40,10 @@ using Trials = std::vector<const TrialRecord*>;
 /// [setup] Fills in flags and exclusions.
 void flag_person(const Study& study, const Participant& person, const std::vector<TaskResult>& names,
                  PersonResult& result);
+
+/// [any] p value of an alternative: half of the two-sided one when the effect has its sign.
+[[nodiscard]] double p_of_alternative(double two_sided, double effect,
+                                      const std::string& alternative) noexcept;
 
 /// [setup] Contrasts, curves and changes of the group, from its people.
 void analyse_group(const Study& study, const std::vector<std::optional<psychophysics::QuestPlus>>& quests,

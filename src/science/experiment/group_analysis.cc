@@ -39,13 +39,6 @@ std::optional<double> value_of(const ArmResult& arm, const std::string& measure)
   return kLn10 * arm.fit->estimate.mean;
 }
 
-// Half of a two-sided p value when the effect has the side of the alternative.
-double p_of(double two_sided, double effect, const std::string& alternative) {
-  if (alternative == "two-sided") return two_sided;
-  const bool expected = alternative == "less" ? effect < 0.0 : effect > 0.0;
-  return expected ? 0.5 * two_sided : 1.0 - 0.5 * two_sided;
-}
-
 Effect effect_of(const PairedTest& test, std::size_t people) {
   return {static_cast<int>(people), test.mean, test.low, test.high, test.two_sided, false, 0.0};
 }
@@ -55,7 +48,7 @@ void finish(Effect& effect, const std::string& alternative) {
   constexpr double kPower = 0.8;
   const double freedom = effect.people - 1.0;
   const double alpha = alternative == "two-sided" ? 0.025 : 0.05;
-  effect.p_value = p_of(effect.p_value, effect.effect, alternative);
+  effect.p_value = p_of_alternative(effect.p_value, effect.effect, alternative);
   effect.smallest_effect = 0.5 * (effect.high - effect.low) *
                            (student_t_quantile(freedom, 1.0 - alpha) + student_t_quantile(freedom, kPower)) /
                            student_t_quantile(freedom);
@@ -271,6 +264,12 @@ void add_changes(std::size_t task, const People& kept, std::vector<GroupChange>&
 }
 
 }  // namespace
+
+double p_of_alternative(double two_sided, double effect, const std::string& alternative) noexcept {
+  if (alternative == "two-sided") return two_sided;
+  const bool expected = alternative == "less" ? effect < 0.0 : effect > 0.0;
+  return expected ? 0.5 * two_sided : 1.0 - 0.5 * two_sided;
+}
 
 void analyse_group(const Study& study, const std::vector<std::optional<QuestPlus>>& quests,
                    StudyAnalysis& analysis) {

@@ -7,6 +7,7 @@
 #include "core/base/statistics.h"
 #include "palpate/error.h"
 #include "science/experiment/analysis_parts.h"
+#include "science/experiment/course.h"
 
 namespace palpate::experiment {
 namespace {
@@ -68,7 +69,7 @@ ArmResult analyse_arm(const StudyTask& task, const Trials& main, QuestPlus* ques
   for (const TrialRecord* trial : main) {
     times.push_back(trial->response_time);
     if (task.two_intervals()) {
-      count_answer(target_second(task, *trial) ? arm.in_second : arm.in_first, correct_answer(task, *trial));
+      count_answer(target_second(task, *trial) ? arm.in_second : arm.in_first, is_correct(task, *trial));
     } else if (trial->rms_error > 0.0 && trial->variation > 0.0) {
       errors.push_back(std::log(trial->rms_error));
       variations.push_back(std::log(trial->variation));
@@ -177,7 +178,7 @@ void count_trials(const Study& study, const ParticipantLog& log, PersonResult& r
     if (trial.practice) continue;
     ++(trial.spoiled.empty() ? result.trials : result.spoiled);
     if (!trial.catch_trial || !trial.spoiled.empty()) continue;
-    count_answer(result.catch_trials, correct_answer(study.tasks[task_of(study, log.id, trial)], trial));
+    count_answer(result.catch_trials, is_correct(study.tasks[task_of(study, log.id, trial)], trial));
   }
 }
 

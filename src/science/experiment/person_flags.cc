@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "palpate/units.h"
 #include "science/experiment/analysis_parts.h"
+#include "science/experiment/course.h"
 #include "science/psychophysics/normal.h"
 
 namespace palpate::experiment {
@@ -156,7 +157,7 @@ std::optional<Trend> trend_of(const StudyTask& task, const Trials& trials,
   double information = 0.0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     const double time = static_cast<double>(i) / static_cast<double>(trials.size() - 1) - 0.5;
-    const double residual = (correct_answer(task, *trials[i]) ? 1.0 : 0.0) - expected[i];
+    const double residual = (is_correct(task, *trials[i]) ? 1.0 : 0.0) - expected[i];
     score += time * residual;
     information += time * time * expected[i] * (1.0 - expected[i]);
   }

@@ -4,6 +4,7 @@
 
 #include "core/base/text.h"
 #include "palpate/error.h"
+#include "science/experiment/course.h"
 
 namespace palpate::experiment {
 namespace {
@@ -94,7 +95,7 @@ std::vector<std::string> trial_row(const Study& study, const Participant& person
                                   stimulus.unit,
                                   choice ? yes_or_no(trial.second) : "",
                                   choice ? std::to_string(trial.answer) : "",
-                                  choice && trial.answer != 0 ? yes_or_no(correct_answer(task, trial)) : "",
+                                  choice && trial.answer != 0 ? yes_or_no(is_correct(task, trial)) : "",
                                   choice ? shortest(trial.response_time) : "",
                                   joined(trial.spoiled, ";"),
                                   choice ? "" : shortest(trial.rms_error),
