@@ -1,14 +1,15 @@
 // `palpate study`: experiments on people and simulated observers.
-#include "app/study_commands.h"
-
 #include "app/commands.h"
+#include "app/study_commands.h"
 
 namespace palpate::app {
 
-void add_study(CLI::App& program, const std::string& /*command_line*/, int& /*exit_code*/) {
+void add_study(CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
   CLI::App* study = program.add_subcommand(
       "study", "Plan, run and analyse an experiment: does the touch noise help people?");
   study->require_subcommand(1);
+  add_study_run(*study, exit_code);
+  add_study_simulate(*study, exit_code);
 }
 
 }  // namespace palpate::app

@@ -78,6 +78,87 @@ inline constexpr const char* kHaplyMessage =
 "orientation":{"w":0.5,"x":-0.5,"y":0.5,"z":-0.5}}}]}
 )";
 
+inline constexpr const char* kStudy = R"([study]
+name = "a"
+scene = "box"
+seed = 1
+sessions = 9
+max_minutes = 60
+[ethics]
+consent_file = "a.md"
+[participants]
+id = "random"
+ask = ["hand"]
+[safety]
+max_force_N = 6
+max_noise_N = 0.1
+max_continuous_noise_s = 3
+[response]
+first = ["1"]
+second = ["2"]
+[breaks]
+every_trials = 30
+every_minutes = 8
+[[condition]]
+name = "off"
+share = 0
+[[condition]]
+name = "on"
+share = 0.6
+profile = "proximity"
+d0_mm = 5
+[[task]]
+name = "threshold"
+kind = "noise-threshold"
+force_band_N = [0.5, 1.5]
+method = "staircase"
+sigma_mN = { from = 1, to = 100, per_decade = 20 }
+catch_share = 0.1
+sets_share_of = "threshold"
+repeat_at_end = true
+[[task]]
+name = "curve"
+kind = "force-detection"
+signal = { from_task = "weak", correct = 0.65 }
+shares = [0, 0.5, 2]
+[[task]]
+name = "weak"
+kind = "force-detection"
+force_mN = { from = 5, to = 500 }
+[[task]]
+name = "stiff"
+kind = "stiffness"
+ratio = { least = 1.02, largest = 3.3, steps = 14 }
+conditions = ["off", "on"]
+[[task]]
+name = "lump"
+kind = "inclusion"
+ratio = { least = 1.1, largest = 8 }
+depth_mm = 6
+practice = 9
+[[task]]
+name = "hold"
+kind = "force-control"
+target_N = [1, 2]
+repeats = 3
+[[check]]
+kind = "audible"
+[analysis]
+primary = { task = "stiff", contrast = "on - off", measure = "ln_jnd", alternative = "less" }
+inverted_u = { task = "curve", rise = [[0.5], [0]], fall = [[2], [0.5]], alpha = 0.05 }
+exclude = { catch_below = 0.7 }
+)";
+
+// The log of a study whose lock has the hash "lock".
+inline constexpr const char* kTrialLog =
+    R"({"n":1,"previous":"lock","type":"trial","time":"2026","session":1,"block":1,"task":"a","repeat":false,)"
+    R"("practice":false,"catch":false,"number":0,"code":"c1","level":-2.5,"second":true,"answer":2,)"
+    R"("counted":true,"response_time_s":0.7,"spoiled":["band"],"intervals":[{"from_tick":1,"to_tick":9,)"
+    R"("peak_force_N":1,"mean_force_N":0.5,"depth_m":0.01,"work_J":1e-3},{"from_tick":10,"to_tick":19,)"
+    R"("peak_force_N":1,"mean_force_N":0.5,"depth_m":0.01,"work_J":1e-3}],"rms_error_N":0,"variation":0,)"
+    R"("observer":""})"
+    "\n";
+
 inline constexpr const char* kLiveMessages[] = {
     R"({"palpate":"1","do":"hello","token":"abc","id":1})",
     R"({"do":"stream","rate_Hz":50,"id":"a"})",

@@ -25,6 +25,8 @@ using namespace palpate;
 using fuzz::kHaplyMessage;
 using fuzz::kLiveMessages;
 using fuzz::kScene;
+using fuzz::kStudy;
+using fuzz::kTrialLog;
 
 using Face = std::vector<int>;
 
@@ -370,6 +372,8 @@ std::string fit_lines() {
 
 void add_the_rest(const Seeds& seeds) {
   seeds.add("scene", "scene", kScene);
+  seeds.add("study", "study", kStudy);
+  seeds.add("trial_log", "trial", kTrialLog);
   seeds.add("tissue", "heart", scene::to_toml(model::tissue_preset("heart")));
   model::TissueParameters fitted = model::tissue_preset("liver");
   fitted.source = model::SourceParameters{"ball", 3e-3};

@@ -243,3 +243,30 @@ def test_use_takes_a_tissue_as_an_object():
     tissue.k1 = -1.0
     with pytest.raises(palpate.ParameterError):
         palpate.simulate(tissue=tissue)
+
+
+def test_run_takes_timed_commanded_forces_and_records_them(tmp_path):
+    file = tmp_path / 'trial.h5'
+    with palpate.Simulation(duration_s=600.0, record=file) as simulation:
+        first = simulation.state().tick + 1000
+        simulation.set_noise(enabled=False, not_before_tick=first)
+        simulation.set_stimulus(0.02, ramp_ms=20, interval=1, not_before_tick=first + 50)
+        simulation.set_stimulus(0.0, not_before_tick=first + 150)
+        with pytest.raises(palpate.ParameterError, match='force_N = 1000'):
+            simulation.set_stimulus(1000)
+        with pytest.raises(palpate.ParameterError, match='ramp_ms = 5'):
+            simulation.set_stimulus(0.1, ramp_ms=5)
+        with pytest.raises(palpate.ParameterError, match='interval = 3'):
+            simulation.set_stimulus(0.1, interval=3)
+        until(lambda: simulation.state().change == 3)
+        until(lambda: simulation.state().tick > first + 250)
+        assert simulation.state().hands[0].stimulus_force == 0.0
+    recording = palpate.read_recording(file)
+    force = recording.rows['stimulus_force_N']
+    events = recording.rows['events']
+    assert np.flatnonzero(events & 2).tolist() == [first, first + 50, first + 150]
+    assert np.flatnonzero(events & 8).tolist() == [first + 50]
+    assert np.flatnonzero(events & 16).tolist() == [first + 150]
+    assert np.all(force[first + 69:first + 150] == 0.02)
+    assert np.count_nonzero(force) == 149
+    assert recording.replay_difference() == ''

@@ -20,6 +20,7 @@ with palpate.Simulation("a.toml", tissue=palpate.tissue_preset("liver"), duratio
     if state is not None:
         depth: float = state.hands[0].depth
     simulation.set_noise(gain=1e-4)
+    simulation.set_stimulus(0.1, ramp_ms=20.0, interval=1, not_before_tick=100)
 force: numpy.ndarray = palpate.LayeredSpringLaw(palpate.load_tissue("heart")).force_at([1e-3, 2e-3])
 tissue: palpate.Tissue = palpate.validate("liver", forces=palpate.read_specimens("a.csv"))["tissue"]
 tissue.k1 = 12.0

@@ -202,7 +202,9 @@ void Course::fill_in(Trial& trial) const {
   const StudyTask& task = study_.tasks[trial.task];
   const auto code = std::find(arms_of_code_[trial.task].begin(), arms_of_code_[trial.task].end(), trial.arm);
   trial.code = "c" + std::to_string(code - arms_of_code_[trial.task].begin() + 1);
-  trial.draw = attempts_;
+  trial.draw = static_cast<std::uint32_t>(trial.task * 2 + (trial.repeat ? 1 : 0)) << 20U |
+               static_cast<std::uint32_t>(trial.practice ? 4 + resumed_ % 4 : trial.attempt) << 16U |
+               (static_cast<std::uint32_t>(trial.number) & 0xffffU);
   if (task.kind == TaskKind::kNoiseThreshold) {
     trial.noise = std::min(std::pow(10.0, trial.level), study_.max_noise);
     return;
@@ -216,7 +218,8 @@ void Course::fill_in(Trial& trial) const {
 Trial Course::practice_trial() const {
   const PlannedPart& part = plan_[session_ - 1].parts[part_];
   const StudyTask& task = task_of(part);
-  Random random(key_, participant_, part_of(kPracticePart, part.task, part.repeat, attempts_ & 0xf'ffffU));
+  Random random(key_, participant_,
+                part_of(kPracticePart, part.task, part.repeat, static_cast<std::uint32_t>(practice_done_)));
   Trial trial;
   trial.task = part.task;
   trial.repeat = part.repeat;
@@ -303,11 +306,9 @@ void Course::add(const TrialRecord& trial) {
   };
   if (!same()) {
     throw InputError(
-        "trial " + std::to_string(attempts_ + 1) + " of the log (" + trial.task + ", number " +
-        std::to_string(trial.number) +
+        "a trial of the log (" + trial.task + ", number " + std::to_string(trial.number) +
         ") does not follow from the trials before it: another study or another version of palpate wrote it");
   }
-  ++attempts_;
   const bool spoiled = !trial.spoiled.empty();
   spoiled_ += spoiled ? 1 : 0;
   if (trial.practice) {
@@ -315,6 +316,7 @@ void Course::add(const TrialRecord& trial) {
     ++practice_done_;
     return;
   }
+  ++attempts_;
   Slot slot = waiting_.front();
   waiting_.erase(waiting_.begin());
   if (!spoiled) {

@@ -105,7 +105,8 @@ class Course final {
   int done_ = 0;
   int practice_left_ = 0;
   int practice_done_ = 0;       // in the task's part
-  std::uint32_t attempts_ = 0;  // all trials of the log
+  std::uint32_t resumed_ = 0;   // interruptions
+  std::uint32_t attempts_ = 0;  // trials of the log without practice
   int lost_ = 0;
   int spoiled_ = 0;
   int catch_trials_ = 0;

@@ -9,7 +9,7 @@
 namespace palpate::experiment {
 namespace {
 
-constexpr std::uint32_t kSamplesPart = 0x7300'0000;
+constexpr std::uint64_t kSamplesSeed = 0x7361'6d70'6c65;  // of the internal noise
 constexpr double kFirstSample = 90e-3;  // s after the interval's first tick: the fade, and half a spacing
 
 const scene::PathRow& deepest_row(const scene::ToolPath& path) {
@@ -125,7 +125,8 @@ void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, cons
   if (samples.size() < kSamples && since >= kFirstSample + kSpacing * static_cast<double>(samples.size())) {
     double along = 0.0;
     for (std::size_t i = 0; i < 3; ++i) along += row.force[i] * row.normal[i];
-    samples.push_back(along - row.tissue_force);
+    const double tissue = row.tissue_force * row.tissue_force - row.friction * row.friction;
+    samples.push_back(along - std::sqrt(std::max(tissue, 0.0)));
   }
 }
 
@@ -150,7 +151,7 @@ void answer_by_force(const Study& study, SimulatedPerson& person, const Trial& t
   record.rms_error = rms_error;
   record.variation = variation;
   if (!detects || person.observer.kind != psychophysics::Observer::Kind::kThreshold) return;
-  Random random(study.seed, participant, kSamplesPart + trial.draw);
+  Random random(study.seed ^ kSamplesSeed, participant, trial.draw);
   const int first = above_threshold(person, samples[0], random);
   const int second = above_threshold(person, samples[1], random);
   const bool coin = random.uniform() < 0.5;

@@ -131,8 +131,9 @@ class Planner final {
 
   [[noreturn]] void fail_round(const StudyTask& task) const {
     throw InputError(fmt::format(
-        "{}: study.max_minutes = {}: is too short for task {}: must hold its practice, {} trials of {} s{}",
-        study_.file.string(), shortest(study_.max_minutes), task.name, round_of(task),
+        "{}: study.max_minutes = {}: is too short for task {}: must hold its practice, {} of {} s{}",
+        study_.file.string(), shortest(study_.max_minutes), task.name,
+        counted(static_cast<std::uint64_t>(round_of(task)), "trial", "trials"),
         brief(trial_seconds(study_, task), 3), task.repeat_at_end ? " and its repetition" : ""));
   }
 
@@ -177,8 +178,9 @@ std::vector<PlannedSession> plan_sessions(const Study& study) {
   if (sessions.size() > static_cast<std::size_t>(study.sessions)) {
     const std::string enough = sessions.size() == kMostSessions ? fmt::format("more than {}", kMostSessions)
                                                                 : fmt::format("{}", sessions.size());
-    throw InputError(fmt::format("{}: study.sessions = {}: the tasks need {} sessions of at most {} min",
-                                 study.file.string(), study.sessions, enough, shortest(study.max_minutes)));
+    throw InputError(
+        fmt::format("{}: study.sessions = {}: the tasks need {} sessions of at most {} min, or longer ones",
+                    study.file.string(), study.sessions, enough, shortest(study.max_minutes)));
   }
   return sessions;
 }

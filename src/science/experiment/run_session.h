@@ -60,10 +60,11 @@ class SessionScreens {
 
 struct SessionOptions {
   std::string participant;
-  std::optional<int> session;         // empty: the first that is not finished
-  std::string device;                 // as --device; empty: the scene's
-  std::string observer;               // simulated observer in the chair; empty: a person
-  SessionScreens* screens = nullptr;  // of a person
+  std::optional<int> session;          // empty: the first that is not finished
+  std::string device;                  // as --device; empty: the scene's
+  std::string observer;                // simulated observer in the chair; empty: a person
+  contact::Preparation preparation{};  // of the organ, for each block
+  SessionScreens* screens = nullptr;   // of a person
   std::function<void(double, const std::string&)> progress;  // of an observer's session
 };
 

@@ -16,7 +16,7 @@ constexpr double kNormalAt75 = 0.67448975;
 
 // Parts of a person's random numbers.
 constexpr std::uint32_t kPersonPart = 0x7000'0000;
-constexpr std::uint32_t kAnswerPart = 0x7100'0000;
+constexpr std::uint64_t kAnswerSeed = 0x616e'7377'6572;  // differs from that of the trials
 
 // The argument between 0 and 4 at which a rising probability is 75 %.
 template <typename Function>
@@ -140,7 +140,7 @@ SimulatedPerson make_person(const std::string& kind, std::uint64_t seed, std::ui
 void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial& trial, double progress,
                        bool last_second, std::uint64_t seed, std::uint32_t participant, TrialRecord& record) {
   const StudyTask& task = study.tasks[trial.task];
-  Random random(seed, participant, kAnswerPart + trial.draw);
+  Random random(seed ^ kAnswerSeed, participant, trial.draw);
   record.observer = person.kind;
   if (task.kind == TaskKind::kForceControl) {
     hold(trial, random, record);

@@ -17,9 +17,9 @@ constexpr double kReachTime = 15.0;  // s, longest wait for the force band, a pr
 constexpr double kShowTarget = 2.0;  // s, kForceControl: with the bar
 constexpr double kHoldTime = 6.0;    // s, kForceControl: without it
 constexpr double kSettle = 1.0;      // s, of the hold that is not measured
-constexpr double kNoisePause = 0.5;  // s, after the longest noise without pause
 constexpr double kLateTick = 5e-3;   // s
-constexpr double kFarAway = 1e3;     // m, d0 of a noise that does not depend on the distance
+constexpr std::uint32_t kPlacePart = 0x7200'0000;  // of the random numbers: place of an inclusion
+constexpr double kFarAway = 1e3;                   // m, d0 of a noise that does not depend on the distance
 
 double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -170,7 +170,7 @@ void TrialLoop::set_tissue(int interval, std::uint64_t tick) {
   }
   if (task().kind == TaskKind::kInclusion && !scene_.lumps.empty()) {
     // The place is drawn for each trial, the same in both intervals.
-    Random random(study_.seed, trial_.draw, 0x7200'0000);
+    Random random(study_.seed, trial_.draw, kPlacePart);
     const model::Inclusion& place = scene_.lumps[random.below(scene_.lumps.size())];
     haptics::LiveInclusion lump;
     for (std::size_t i = 0; i < 3; ++i) lump.centre_S[i] = place.centre_S[static_cast<Eigen::Index>(i)];
@@ -336,7 +336,8 @@ void TrialLoop::answer(int interval) {
 
 void TrialLoop::next() {
   if (view_.state != TrialState::kInterval || task().kind != TaskKind::kInclusion) return;
-  if (measured_[static_cast<std::size_t>(view_.interval - 1)].touched) ends_ = std::min(ends_, view_.tick + 1);
+  if (measured_[static_cast<std::size_t>(view_.interval - 1)].touched)
+    ends_ = std::min(ends_, view_.tick + 1);
 }
 
 void TrialLoop::fill_in(TrialRecord& record) const {

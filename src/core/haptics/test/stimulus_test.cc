@@ -118,6 +118,13 @@ TEST(Stimulus, AForceOfZeroChangesNoBit) {
   }
 }
 
+TEST(Stimulus, AForceOfZeroKeepsEvenTheSignOfAZero) {
+  GateState state;
+  const ForceCommand tissue{Vec3(-0.0, -0.0, 1.0), Vec3::Zero(), 0.0};
+  const GateOutput out = pass_gate({}, state, {.tissue = tissue, .noise = Vec3(-0.0, -0.0, 0.0)});
+  EXPECT_TRUE(std::signbit(out.command.force.x()));
+}
+
 TEST(Stimulus, RandomStepsNeverPassTheForceLimitNorTheSlewLimit) {
   StimulusBench bench(1);
   bench.world.limits.max_force = 2.0;

@@ -178,7 +178,9 @@ TEST(Course, TheNoiseIsTheArmsShareOfTheOwnThreshold) {
       EXPECT_DOUBLE_EQ(next->noise, task.arms[next->arm].share * threshold);
       log_error = std::log10(threshold / person.noise_threshold);
     }
-    if (task.name == "threshold") EXPECT_DOUBLE_EQ(next->noise, std::min(std::pow(10.0, next->level), 0.1));
+    if (task.name == "threshold") {
+      EXPECT_DOUBLE_EQ(next->noise, std::min(std::pow(10.0, next->level), 0.1));
+    }
     course.add(answered(study, person, *next, 0.0, count));
   }
   EXPECT_NEAR(log_error, 0.0, 0.3);  // three standard errors of 40 trials

@@ -14,7 +14,7 @@
 #include "core/base/random.h"
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
-#include "palpate/error.h"
+#include "science/experiment/test/study_text.h"
 
 namespace palpate::experiment {
 namespace {
@@ -28,16 +28,6 @@ const std::string kLock(64, 'a');
 std::string bytes_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-template <typename Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 /// A finite double of random bits.

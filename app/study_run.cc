@@ -1,0 +1,83 @@
+// `palpate study run`: one session of one participant.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "palpate/device.h"
+#include "palpate/error.h"
+#include "science/experiment/run_session.h"
+
+#include "app/commands.h"
+#include "app/preparation.h"
+#include "app/progress.h"
+#include "app/study_commands.h"
+
+namespace palpate::app {
+namespace {
+
+struct StudyRunFlags {
+  std::string folder;
+  std::string participant;
+  std::optional<int> session;
+  std::string device;
+  std::string observer;
+  bool no_cache = false;
+};
+
+int run_study(const StudyRunFlags& flags) {
+  const experiment::StudyFolder study = experiment::open_study(flags.folder);
+  const experiment::SealedKey key = experiment::read_sealed_key(study);
+  experiment::SessionOptions options;
+  options.participant = flags.participant;
+  options.session = flags.session;
+  options.device = flags.device;
+  options.observer = flags.observer;
+  const OrganPreparation preparation(flags.no_cache);
+  options.preparation = preparation.how();
+  Progress bar("study");
+  std::unique_ptr<experiment::SessionScreens> screens;
+  if (flags.observer.empty()) {
+    throw InputError("--observer: needed without screens");
+  } else {
+    options.progress = [&bar](double share, const std::string& what) { bar.update(share, what); };
+  }
+  const experiment::SessionOutcome outcome = experiment::run_session(study, key, options);
+  bar.clear();
+  std::cout << fmt::format("{}, session {}: {} in {}, {} spoiled; {}\n", flags.participant, outcome.session,
+                           counted(static_cast<std::size_t>(outcome.trials), "trial", "trials"),
+                           counted(static_cast<std::size_t>(outcome.blocks), "block", "blocks"),
+                           outcome.spoiled,
+                           outcome.withdrawn  ? "withdrawn"
+                           : outcome.complete ? "complete"
+                                              : "not complete: the same command goes on");
+  if (outcome.fault == 0) return kDone;
+  std::cout << "The force is zero: " << haptics::describe(static_cast<haptics::Fault>(outcome.fault)) << '\n';
+  return kFault;
+}
+
+}  // namespace
+
+void add_study_run(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<StudyRunFlags>();
+  CLI::App* command = study.add_subcommand("run", "Run a session of one participant, or go on with it");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_option("--participant", flags->participant, "id, as `palpate study status` lists it")
+      ->required();
+  command->add_option("--session", flags->session, "number of the session; default: the next one");
+  command->add_option("--device", flags->device, "KIND[:PATH] instead of the scene's device");
+  command->add_option("--observer", flags->observer,
+                      "a simulated observer in the chair (see `palpate study simulate`); runs offline");
+  command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
+  command->footer(
+      "Examples:\n  palpate study run touch --participant PX7K2\n"
+      "  palpate study run touch --participant PX7K2 --session 2 --device haply\n"
+      "  palpate study run touch --participant PX7K2 --observer sr\n"
+      "Every finished trial is on the disk before the next begins. After a crash the same command goes on.\n"
+      "Exit: 0 done, 2 bad input, 3 a fault was latched");
+  command->callback([flags, &exit_code] { exit_code = run_study(*flags); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,13 @@
+// Study files and their plans, without the files that they name.
+#include "science/experiment/study.h"
+
+#include "fuzz/input.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const palpate::fuzz::InputFile input(".toml");
+  const std::filesystem::path& file = input.hold({data, size});
+  palpate::fuzz::read_or_refuse(file.string(), [&] {
+    (void)palpate::experiment::plan_sessions(palpate::experiment::load_study(file));
+  });
+  return 0;
+}
