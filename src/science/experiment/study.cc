@@ -6,6 +6,22 @@
 
 namespace palpate::experiment {
 
+const char* to_string(TaskKind kind) noexcept {
+  switch (kind) {
+    case TaskKind::kForceDetection:
+      return "force-detection";
+    case TaskKind::kStiffness:
+      return "stiffness";
+    case TaskKind::kInclusion:
+      return "inclusion";
+    case TaskKind::kForceControl:
+      return "force-control";
+    case TaskKind::kNoiseThreshold:
+      break;
+  }
+  return "noise-threshold";
+}
+
 bool StudyTask::has_noise() const noexcept {
   return std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.share > 0.0; });
 }

@@ -20,6 +20,9 @@ enum class TaskKind {
   kForceControl     // hold a force
 };
 
+/// [any] The name of a kind, as in a study file.
+[[nodiscard]] const char* to_string(TaskKind kind) noexcept;
+
 enum class Method { kQuestPlus, kStaircase, kConstant };
 
 enum class NoiseProfile {
