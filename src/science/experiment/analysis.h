@@ -67,8 +67,6 @@ struct Trend {
 
 struct PersonTask {
   std::vector<ArmResult> arms;  // as TaskResult::arms
-  // Probability of a lapse rate of at least 5 %, which is the same in all arms; above 0.4 it is flagged
-  double lapses_often = 0.0;
   std::vector<CueWeight> cues;
   std::optional<Trend> trend;
 };
@@ -78,6 +76,8 @@ struct PersonResult {
   bool withdrawn = false;
   std::string observer;  // simulated; empty: a person
   std::vector<PersonTask> tasks;
+  // Probability of a lapse rate of at least 5 %, which is the same in all tasks; above 0.75 it is flagged
+  double lapses_often = 0.0;
   psychophysics::Count catch_trials;
   int trials = 0;  // that count
   int spoiled = 0;

@@ -88,6 +88,7 @@ Json json_of(const Study& study, const StudyAnalysis& analysis, const PersonResu
                {"faults", person.faults},
                {"catch_trials", person.catch_trials.trials},
                {"catch_correct", person.catch_trials.counted},
+               {"lapses_often", person.lapses_often},
                {"flags", person.flags},
                {"exclusions", person.exclusions}});
   if (person.audible)
@@ -96,7 +97,7 @@ Json json_of(const Study& study, const StudyAnalysis& analysis, const PersonResu
   json["tasks"] = Json::array();
   for (std::size_t i = 0; i < person.tasks.size(); ++i) {
     const PersonTask& of = person.tasks[i];
-    Json task = {{"task", study.tasks[i].name}, {"lapses_often", of.lapses_often}};
+    Json task = {{"task", study.tasks[i].name}};
     for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
       task["conditions"].push_back(json_of(study.tasks[i], analysis.tasks[i].arms[arm], of.arms[arm]));
     }

@@ -17,7 +17,8 @@ using psychophysics::PairedTest;
 using psychophysics::QuestPlus;
 using People = std::vector<const PersonResult*>;
 
-constexpr int kLeastOfArm = 10;  // of a person in each of two arms that are compared
+constexpr int kLeastOfArm = 10;           // of a person in each of two arms that are compared
+constexpr std::size_t kLeastOfCurve = 3;  // arms
 constexpr double kLn10 = 2.30258509299404568402;
 
 std::vector<std::string> measures_of(const StudyTask& task) {
@@ -159,6 +160,8 @@ std::vector<Contrast> contrasts_of(const Study& study, std::size_t task, bool un
                                    const std::optional<QuestPlus>& quest, const People& kept,
                                    const People& everybody) {
   std::vector<Contrast> contrasts;
+  const bool curve = study.tasks[task].signal && study.tasks[task].arms.size() >= kLeastOfCurve;
+  if (curve && !unblinded) return contrasts;  // its levels are shown, without pairs
   const auto pairs = pairs_of(study, task, unblinded);
   if (pairs.empty()) return contrasts;
   std::optional<Comparison> comparison;
@@ -220,7 +223,7 @@ void test_inverted_u(const StudyTask& task, const InvertedUAnalysis& registered,
 
 std::optional<Curve> curve_of(const Study& study, std::size_t task, bool unblinded, const People& kept) {
   const StudyTask& of = study.tasks[task];
-  if (!of.signal || of.arms.size() < 3) return std::nullopt;
+  if (!of.signal || of.arms.size() < kLeastOfCurve) return std::nullopt;
   Curve curve;
   curve.task = task;
   for (const PersonResult* person : kept) {

@@ -110,15 +110,17 @@ std::vector<double> expected_correct(const StudyTask& task, const Trials& trials
   return expected;
 }
 
-// The lapse rate is the same in all arms: its posterior is prior x product of posterior/prior.
-double lapses_often(const std::vector<ArmResult>& arms, const psychophysics::GridAxis& axis) {
+// The lapse rate is the same in all tasks: its posterior is prior x product of posterior/prior of all fits.
+double lapses_often(const std::vector<PersonTask>& tasks, const psychophysics::GridAxis& axis) {
   constexpr double kOften = 0.05;
   double often = 0.0;
   double all = 0.0;
   for (std::size_t i = 0; i < axis.values.size(); ++i) {
     double probability = axis.weights[i];
-    for (const ArmResult& arm : arms) {
-      if (arm.fit) probability *= arm.fit->lapses[i] / axis.weights[i];
+    for (const PersonTask& task : tasks) {
+      for (const ArmResult& arm : task.arms) {
+        if (arm.fit) probability *= arm.fit->lapses[i] / axis.weights[i];
+      }
     }
     all += probability;
     if (axis.values[i] >= kOften) often += probability;
@@ -138,7 +140,6 @@ PersonTask analyse_task(const StudyTask& task, const SortedTrials& sorted, Quest
     result.arms.push_back(std::move(arm));
   }
   if (!task.two_intervals()) return result;
-  if (quest != nullptr) result.lapses_often = lapses_often(result.arms, quest->grid().lapse);
   result.trend = trend_of(task, sorted.all, expected_correct(task, sorted.all, result, sorted.arms, quest));
   if (task.comparison()) result.cues = cue_weights(sorted.all);
   return result;
@@ -296,6 +297,10 @@ PersonResult analyse_person(const Study& study, const Participant& person, const
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     QuestPlus* quest = quests[task] ? &*quests[task] : nullptr;
     result.tasks.push_back(analyse_task(study.tasks[task], sorted[task], quest));
+  }
+  const auto fitted = std::find_if(quests.begin(), quests.end(), [](const auto& quest) { return quest; });
+  if (fitted != quests.end()) {
+    result.lapses_often = lapses_often(result.tasks, (*fitted)->grid().lapse);  // the axis of all grids
   }
   count_trials(study, person.log, result);
   result.minutes = minutes_of(person.log);

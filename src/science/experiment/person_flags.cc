@@ -66,9 +66,7 @@ void flag_chance(const StudyTask& task, const PersonTask& result, std::vector<st
 
 void flag_fits(const Study& study, std::size_t task, const PersonTask& result,
                const std::vector<std::string>& names, std::vector<std::string>& flags) {
-  constexpr double kLapses = 0.4;  // as QuestPlus::lapses_often()
   const StudyTask& of = study.tasks[task];
-  if (result.lapses_often > kLapses) flags.push_back(of.name + ": lapses often");
   for (std::size_t i = 0; i < result.arms.size(); ++i) {
     const ArmResult& arm = result.arms[i];
     const std::string where = names[i].empty() ? of.name : of.name + ", " + names[i];
@@ -167,7 +165,9 @@ std::optional<Trend> trend_of(const StudyTask& task, const Trials& trials,
 
 void flag_person(const Study& study, const Participant& person, const std::vector<TaskResult>& names,
                  PersonResult& result) {
+  constexpr double kLapses = 0.75;
   flag_answers(counted_trials(study, person), result);
+  if (result.lapses_often > kLapses) result.flags.emplace_back("lapses often");
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     flag_chance(study.tasks[task], result.tasks[task], result.flags);
     flag_fits(study, task, result.tasks[task], names[task].arms, result.flags);

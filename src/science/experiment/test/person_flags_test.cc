@@ -76,7 +76,7 @@ TEST(PersonFlags, LapsesAreFlagged) {
   Participant person = new_participant(4);
   Random random(13, 0, 0);
   add_stiffness(person, study, 200, {0.1, 0.1, 0.1}, random, 0.25);
-  EXPECT_THAT(result_of(person).flags, Contains("stiffness: lapses often"));
+  EXPECT_THAT(result_of(person).flags, Contains("lapses often"));
 }
 
 // Peak forces that follow the stiffness, with a random part of 10 %.
