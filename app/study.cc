@@ -8,8 +8,16 @@ void add_study(CLI::App& program, const std::string& /*command_line*/, int& exit
   CLI::App* study = program.add_subcommand(
       "study", "Plan, run and analyse an experiment: does the touch noise help people?");
   study->require_subcommand(1);
+  add_study_check(*study, exit_code);
+  add_study_power(*study, exit_code);
+  add_study_prepare(*study, exit_code);
   add_study_run(*study, exit_code);
   add_study_simulate(*study, exit_code);
+  add_study_status(*study, exit_code);
+  add_study_verify(*study, exit_code);
+  add_study_analyse(*study, exit_code);
+  add_study_unblind(*study, exit_code);
+  add_study_export(*study, exit_code);
 }
 
 }  // namespace palpate::app

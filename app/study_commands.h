@@ -6,8 +6,17 @@
 namespace palpate::app {
 
 // Each function adds one subcommand of `palpate study`.
-
+void add_study_check(CLI::App& study, int& exit_code);
+void add_study_power(CLI::App& study, int& exit_code);
+void add_study_prepare(CLI::App& study, int& exit_code);
 void add_study_run(CLI::App& study, int& exit_code);
 void add_study_simulate(CLI::App& study, int& exit_code);
+void add_study_run(CLI::App& study, int& exit_code);
+void add_study_simulate(CLI::App& study, int& exit_code);
+void add_study_status(CLI::App& study, int& exit_code);
+void add_study_verify(CLI::App& study, int& exit_code);
+void add_study_analyse(CLI::App& study, int& exit_code);
+void add_study_unblind(CLI::App& study, int& exit_code);
+void add_study_export(CLI::App& study, int& exit_code);
 
 }  // namespace palpate::app

@@ -6,6 +6,22 @@
 
 namespace palpate::experiment {
 
+const char* to_string(TaskKind kind) noexcept {
+  switch (kind) {
+    case TaskKind::kForceDetection:
+      return "force-detection";
+    case TaskKind::kStiffness:
+      return "stiffness";
+    case TaskKind::kInclusion:
+      return "inclusion";
+    case TaskKind::kForceControl:
+      return "force-control";
+    case TaskKind::kNoiseThreshold:
+      break;
+  }
+  return "noise-threshold";
+}
+
 bool StudyTask::has_noise() const noexcept {
   return std::any_of(arms.begin(), arms.end(), [](const Arm& arm) { return arm.share > 0.0; });
 }
@@ -61,6 +77,22 @@ ForceBound force_bound(const Study& study, const StudyTask& task) {
       break;
   }
   return bound;
+}
+
+std::string sentence_of(const StudyTask& task) {
+  switch (task.kind) {
+    case TaskKind::kNoiseThreshold:
+      return "Press gently and hold. In which interval did it tingle?";
+    case TaskKind::kForceDetection:
+      return "Press gently and hold. In which interval was there an extra force?";
+    case TaskKind::kStiffness:
+      return "Press once in each interval, until \"come up\". Which was stiffer?";
+    case TaskKind::kInclusion:
+      return "Search in each interval; Space ends a search. Which had the lump?";
+    case TaskKind::kForceControl:
+      return "Press until the bar is in the band. Keep that force when the bar goes.";
+  }
+  return "";
 }
 
 }  // namespace palpate::experiment

@@ -20,6 +20,9 @@ enum class TaskKind {
   kForceControl     // hold a force
 };
 
+/// [any] The name of a kind, as in a study file.
+[[nodiscard]] const char* to_string(TaskKind kind) noexcept;
+
 enum class Method { kQuestPlus, kStaircase, kConstant };
 
 enum class NoiseProfile {
@@ -199,5 +202,8 @@ struct PlannedSession {
 
 /// [any] Estimated time of a task's trial [s].
 [[nodiscard]] double trial_seconds(const Study& study, const StudyTask& task) noexcept;
+
+/// [any] The task in one sentence, for the participant.
+[[nodiscard]] std::string sentence_of(const StudyTask& task);
 
 }  // namespace palpate::experiment

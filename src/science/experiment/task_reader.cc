@@ -22,33 +22,28 @@ constexpr std::size_t kMostArms = 26;     // labels A to Z
 constexpr double kRoundingMargin = 1e-9;  // of sums and products of numbers in the file
 
 struct KindKeys {
-  const char* name;
   TaskKind kind;
   std::vector<std::string> keys;  // besides those of every task
 };
 
 const std::vector<KindKeys>& kinds() {
   static const std::vector<KindKeys> all{
-      {"noise-threshold",
-       TaskKind::kNoiseThreshold,
+      {TaskKind::kNoiseThreshold,
        {"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of"}},
-      {"force-detection",
-       TaskKind::kForceDetection,
+      {TaskKind::kForceDetection,
        {"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "signal", "force_mN",
         "shares", "trials_per_level", "conditions"}},
-      {"stiffness",
-       TaskKind::kStiffness,
+      {TaskKind::kStiffness,
        {"gap_s", "method", "catch_share", "standard_k1_N_per_m", "ratio", "depth_mm", "conditions"}},
-      {"inclusion",
-       TaskKind::kInclusion,
+      {TaskKind::kInclusion,
        {"gap_s", "method", "catch_share", "ratio", "radius_mm", "depth_mm", "search_s", "conditions"}},
-      {"force-control", TaskKind::kForceControl, {"target_N", "repeats", "conditions"}}};
+      {TaskKind::kForceControl, {"target_N", "repeats", "conditions"}}};
   return all;
 }
 
 const KindKeys& kind_of(const TomlTable& table) {
   std::vector<std::string> names;
-  for (const KindKeys& kind : kinds()) names.emplace_back(kind.name);
+  for (const KindKeys& kind : kinds()) names.emplace_back(to_string(kind.kind));
   const std::optional<std::string> stated = table.text("kind");
   if (!stated) table.fail_missing("kind", "must be " + scene::alternatives(names));
   const auto found = std::find(names.begin(), names.end(), *stated);

@@ -212,6 +212,8 @@ std::vector<double> GroupModel::table_of(const PairedCounts& person) const {
   return table;
 }
 
+double GroupModel::largest_effect() noexcept { return kStep * static_cast<double>(kHalf); }
+
 GroupEffect GroupModel::fit(std::span<const PairedCounts> people) const {
   const auto number = static_cast<double>(people.size());
   if (number < 2.0) throw ParameterError("people", number, ">= 2");

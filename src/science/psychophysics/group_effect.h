@@ -37,6 +37,9 @@ class GroupModel final {
   /// @throws ParameterError for fewer than two people or other numbers of counts than levels
   [[nodiscard]] GroupEffect fit(std::span<const PairedCounts> people) const;
 
+  /// [any] Largest effect of the grid. An interval that ends there is wider.
+  [[nodiscard]] static double largest_effect() noexcept;
+
  private:
   /// Likelihood of one person's counts for each s and each pair of bias and lapse rate, times a constant.
   [[nodiscard]] std::vector<double> likelihood_of(const std::vector<Count>& counts) const;

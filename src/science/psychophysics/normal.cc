@@ -35,8 +35,8 @@ double normal_cdf(double z) noexcept {
 
 double normal_quantile(double p) { return -std::sqrt(2.0) * boost::math::erfc_inv(2.0 * p); }
 
-double student_t_quantile(double freedom) {
-  return boost::math::quantile(boost::math::students_t(freedom), 0.975);
+double student_t_quantile(double freedom, double probability) {
+  return boost::math::quantile(boost::math::students_t(freedom), probability);
 }
 
 double student_t_two_sided(double t, double freedom) {

@@ -9,8 +9,8 @@ namespace palpate::psychophysics {
 /// [setup] Its inverse, for 0 < p < 1.
 [[nodiscard]] double normal_quantile(double p);
 
-/// [setup] 97.5 % quantile of Student's t distribution, and the probability that |t| is exceeded by chance.
-[[nodiscard]] double student_t_quantile(double freedom);
+/// [setup] Quantile of Student's t distribution, and the probability that |t| is exceeded by chance.
+[[nodiscard]] double student_t_quantile(double freedom, double probability = 0.975);
 [[nodiscard]] double student_t_two_sided(double t, double freedom);
 
 }  // namespace palpate::psychophysics

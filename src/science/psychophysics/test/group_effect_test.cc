@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
-#include "science/psychophysics/test/simulated_group.h"
+#include "science/psychophysics/simulated_group.h"
 
 namespace palpate::psychophysics {
 namespace {

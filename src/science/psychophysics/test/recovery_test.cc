@@ -12,7 +12,7 @@
 
 #include "core/base/random.h"
 #include "science/psychophysics/psychophysics.h"
-#include "science/psychophysics/test/simulated_group.h"
+#include "science/psychophysics/simulated_group.h"
 #include "science/psychophysics/test/study_table.h"
 
 namespace palpate::psychophysics {

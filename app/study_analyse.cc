@@ -1,0 +1,141 @@
+// `palpate study analyse`, `unblind` and `export`.
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "io/system/output_file.h"
+#include "palpate/error.h"
+#include "science/experiment/analysis.h"
+#include "science/experiment/analysis_text.h"
+#include "science/experiment/bids.h"
+#include "science/experiment/folder.h"
+#include "science/experiment/trial_table.h"
+
+#include "app/commands.h"
+#include "app/messages.h"
+#include "app/session.h"
+#include "app/study_commands.h"
+
+namespace palpate::app {
+namespace {
+
+namespace fs = std::filesystem;
+using experiment::Participant;
+using experiment::StudyFolder;
+
+struct AnalyseFlags {
+  std::string folder;
+  std::string report;
+  std::string why;
+  std::string csv;
+  std::string bids;
+  bool as_json = false;
+};
+
+std::vector<Participant> read_people(const StudyFolder& study) {
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < study.ids.size(); ++number) {
+    people.push_back({number, study.read(study.ids[number])});
+  }
+  return people;
+}
+
+/// @throws InputError when the file or folder exists
+void require_absent(const fs::path& path, const std::string& flag) {
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    throw InputError(flag + " " + path.string() + ": exists and is not overwritten; give another name");
+  }
+}
+
+int analyse(const AnalyseFlags& flags) {
+  const StudyFolder study = experiment::open_study(flags.folder);
+  const std::vector<Participant> people = read_people(study);
+  const experiment::StudyAnalysis analysis =
+      experiment::analyse(study.study, people, experiment::read_sealed_key(study), study.unblinded());
+  if (analysis.people.empty()) {
+    throw InputError(flags.folder +
+                     ": no participant has a trial yet; `palpate study run` or `simulate` first");
+  }
+  std::cout << (flags.as_json ? experiment::analysis_json(study.study, analysis)
+                              : experiment::analysis_text(study.study, analysis));
+  return kDone;
+}
+
+int unblind(const AnalyseFlags& flags) {
+  const StudyFolder study = experiment::open_study(flags.folder);
+  experiment::unblind_study(study, flags.why);
+  std::cout << study.study.name
+            << ": unblinded once and for ever; unblinded.json has the time and the reason\n";
+  return kDone;
+}
+
+int export_trials(const AnalyseFlags& flags) {
+  if (flags.csv.empty() == flags.bids.empty()) throw InputError("give one of --csv FILE and --bids FOLDER");
+  const StudyFolder study = experiment::open_study(flags.folder);
+  const std::vector<Participant> people = read_people(study);
+  const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
+  if (!flags.csv.empty()) {
+    require_absent(flags.csv, "--csv");
+    write_output(flags.csv, experiment::table_csv(study.study, people, names), "--csv");
+    report_message("trials: " + flags.csv);
+    return kDone;
+  }
+  experiment::write_bids(
+      {study.study, people, names, study.folder / "recordings", study.lock_hash, study.simulated},
+      flags.bids);
+  report_message("BIDS: " + flags.bids);
+  return kDone;
+}
+
+}  // namespace
+
+void add_study_analyse(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<AnalyseFlags>();
+  CLI::App* command = study.add_subcommand(
+      "analyse", "Thresholds, effects, curves and flags; blind until the study is unblinded");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Examples:\n"
+      "  palpate study analyse touch\n"
+      "  palpate study analyse touch --report out\n"
+      "Blind, conditions are A, B, C, and the primary contrast and the inverted U are not shown.\n"
+      "People who withdrew are left out.\n"
+      "Exit: 0 done, 2 bad input, a changed log or no trials");
+  command->callback([flags, &exit_code] { exit_code = analyse(*flags); });
+}
+
+void add_study_unblind(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<AnalyseFlags>();
+  CLI::App* command =
+      study.add_subcommand("unblind", "Show the conditions from now on; it is logged and cannot be undone");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_option("--why", flags->why, "reason, for the log")->required();
+  command->footer(
+      "Examples:\n"
+      "  palpate study analyse touch\n"
+      "  palpate study unblind touch --why \"all 24 sessions done, blind analysis archived\"\n"
+      "Exit: 0 done, 2 bad input or unblinded before");
+  command->callback([flags, &exit_code] { exit_code = unblind(*flags); });
+}
+
+void add_study_export(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<AnalyseFlags>();
+  CLI::App* command = study.add_subcommand("export", "All trials as one CSV file, or as a BIDS folder");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_option("--csv", flags->csv, "new CSV file, one row a trial");
+  command->add_option("--bids", flags->bids, "new or empty folder for the Brain Imaging Data Structure");
+  command->footer(
+      "Examples:\n"
+      "  palpate study export touch --csv trials.csv\n"
+      "  palpate study export touch --bids touch-bids\n"
+      "Until unblinding, the CSV file has each person's own codes and the BIDS folder no conditions.\n"
+      "Exit: 0 done, 2 bad input or an output that exists");
+  command->callback([flags, &exit_code] { exit_code = export_trials(*flags); });
+}
+
+}  // namespace palpate::app

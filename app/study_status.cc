@@ -1,0 +1,191 @@
+// `palpate study status` and `palpate study verify`: how far the participants are, and whether all files are
+// as they were written.
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "io/system/input_file.h"
+#include "palpate/recording.h"
+#include "science/experiment/verify.h"
+
+#include "app/commands.h"
+#include "app/preparation.h"
+#include "app/progress.h"
+#include "app/study_commands.h"
+
+namespace palpate::app {
+namespace {
+
+struct StudyFolderFlags {
+  std::string folder;
+  bool json = false;
+  bool logs_only = false;
+  bool no_cache = false;
+};
+
+struct ParticipantStatus {
+  std::string id;
+  std::size_t sessions = 0;  // completed
+  int trials = 0;            // that count, without practice
+  int spoiled = 0;
+  bool withdrawn = false;
+  std::string last;           // time of the last line
+  std::size_t cut_lines = 0;  // incomplete lines of crashes
+};
+
+std::size_t cut_lines_in(const std::filesystem::path& log) {
+  std::error_code error;
+  const std::filesystem::path file = experiment::cut_lines_of(log);
+  if (!std::filesystem::exists(file, error)) return 0;
+  const std::string text = InputFile(file, kTaskRecordInput).read_rest();
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+ParticipantStatus status_of(const experiment::StudyFolder& study, const std::string& id) {
+  const experiment::ParticipantLog log = study.read(id);
+  ParticipantStatus status;
+  status.id = id;
+  for (const experiment::EventRecord& event : log.events) {
+    if (event.event == "session-end") ++status.sessions;
+    status.last = std::max(status.last, event.time);
+  }
+  for (const experiment::TrialRecord& trial : log.trials) {
+    status.last = std::max(status.last, trial.time);
+    if (!trial.practice) ++(trial.spoiled.empty() ? status.trials : status.spoiled);
+  }
+  status.withdrawn = log.withdrawn();
+  status.cut_lines = cut_lines_in(study.log_of(id)) + (log.cut ? 1 : 0);
+  return status;
+}
+
+int planned_trials(const std::vector<experiment::PlannedSession>& sessions) {
+  int trials = 0;
+  for (const experiment::PlannedSession& session : sessions) {
+    for (const experiment::PlannedPart& part : session.parts) trials += part.trials;
+  }
+  return trials;
+}
+
+void print_status(const experiment::StudyFolder& study, const std::vector<ParticipantStatus>& people,
+                  std::size_t sessions, int trials) {
+  std::cout << fmt::format("study {}, {}{}\n\n", study.study.name, study.unblinded() ? "unblinded" : "blind",
+                           study.simulated ? ", simulated participants" : "");
+  std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}\n", "id", "sessions", "trials", "spoiled", "cut",
+                           "last entry (UTC)");
+  for (const ParticipantStatus& one : people) {
+    std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}{}\n", one.id,
+                             fmt::format("{}/{}", one.sessions, sessions),
+                             fmt::format("{}/{}", one.trials, trials), one.spoiled, one.cut_lines,
+                             one.last.empty() ? "-" : one.last, one.withdrawn ? "  withdrawn" : "");
+  }
+}
+
+void print_status_json(const experiment::StudyFolder& study, const std::vector<ParticipantStatus>& people,
+                       std::size_t sessions, int trials) {
+  nlohmann::ordered_json json;
+  json["study"] = study.study.name;
+  json["unblinded"] = study.unblinded();
+  json["simulated"] = study.simulated;
+  json["sessions"] = sessions;
+  json["trials"] = trials;
+  json["participants"] = nlohmann::ordered_json::array();
+  for (const ParticipantStatus& one : people) {
+    json["participants"].push_back({{"id", one.id},
+                                    {"sessions", one.sessions},
+                                    {"trials", one.trials},
+                                    {"spoiled", one.spoiled},
+                                    {"withdrawn", one.withdrawn},
+                                    {"last", one.last},
+                                    {"cut_lines", one.cut_lines}});
+  }
+  std::cout << json.dump(2) << '\n';
+}
+
+int show_status(const StudyFolderFlags& flags) {
+  const experiment::StudyFolder study = experiment::open_study(flags.folder);
+  const std::vector<experiment::PlannedSession> sessions = experiment::plan_sessions(study.study);
+  std::vector<ParticipantStatus> people;
+  for (const std::string& id : study.ids) people.push_back(status_of(study, id));
+  const auto print = flags.json ? print_status_json : print_status;
+  print(study, people, sessions.size(), planned_trials(sessions));
+  return kDone;
+}
+
+/// Replays a recording, also of a blind study. @return the first difference, without its values
+std::string replay_defect(const std::filesystem::path& file, const contact::Preparation& preparation) {
+  const record::Recording recording = record::read_recording(file, {}, record::Blind::kAllow);
+  const record::ReplayResult result = record::replay(recording, {}, preparation);
+  if (result.rows_different == 0) return "";
+  return fmt::format("does not replay: {} of {} rows differ; first: {}", result.rows_different,
+                     result.rows_compared, result.first_difference);
+}
+
+int verify_study(const StudyFolderFlags& flags) {
+  const experiment::StudyFolder study = experiment::open_study(flags.folder);
+  static_cast<void>(experiment::read_sealed_key(study));
+  const OrganPreparation preparation(flags.no_cache);
+  Progress bar("verify");
+  experiment::VerifyCounts counts;
+  experiment::CheckRecording check;
+  if (!flags.logs_only) {
+    check = [&](const std::filesystem::path& file) { return replay_defect(file, preparation.how()); };
+  }
+  for (std::size_t i = 0; i < study.ids.size(); ++i) {
+    bar.update(static_cast<double>(i) / static_cast<double>(study.ids.size()), "checking " + study.ids[i]);
+    experiment::verify_participant(study, study.ids[i], check, counts);
+  }
+  bar.clear();
+  if (flags.json) {
+    const nlohmann::ordered_json json{{"study", study.study.name},
+                                      {"logs", counts.logs},
+                                      {"trials", counts.trials},
+                                      {"recordings", counts.recordings},
+                                      {"replayed", !flags.logs_only}};
+    std::cout << json.dump(2) << '\n';
+  } else {
+    std::cout << fmt::format("study {}: {}, {} and {} are as they were written{}\n", study.study.name,
+                             counted(counts.logs, "log", "logs"), counted(counts.trials, "trial", "trials"),
+                             counted(counts.recordings, "recording", "recordings"),
+                             flags.logs_only ? "; recordings were not replayed" : "");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_study_status(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<StudyFolderFlags>();
+  CLI::App* command = study.add_subcommand("status", "Show how far each participant is");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_flag("--json", flags->json, "print one JSON document");
+  command->footer(
+      "Examples:\n  palpate study status touch\n  palpate study status touch --json\n"
+      "cut: incomplete lines of crashes. They are kept in participants/ID.cut; their trials are repeated.");
+  command->callback([flags, &exit_code] { exit_code = show_status(*flags); });
+}
+
+void add_study_verify(CLI::App& study, int& exit_code) {
+  auto flags = std::make_shared<StudyFolderFlags>();
+  CLI::App* command =
+      study.add_subcommand("verify", "Check that study, logs and recordings are as they were written");
+  command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_flag("--logs-only", flags->logs_only, "do not replay the recordings");
+  command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
+  command->add_flag("--json", flags->json, "print one JSON document");
+  command->footer(
+      "Examples:\n  palpate study verify touch\n  palpate study verify touch --logs-only --json\n"
+      "Checks hashes, the chain of each log, and that each recording replays bit for bit. Exit: 0 all is as "
+      "it "
+      "was written, 2 not; the message names the first fault.");
+  command->callback([flags, &exit_code] { exit_code = verify_study(*flags); });
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,156 @@
+// `palpate study check`, `prepare`, `status` and `verify` as users call them.
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "science/experiment/folder.h"
+
+#include "tests/program.h"
+
+namespace palpate::tests {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kExample = PALPATE_EXAMPLES "/study/touch-noise.toml";
+
+/// A study of one task, and the folder "study" for two participants.
+void prepare(const Folder& folder) {
+  std::ofstream(folder / "s.toml")
+      << "[study]\nname = \"small\"\nscene = \"box\"\n[[task]]\nname = \"weak\"\n"
+         "kind = \"force-detection\"\nforce_mN = { from = 5, to = 500 }\n"
+         "trials = 4\npractice = 1\n";
+  const Outcome outcome = run(folder, {"study", "prepare", "s.toml", "study", "--participants", "2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
+TEST(StudyCheckCommand, ShowsThePlanAndForcesOfTheExample) {
+  const Folder folder;
+  const Outcome text = run(folder, {"study", "check", kExample});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("stiffness 1-75, threshold again 60\n"));
+  EXPECT_THAT(text.out, HasSubstr("largest force 4.6 N, of task hold; limit 6 N of the study\n"));
+  EXPECT_THAT(text.out, HasSubstr("hint: task lump: the noise is faded out for 0.5 s after every 3 s\n"));
+  EXPECT_THAT(text.out, HasSubstr("hint: palpate study power "));
+  EXPECT_THAT(text.out, testing::Not(HasSubstr("missing")));
+  const Outcome outcome = run(folder, {"study", "check", kExample, "--json"});
+  const json found = json::parse(outcome.out);
+  EXPECT_EQ(found["sessions"].size(), 4U);
+  EXPECT_EQ(found["tasks"][4]["name"], "lump");
+  EXPECT_EQ(found["tasks"][4]["practice"], 26);
+  EXPECT_NEAR(found["largest_force_N"].get<double>(), 4.6, 1e-9);
+  EXPECT_EQ(found["max_force_N"], 6.0);
+}
+
+TEST(StudyCheckCommand, RefusesTheExampleInTwoSessions) {
+  const Folder folder;
+  std::string text = text_of(kExample);
+  const std::string sessions = "sessions = 4";
+  text.replace(text.find(sessions), sessions.size(), "sessions = 2");
+  std::ofstream(folder / "two.toml") << text;
+  const Outcome outcome = run(folder, {"study", "check", "two.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("two.toml: study.sessions = 2: the tasks need 4 sessions of at most 60 min"));
+}
+
+TEST(StudyCheckCommand, NamesAMissingConsentFileAndTooStiffTissue) {
+  const Folder folder;
+  std::string text = text_of(kExample);
+  const std::string stiffness = "standard_k1_N_per_m = 18.0";
+  text.replace(text.find(stiffness), stiffness.size(), "standard_k1_N_per_m = 300");
+  std::ofstream(folder / "s.toml") << text;
+  const Outcome outcome = run(folder, {"study", "check", "s.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.out, HasSubstr("missing: task stiffness: the stiffest tissue gives "));
+  EXPECT_THAT(outcome.out, HasSubstr("missing: ethics.consent_file: there is no file consent-en.md\n"));
+}
+
+TEST(StudyPrepareCommand, PrintsTheIdsAndTheNextCommands) {
+  const Folder folder;
+  prepare(folder);
+  const std::vector<std::string> ids = experiment::open_study(folder / "study").ids;
+  const Outcome again = run(folder, {"study", "prepare", "s.toml", "study", "--participants", "2"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("study: is in use, must be a new or an empty folder"));
+  const Outcome other = run(folder, {"study", "prepare", "s.toml", "other", "--participants", "1"});
+  const std::string id = experiment::open_study(folder / "other").ids.at(0);
+  EXPECT_EQ(other.out, "other: 1 participant of study small\n" + id +
+                           "\n\nNext:\n  palpate study run other --participant " + id +
+                           "\n  palpate study status other\n");
+  EXPECT_EQ(run(folder, {"study", "prepare", "s.toml", "third", "--participants", "9999999999"}).exit_code,
+            2);
+}
+
+TEST(StudyStatusCommand, CountsSessionsTrialsAndCutLines) {
+  const Folder folder;
+  prepare(folder);
+  const experiment::StudyFolder study = experiment::open_study(folder / "study");
+  {
+    experiment::LogWriter writer(study.log_of(study.ids[0]), study.lock_hash);
+    experiment::TrialRecord trial;
+    trial.time = "2026-03-01T10:00:00.000Z";
+    writer.append(trial);
+    trial.spoiled = {"band"};
+    writer.append(trial);
+    trial.practice = true;
+    writer.append(trial);
+    writer.append(experiment::EventRecord{"2026-03-01T10:01:00.000Z", "session-end", {{"session", "1"}}});
+    writer.append(experiment::EventRecord{"2026-03-01T10:02:00.000Z", "withdrawn", {}});
+  }
+  std::ofstream(study.log_of(study.ids[0]), std::ios::app) << "{\"n\":";
+  const Outcome outcome = run(folder, {"study", "status", "study", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json found = json::parse(outcome.out);
+  EXPECT_EQ(found["trials"], 4);
+  EXPECT_EQ(found["participants"][0], json({{"id", study.ids[0]},
+                                            {"sessions", 1},
+                                            {"trials", 1},
+                                            {"spoiled", 1},
+                                            {"withdrawn", true},
+                                            {"last", "2026-03-01T10:02:00.000Z"},
+                                            {"cut_lines", 1}}));
+  EXPECT_EQ(found["participants"][1]["last"], "");
+  EXPECT_THAT(run(folder, {"study", "status", "study"}).out,
+              HasSubstr(study.ids[0] +
+                        "         1/1          1/4        1     1  2026-03-01T10:02:00.000Z  withdrawn\n"));
+}
+
+TEST(StudyVerifyCommand, NamesAChangedLineAndARecordingThatDoesNotReplay) {
+  const Folder folder;
+  prepare(folder);
+  const experiment::StudyFolder study = experiment::open_study(folder / "study");
+  const std::string log = study.log_of(study.ids[1]).string();
+  const std::string recording = study.recording_of(study.ids[1], 1, 1).string();
+  {
+    experiment::LogWriter writer(log, study.lock_hash);
+    const std::string name = fs::path(recording).filename().string();
+    writer.append(
+        experiment::EventRecord{"", "block", {{"session", "1"}, {"block", "1"}, {"recording", name}}});
+    for (int i = 0; i < 2; ++i) writer.append(experiment::EventRecord{"", "note", {{"text", "a"}}});
+  }
+  ASSERT_EQ(run(folder, {"run", "--organ", "box", "--offline", "--record", recording}).exit_code, 0);
+  const Outcome outcome = run(folder, {"study", "verify", "study", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["recordings"], 1);
+
+  std::ofstream(recording) << "no recording";
+  EXPECT_EQ(run(folder, {"study", "verify", "study", "--logs-only"}).exit_code, 0);
+  const Outcome broken = run(folder, {"study", "verify", "study"});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_THAT(broken.err, HasSubstr(fs::path(recording).filename().string() + ": not a palpate recording"));
+
+  std::string lines_of_log = text_of(log);
+  lines_of_log.replace(lines_of_log.find("\"a\""), 3, "\"b\"");
+  std::ofstream(log) << lines_of_log;
+  const Outcome changed = run(folder, {"study", "verify", "study", "--logs-only"});
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_THAT(changed.err, HasSubstr(fs::path(log).filename().string() + ":2: "));
+}
+
+}  // namespace
+}  // namespace palpate::tests
