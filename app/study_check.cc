@@ -1,5 +1,6 @@
 // `palpate study check`: reads a study file and prints its plan, its largest forces and what is missing.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -139,7 +140,7 @@ void print_text(const CheckedStudy& made) {
   const Study& study = made.study;
   std::cout << fmt::format("study {}, scene {}, {} and {} min a person\n\n", study.name, study.scene,
                            counted(made.sessions.size(), "session", "sessions"),
-                           static_cast<int>(minutes_of(made) + 0.5));
+                           std::lround(minutes_of(made)));
   std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8}  {}\n", "task", "kind", "arms", "trials",
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {
