@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include <fmt/core.h>
 
@@ -83,19 +84,26 @@ void write_who(Page& page, const StudyFolder& study, const StudyAnalysis& analys
   write_flags(page, analysis);
 }
 
+// An effect with its interval.
+std::string short_effect(const Contrast& contrast, const std::optional<experiment::Effect>& effect) {
+  if (!effect) return "too few people";
+  return unbroken(fmt::format("{} ({})", experiment::effect_value(contrast.measure, effect->effect),
+                              interval_text(contrast.measure, *effect)));
+}
+
 TableRows effect_rows(const Study& study, const StudyAnalysis& analysis) {
-  TableRows rows{{"task", "measure", "conditions", "main analysis", "Holm", "with excluded people"}};
+  TableRows rows{
+      {"task", "measure", "conditions", "effect (95 %)", "people", "p", "p by Holm", "with excluded people"}};
   for (const Contrast& contrast : analysis.contrasts) {
     const bool same =
         contrast.kept && contrast.everybody && contrast.kept->people == contrast.everybody->people;
     rows.push_back({escaped(study.tasks[contrast.task].name) + (contrast.primary ? " (primary)" : ""),
                     escaped(experiment::measure_name(contrast.measure)),
-                    escaped(contrast_name(analysis, contrast)),
-                    contrast.kept ? escaped(effect_text(contrast, *contrast.kept)) : "too few people",
-                    contrast.holm ? escaped(experiment::p_text(*contrast.holm)) : "-",
-                    same                 ? "nobody is excluded"
-                    : contrast.everybody ? escaped(effect_text(contrast, *contrast.everybody))
-                                         : "too few people"});
+                    unbroken(contrast_name(analysis, contrast)), short_effect(contrast, contrast.kept),
+                    contrast.kept ? std::to_string(contrast.kept->people) : "-",
+                    contrast.kept ? unbroken(experiment::p_text(contrast.kept->p_value).substr(2)) : "-",
+                    contrast.holm ? unbroken(experiment::p_text(*contrast.holm).substr(2)) : "-",
+                    same ? "same" : short_effect(contrast, contrast.everybody)});
   }
   return rows;
 }

@@ -23,7 +23,9 @@ constexpr int kWidth = 760;
 // One for each arm (Okabe and Ito 2008).
 constexpr const char* kArmColours[] = {kGrey, kBlue, kOrange, kGreen, "#CC79A7", "#E69F00", "#56B4E9"};
 
-std::string colour_of(std::size_t arm) { return kArmColours[arm % std::size(kArmColours)]; }
+std::string colour_of(std::size_t arm, std::size_t arms) {
+  return arms == 1 ? kBlue : kArmColours[arm % std::size(kArmColours)];
+}
 
 // Text in single quotes of a gnuplot script.
 std::string quoted(const std::string& text) {
@@ -38,8 +40,8 @@ double x_of(const StudyTask& task, double level) { return readable_level(task, l
 // Panels of four in a row, below a legend.
 struct Panels {
   static constexpr int kColumns = 4;
-  static constexpr int kHeight = 165;
-  static constexpr int kLegend = 58;
+  static constexpr int kHeight = 160;
+  static constexpr int kLegend = 36;
   static constexpr int kFoot = 22;
   std::size_t count;
   [[nodiscard]] int rows() const { return (static_cast<int>(count) + kColumns - 1) / kColumns; }
@@ -50,7 +52,7 @@ std::string axes_of(const StudyTask& task) {
   const psychophysics::QuestPlusGrid grid = grid_of(task);
   std::string text = fmt::format("set logscale x\nset xrange [{}:{}]\n",
                                  0.9 * x_of(task, grid.levels.front()), 1.1 * x_of(task, grid.levels.back()));
-  if (task.kind == experiment::TaskKind::kStiffness) text += "set xtics (0.5, 0.7, 1, 1.4, 2)\n";
+  if (task.kind == experiment::TaskKind::kStiffness) text += "set xtics (0.5, 1, 2)\n";
   if (task.kind == experiment::TaskKind::kInclusion) text += "set xtics (1.2, 2, 4, 8)\n";
   text += task.comparison() ? "set yrange [-0.05:1.05]\nset ytics (0, 0.5, 1)\n"
                             : "set yrange [-0.05:1.05]\nset ytics (0, 0.5, 0.75, 1)\n";
@@ -86,8 +88,8 @@ std::string legend_of(const StudyAnalysis& analysis, std::size_t task, int heigh
   for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
     const std::string name = arm_text(of, arm);
     text += fmt::format("set label {} {} at screen {},{} textcolor rgb '{}' font ',14'\n", arm + 1,
-                        quoted("● " + name), x, 1.0 - 18.0 / height, colour_of(arm));
-    x += 0.045 + 0.013 * static_cast<double>(name.size());
+                        quoted("● " + name), x, 1.0 - 18.0 / height, colour_of(arm, of.arms.size()));
+    x += 0.045 + 0.0105 * static_cast<double>(name.size());
   }
   return text;
 }
@@ -207,16 +209,19 @@ Figure draw_curve(const Study& study, const StudyAnalysis& analysis, const exper
   const char* style = analysis.unblinded ? "yerrorlines" : "yerrorbars";
   plots += fmt::format("'means' using 1:2:3:4 with {} pt 7 ps 1 lw 2.4 lc rgb '{}'", style, kBlue);
   data.push_back(means);
-  std::string script =
-      preamble(kWidth, 380, "off") + "set ylabel \"d'\"\nset offsets graph 0.04, graph 0.04\n";
+  std::string script = preamble(kWidth, 380, "off") + "set ylabel \"d'\"\n";
   if (analysis.unblinded) {
-    script += "set xlabel 'noise as a share of the own noise threshold'\n";
+    const double largest = *std::max_element(of.shares.begin(), of.shares.end());
+    script += fmt::format(
+        "set xlabel 'noise as a share of the own noise threshold'\nset xrange [{}:{}]\nset xtics {}\n",
+        -0.05 * largest, 1.05 * largest, 0.5 * tic_step(largest));
   } else {
     std::string tics;
     for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
       tics += fmt::format("{}{} {}", arm == 0 ? "" : ", ", quoted(of.arms[arm]), arm);
     }
-    script += "set xlabel 'condition, blind'\nset xtics (" + tics + ")\n";
+    script += "set xlabel 'condition, blind'\nset xtics (" + tics + ")\n" +
+              fmt::format("set xrange [-0.5:{}]\n", static_cast<double>(of.arms.size()) - 0.5);
   }
   return drawn(std::move(figure), script + "plot " + plots + "\n", data);
 }
@@ -235,7 +240,8 @@ Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_
       "function; none where the range of stimuli was too small.",
       x_label(of), y_label(of));
   std::string script = preamble(kWidth, panels.height(), "off") + axes_of(of) +
-                       "set tics font ',11'\nset title font ',13' offset 0,-0.6\nset multiplot\n" +
+                       "set tics font ',11'\nset xtics offset 0,0.5\nset ytics offset 0.5,0\nset title font "
+                       "',13' offset 0,-0.6\nset multiplot\n" +
                        "set lmargin 4.6\nset rmargin 0.8\nset tmargin 1.6\nset bmargin 1.8\n" +
                        legend_of(analysis, task, panels.height());
   std::vector<PlotData> data;
@@ -253,10 +259,10 @@ Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_
       const std::string name = fmt::format("{}-{}", i, arm);
       data.push_back(points_of(of, result, "points-" + name));
       plots += fmt::format("{}'points-{}' using 1:2:3 with points pt 7 ps variable lc rgb '{}'",
-                           plots.empty() ? "" : ", ", name, colour_of(arm));
+                           plots.empty() ? "" : ", ", name, colour_of(arm, of.arms.size()));
       if (!is_number(result.fit)) continue;
       data.push_back(function_of(of, result, "line-" + name));
-      plots += fmt::format(", 'line-{}' with lines lw 1.8 lc rgb '{}'", name, colour_of(arm));
+      plots += fmt::format(", 'line-{}' with lines lw 1.8 lc rgb '{}'", name, colour_of(arm, of.arms.size()));
     }
     script += plots.empty() ? "plot NaN\n" : "plot " + plots + "\n";
     if (i == 0) script += "unset label\n";

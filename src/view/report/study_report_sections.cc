@@ -24,8 +24,8 @@ using experiment::StudyTask;
 // A factor with its interval, from log10.
 std::string factor_text(const psychophysics::Estimate& log10_factor, double by = 1.0) {
   const auto value = [by](double x) { return fixed(by * std::pow(10.0, x), 2); };
-  return fmt::format("{} ({} to {})", value(log10_factor.mean), value(log10_factor.low),
-                     value(log10_factor.high));
+  return unbroken(fmt::format("{} ({} to {})", value(log10_factor.mean), value(log10_factor.low),
+                              value(log10_factor.high)));
 }
 
 // Bias of the answers between the intervals, over all arms.
@@ -66,16 +66,19 @@ std::string range_text(std::vector<double> values, int digits) {
 // One row for each person and arm of a task with a function of the level.
 TableRows function_rows(const StudyTask& task, const StudyAnalysis& analysis, std::size_t index) {
   TableRows rows{{"person", "condition", "trials", task.comparison() ? "JND" : "threshold", "halves",
-                  "at the end", "lapses", "bias c"}};
+                  "lapses", "bias c"}};
+  if (task.repeat_at_end) rows[0].emplace_back("at the end");
   for (const PersonResult& person : analysis.people) {
     if (person.withdrawn) continue;
     const std::vector<ArmResult>& arms = person.tasks[index].arms;
     for (std::size_t i = 0; i < arms.size(); ++i) {
-      rows.push_back(
-          {i == 0 ? escaped(person.id) : "", escaped(arm_text(analysis.tasks[index], i)),
-           std::to_string(arms[i].trials), estimate_text(task, arms[i].fit), halves_text(task, arms[i]),
-           arms[i].repeated ? estimate_text(task, arms[i].repeated) : "-",
-           arms[i].fit ? percent(arms[i].fit->function.lapse, 0) : "-", i == 0 ? criterion_text(arms) : ""});
+      rows.push_back({i == 0 ? escaped(person.id) : "", escaped(arm_text(analysis.tasks[index], i)),
+                      std::to_string(arms[i].trials), unbroken(estimate_text(task, arms[i].fit)),
+                      unbroken(halves_text(task, arms[i])),
+                      arms[i].fit ? unbroken(percent(arms[i].fit->function.lapse, 0)) : "-",
+                      i == 0 ? criterion_text(arms) : ""});
+      if (!task.repeat_at_end) continue;
+      rows.back().push_back(arms[i].repeated ? unbroken(estimate_text(task, arms[i].repeated)) : "-");
     }
   }
   return rows;
@@ -147,6 +150,12 @@ TableRows spoiled_rows(const Study& study, const StudyAnalysis& analysis) {
 
 }  // namespace
 
+std::string unbroken(const std::string& text) {
+  std::string html;
+  for (const char c : escaped(text)) html += c == ' ' ? std::string("&nbsp;") : std::string(1, c);
+  return html;
+}
+
 void write_people_tables(Page& page, const Study& study, const StudyAnalysis& analysis, std::size_t task) {
   const StudyTask& of = study.tasks[task];
   if (!of.two_intervals()) {
@@ -178,17 +187,15 @@ void write_flags(Page& page, const StudyAnalysis& analysis) {
 }
 
 void write_shares(Page& page, const Study& study, const StudyAnalysis& analysis) {
-  const std::optional<std::size_t> threshold = study.threshold_task();
-  if (!threshold) return;
+  if (!study.threshold_task()) return;
   page.section("shares", "Share of the noise threshold that was reached");
   page.paragraph(
       "The noise is set from the first measurement of a person's threshold, which has an error. The best "
       "estimate uses all trials, those of the repetition too. The shares below are those that were reached "
       "if this estimate is right, with 95 % intervals.");
-  TableRows rows{{"person", "threshold, first", "threshold, at the end", "reached / meant"}};
-  const auto& shares = analysis.tasks;
+  TableRows rows{{"person", "reached / meant"}};
   std::vector<double> different;
-  for (const experiment::TaskResult& task : shares) {
+  for (const experiment::TaskResult& task : analysis.tasks) {
     for (const double share : task.shares) {
       if (share > 0.0 && std::find(different.begin(), different.end(), share) == different.end()) {
         different.push_back(share);
@@ -199,10 +206,7 @@ void write_shares(Page& page, const Study& study, const StudyAnalysis& analysis)
   for (const double share : different) rows[0].push_back("meant " + brief(share));
   for (const PersonResult& person : analysis.people) {
     if (person.withdrawn) continue;
-    const ArmResult& arm = person.tasks[*threshold].arms.front();
-    rows.push_back({escaped(person.id), estimate_text(study.tasks[*threshold], arm.fit),
-                    arm.repeated ? estimate_text(study.tasks[*threshold], arm.repeated) : "-",
-                    person.reached ? factor_text(*person.reached) : "-"});
+    rows.push_back({escaped(person.id), person.reached ? factor_text(*person.reached) : "-"});
     for (const double share : different) {
       rows.back().push_back(person.reached ? factor_text(*person.reached, share) : "-");
     }
@@ -292,7 +296,7 @@ void write_quality(Page& page, const Study& study, const StudyAnalysis& analysis
   }
   page.facts({{"late ticks", std::to_string(late)},
               {"latched faults", std::to_string(faults)},
-              {"minutes of all sessions: median (range)", range_text(minutes, 0)}});
+              {"time of all sessions: median (range)", range_text(minutes, 0) + " min"}});
   TableRows rows{{"task", "change over time", "mean (95 %)", "p"}};
   for (const experiment::GroupChange& change : analysis.changes) {
     rows.push_back(

@@ -8,6 +8,9 @@
 // Sections of the report of a study.
 namespace palpate::report {
 
+/// [any] Text as HTML that is not broken between lines.
+[[nodiscard]] std::string unbroken(const std::string& text);
+
 /// [setup] A table for each task: every person's estimates, halves, repetition, lapses and bias.
 void write_people_tables(Page& page, const experiment::Study& study,
                          const experiment::StudyAnalysis& analysis, std::size_t task);
