@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -14,6 +15,7 @@
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/study_commands.h"
+#include "app/window/study_screens.h"
 
 namespace palpate::app {
 namespace {
@@ -27,6 +29,20 @@ struct StudyRunFlags {
   bool no_cache = false;
 };
 
+/// @throws InputError without a display
+std::unique_ptr<StudyScreens> open_screens(const experiment::StudyFolder& study,
+                                           const std::string& participant) {
+  StudyScreensOptions options;
+  options.title = study.study.name + ": " + participant;
+  options.status_file = study.folder / (participant + "-status.txt");
+  try {
+    return std::make_unique<StudyScreens>(study.study, std::move(options));
+  } catch (const NoWindow& error) {
+    throw InputError(std::string(error.what()) +
+                     ": a person's session needs a display; --observer KIND runs without one");
+  }
+}
+
 int run_study(const StudyRunFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
   const experiment::SealedKey key = experiment::read_sealed_key(study);
@@ -38,9 +54,10 @@ int run_study(const StudyRunFlags& flags) {
   const OrganPreparation preparation(flags.no_cache);
   options.preparation = preparation.how();
   Progress bar("study");
-  std::unique_ptr<experiment::SessionScreens> screens;
+  std::unique_ptr<StudyScreens> screens;
   if (flags.observer.empty()) {
-    throw InputError("--observer: needed without screens");
+    screens = open_screens(study, flags.participant);
+    options.screens = screens.get();
   } else {
     options.progress = [&bar](double share, const std::string& what) { bar.update(share, what); };
   }

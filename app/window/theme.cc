@@ -6,17 +6,18 @@
 namespace palpate::app {
 namespace {
 
-constexpr float kFontHeight = 15.0F;  // window units at scale 1
-
 /// Unicode ranges of the panels' text: Latin, Greek and a few symbols.
 constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026, 0x2070,
                                 0x209F, 0x2190, 0x21FF, 0x25A0, 0x25FF, 0};
 
-void add_font(ImGuiIO& io, float height) {
+/// Unicode range of digits and the colon of a clock.
+constexpr ImWchar kDigits[] = {0x0030, 0x003A, 0};
+
+void add_font(ImGuiIO& io, float height, const ImWchar* letters = kLetters) {
   constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
   std::error_code error;
   if (std::filesystem::exists(kFont, error) &&
-      io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, kLetters) != nullptr) {
+      io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, letters) != nullptr) {
     return;
   }
   ImFontConfig plain;
@@ -61,7 +62,7 @@ ImU32 packed(const ImVec4& colour, float opacity) {
   return ImGui::ColorConvertFloat4ToU32(ImVec4(colour.x, colour.y, colour.z, colour.w * opacity));
 }
 
-void set_theme(float scale, float pixels_per_unit) {
+void set_theme(float scale, float pixels_per_unit, const std::vector<ExtraFont>& extra) {
   ImGuiStyle style;
   style.WindowPadding = ImVec2(10.0F, 8.0F);
   style.FramePadding = ImVec2(7.0F, 3.0F);
@@ -81,6 +82,9 @@ void set_theme(float scale, float pixels_per_unit) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   add_font(io, kFontHeight * scale * pixels_per_unit);
+  for (const ExtraFont& font : extra) {
+    add_font(io, font.height * scale * pixels_per_unit, font.digits_only ? kDigits : kLetters);
+  }
   io.FontGlobalScale = 1.0F / pixels_per_unit;
 }
 

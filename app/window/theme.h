@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include <imgui.h>
 
 namespace palpate::app {
@@ -22,8 +24,15 @@ inline const ImVec4 kNotice{0.20F, 0.24F, 0.30F, 1.0F};
 /// [setup] Colour as draw lists need it. @param opacity 0 to 1, multiplies the colour's own
 [[nodiscard]] ImU32 packed(const ImVec4& colour, float opacity = 1.0F);
 
+/// A font besides the one of the panels.
+struct ExtraFont {
+  float height = 0.0F;       // window units at scale 1; the panels' font has kFontHeight
+  bool digits_only = false;  // saves memory
+};
+inline constexpr float kFontHeight = 15.0F;  // window units at scale 1
+
 /// [setup] Sets style and fonts of the current ImGui context. @param scale of text and panels @param
-/// pixels_per_unit pixels per window unit
-void set_theme(float scale, float pixels_per_unit);
+/// pixels_per_unit pixels per window unit @param extra fonts that follow the panels' font in ImGui's list
+void set_theme(float scale, float pixels_per_unit, const std::vector<ExtraFont>& extra = {});
 
 }  // namespace palpate::app

@@ -75,24 +75,37 @@ std::optional<float> UiScale::asked(const std::string& flag) {
   return static_cast<float>(scale);
 }
 
-Viewport::Viewport(const std::string& title, Display::Size size, std::optional<float> scale)
-    : display_(title, size), asked_(scale) {
+Viewport::Viewport(const std::string& title, Display::Size size, std::optional<float> scale,
+                   std::vector<ExtraFont> fonts)
+    : display_(title, size), fonts_(std::move(fonts)), asked_(scale) {
   IMGUI_CHECKVERSION();
-  ImGui::CreateContext();
+  context_ = ImGui::CreateContext();
+  ImGui::SetCurrentContext(context_);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // do not write imgui.ini
   ImGui_ImplSDL2_InitForOpenGL(display_.window(), display_.context());
   ImGui_ImplOpenGL3_Init("#version 330 core");
   scale_ = asked_.value_or(display_.scale());
   pixels_a_unit_ = enlarged();
-  set_theme(scale_, static_cast<float>(pixels_a_unit_));
+  set_theme(scale_, static_cast<float>(pixels_a_unit_), fonts_);
 }
 
 Viewport::~Viewport() {
   if (display_.lost()) return;  // no call may use the lost display
+  activate();
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplSDL2_Shutdown();
-  ImGui::DestroyContext();
+  ImGui::DestroyContext(context_);
+}
+
+void Viewport::activate() const {
+  SDL_GL_MakeCurrent(display_.window(), display_.context());
+  ImGui::SetCurrentContext(context_);
+}
+
+void Viewport::set_scale(float scale) {
+  asked_ = scale;
+  scale_may_differ_ = true;
 }
 
 double Viewport::enlarged() const {
@@ -151,7 +164,7 @@ void Viewport::look_at_scale() {
   if (scale == scale_ && std::abs(pixels_a_unit - pixels_a_unit_) < 0.01) return;
   scale_ = scale;
   pixels_a_unit_ = pixels_a_unit;
-  set_theme(scale_, static_cast<float>(pixels_a_unit_));
+  set_theme(scale_, static_cast<float>(pixels_a_unit_), fonts_);
   ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_CreateFontsTexture();
 }

@@ -12,6 +12,7 @@
 #include "palpate/offscreen.h"
 
 #include "app/window/display.h"
+#include "app/window/theme.h"
 
 namespace palpate::app {
 
@@ -43,15 +44,21 @@ struct UiScale {
 /// constructing thread.
 class Viewport final {
  public:
-  /// @param scale of text and panels; nothing: from the display @throws NoWindow
-  Viewport(const std::string& title, Display::Size size, std::optional<float> scale);
+  /// @param scale of text and panels; nothing: from the display @param fonts besides the panels' @throws
+  /// NoWindow
+  Viewport(const std::string& title, Display::Size size, std::optional<float> scale,
+           std::vector<ExtraFont> fonts = {});
   ~Viewport();
   Viewport(const Viewport&) = delete;
   Viewport& operator=(const Viewport&) = delete;
 
+  /// Makes this window the one that OpenGL and ImGui draw to, for a program with several windows.
+  void activate() const;
   [[nodiscard]] Display& display() noexcept { return display_; }
   /// Scale of text and panels in window units.
   [[nodiscard]] float scale() const noexcept { return scale_; }
+  /// Changes the scale at the next begin_panels().
+  void set_scale(float scale);
   [[nodiscard]] Display::Size pixels() const { return display_.pixels(); }
   /// Pixels per window unit.
   [[nodiscard]] double enlarged() const;
@@ -59,6 +66,8 @@ class Viewport final {
   /// Passes all events since the last call to `taker`, each with the mouse's displacement [window units]. The
   /// name of a dropped file is valid until `taker` returns.
   void take_events(const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker);
+  /// Passes one event to ImGui and the mouse position.
+  void take(const SDL_Event& event);
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return mouse_at_; }
   /// Whether a point is inside a rectangle and not covered by a panel.
   [[nodiscard]] static bool over(const Rectangle& place, int x, int y);
@@ -92,12 +101,13 @@ class Viewport final {
   [[nodiscard]] static bool out_of_memory();
 
  private:
-  void take(const SDL_Event& event);
   void take_key(const SDL_Keysym& key);
   void take_mouse(const SDL_MouseButtonEvent& button);
   void look_at_scale();
 
   Display display_;
+  ImGuiContext* context_ = nullptr;
+  std::vector<ExtraFont> fonts_;
   std::optional<float> asked_;
   float scale_ = 1.0F;
   double pixels_a_unit_ = 1.0;

@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <thread>
 #include <utility>
 
-#include "core/base/random.h"
 #include "core/base/spsc_queue.h"
 #include "io/record/machine.h"
-#include "io/scene/search.h"
-#include "io/system/input_file.h"
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
 #include "palpate/session.h"
+#include "science/experiment/block_scene.h"
 #include "science/experiment/observer_hand.h"
+#include "science/experiment/session_questions.h"
 #include "science/experiment/simulated_person.h"
 
 namespace palpate::experiment {
@@ -24,78 +23,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kNoisePart = 0x7400'0000;
-constexpr int kLumpPlaces = 16;
 constexpr double kLead = 20e-3;  // s, of decisions in real time
-constexpr int kAudibleTrials = 20;
-constexpr double kAudibleMinutes = 30.0;
-constexpr double kFarAway = 1e3;  // m, d0 of a noise that does not depend on the distance
-constexpr InputKind kConsentInput{"a consent text", std::uint64_t{1} << 20U};
-
-EventRecord event_of(const std::string& name, std::vector<std::pair<std::string, std::string>> values) {
-  EventRecord event;
-  event.time = utc_now();
-  event.event = name;
-  event.values = std::move(values);
-  return event;
-}
-
-double hours_since(const std::string& time) {
-  std::tm parts{};
-  if (::strptime(time.c_str(), "%Y-%m-%dT%H:%M:%S", &parts) == nullptr) return 0.0;
-  return std::difftime(std::time(nullptr), ::timegm(&parts)) / 3600.0;
-}
 
 std::string text_of(std::uint64_t number) { return std::to_string(number); }
-
-/// Answers to a question of [participants] ask: bands only.
-std::vector<std::string> bands_of(const std::string& question) {
-  if (question == "age_band") return {"18-29", "30-39", "40-49", "50-59", "60 or more"};
-  if (question == "hand") return {"left", "right", "both"};
-  return {"none", "below 1", "1-5", "more than 5"};  // palpation_experience_years
-}
-
-/// Places of the inclusion of an inclusion task, below the upper side of the organ.
-std::vector<model::Inclusion> lump_places(const scene::Scene& setup, const StudyTask& task) {
-  std::vector<model::Inclusion> places;
-  for (int i = 0; i < kLumpPlaces; ++i) {
-    scene::Scene copy = setup;
-    copy.inclusions.clear();
-    copy.seed = setup.seed + static_cast<std::uint64_t>(i);
-    scene::SearchTable table;
-    table.lumps = 1;
-    table.lump.radius = task.radius;
-    table.lump.ratio = 1.0;
-    table.depth = task.depth > 0.0 ? task.depth : task.radius + 1e-3;
-    table.where = "task." + task.name;
-    scene::hide_inclusions(table, copy);
-    places.push_back(copy.inclusions.front().inclusion);
-  }
-  return places;
-}
-
-/// The scene of one block of a task.
-scene::Scene block_scene(const StudyFolder& study, const StudyTask& task, std::uint32_t participant,
-                         int session, int block, const std::string& device,
-                         std::vector<model::Inclusion>& lumps) {
-  scene::Overrides request = scene_of(study.study);
-  if (!device.empty()) request.device = device;
-  scene::Scene setup = scene::load(request);
-  setup.safety.max_force = std::min(setup.safety.max_force, study.study.max_force);
-  setup.noise.enabled = false;
-  const auto part = static_cast<std::uint32_t>(session) << 12U | static_cast<std::uint32_t>(block);
-  setup.seed = Random(study.study.seed, participant, kNoisePart + part).below(std::size_t{1} << 52U);
-  setup.noise.seed = setup.seed;
-  if (task.kind == TaskKind::kStiffness) setup.tissue.k1 = task.standard_k1;
-  if (task.kind == TaskKind::kInclusion) {
-    scene::Scene places = setup;
-    places.seed = study.study.seed;  // the same for everybody
-    lumps = lump_places(places, task);
-    setup.inclusions.clear();
-    setup.inclusions.push_back({"lump", false, lumps.front()});
-  }
-  return setup;
-}
 
 /// One session of one participant: the log, the course, and what a screen shows.
 class RunningSession final {
@@ -115,14 +45,12 @@ class RunningSession final {
   class Block;
   friend class Block;
 
+  void require_held_device() const;
   void open_session();
-  bool still_wanted();
-  bool first_questions();
-  bool audibility();
+  [[nodiscard]] SessionQuestions questions() { return {study_, options_, number_, log_}; }
   void run_block();
   void attend(session::Session& run, Block& block, const session::RunOptions& run_options);
   bool take_break();
-  void blinding_questions(const std::string& task, const std::string& code);
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
   void note();
@@ -303,8 +231,17 @@ void RunningSession::note() {
   if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
 }
 
+// A person feels a device that a hand holds.
+void RunningSession::require_held_device() const {
+  const std::string kind = study_scene(study_.study, options_.device).devices.front().kind;
+  const scene::DeviceKind* found = scene::find_device_kind(kind);
+  if (found != nullptr && found->held) return;
+  throw InputError("--device " + kind + ": no hand holds it; a person needs forcedimension, haply or touch");
+}
+
 void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
+  if (options_.screens != nullptr) require_held_device();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);
   const bool finished =
@@ -320,7 +257,7 @@ void RunningSession::open_session() {
   }
   const std::string number = std::to_string(outcome_.session);
   if (!finished && outcome_.session == begun) {
-    if (!still_wanted()) {
+    if (!questions().still_wanted()) {
       stop_ = true;
       return;
     }
@@ -340,93 +277,6 @@ void RunningSession::open_session() {
   planned_ = std::max(course_.trials_left(), 1);
 }
 
-// Whoever comes back after more than a day decides whether to go on with the interrupted session.
-bool RunningSession::still_wanted() {
-  const std::vector<TrialRecord>& trials = log_.opened().trials;
-  if (options_.screens == nullptr || trials.empty()) return true;
-  const double hours = hours_since(trials.back().time);
-  if (hours < 24.0) return true;
-  const auto answer = options_.screens->ask(
-      {"experimenter",
-       "The last trial of this session was on " + trials.back().time + ". Go on with it?",
-       {"go on", "stop"}});
-  return answer && *answer == 0;
-}
-
-bool RunningSession::first_questions() {
-  const ParticipantLog& before = log_.opened();
-  const auto has = [&](const std::string& name) {
-    return std::any_of(before.events.begin(), before.events.end(),
-                       [&](const EventRecord& event) { return event.event == name; });
-  };
-  if (options_.screens == nullptr) return true;
-  if (!study_.study.consent_file.empty() && !has("consent")) {
-    const std::string text = InputFile(study_.study.consent_file, kConsentInput).read_rest();
-    const auto answer = options_.screens->ask({"participant", text, {"I agree", "I do not agree"}});
-    if (!answer) return false;
-    log_.append(event_of("consent", {{"answer", *answer == 0 ? "yes" : "no"}, {"hash", sha256(text)}}));
-    if (*answer != 0) return false;
-  }
-  if (!has("answers")) {
-    std::vector<std::pair<std::string, std::string>> answers;
-    for (const std::string& question : study_.study.ask) {
-      const std::vector<std::string> bands = bands_of(question);
-      const auto answer = options_.screens->ask({"participant", question, bands});
-      if (!answer) return false;
-      answers.emplace_back(question, bands[*answer]);
-    }
-    if (!answers.empty()) log_.append(event_of("answers", answers));
-  }
-  return true;
-}
-
-bool RunningSession::audibility() {
-  if (!study_.study.check_audible || options_.screens == nullptr || outcome_.session != 1) return true;
-  for (const EventRecord& event : log_.opened().events) {
-    if (event.event == "audible") return true;
-  }
-  scene::Overrides request = scene_of(study_.study);
-  if (!options_.device.empty()) request.device = options_.device;
-  scene::Scene setup = scene::load(request);
-  setup.noise.enabled = false;
-  session::SessionOptions session_options;
-  session_options.preparation = options_.preparation;
-  session_options.duration_s = kAudibleMinutes * 60.0;
-  session::Session run(std::move(setup), std::move(session_options));
-  const auto background = run.run_in_background();
-  const auto switch_noise = [&](bool on) {
-    run.updates().offer(haptics::LiveNoise{on, study_.study.max_noise * kFarAway, kFarAway});
-  };
-  int correct = 0;
-  for (int i = 0; i < kAudibleTrials; ++i) {
-    Random random(study_.study.seed, number_, kNoisePart - 1U - static_cast<std::uint32_t>(i));
-    const std::optional<bool> answer = options_.screens->audible_trial(random.uniform() < 0.5, switch_noise);
-    if (!answer) return false;
-    correct += *answer ? 1 : 0;
-  }
-  log_.append(event_of("audible",
-                       {{"trials", std::to_string(kAudibleTrials)}, {"correct", std::to_string(correct)}}));
-  return true;
-}
-
-void RunningSession::blinding_questions(const std::string& task, const std::string& code) {
-  if (!study_.study.check_blinding || options_.screens == nullptr || stop_ || code.empty()) return;
-  for (const std::string who : {"participant", "experimenter"}) {
-    const std::vector<std::string> answers = {"yes", "no", "unsure"};
-    const auto noise = options_.screens->ask({who, "Was there noise in the last trial?", answers});
-    if (!noise) return;
-    const auto sure = options_.screens->ask({who, "How sure are you?", {"1", "2", "3", "4", "5"}});
-    if (!sure) return;
-    log_.append(event_of("blinding", {{"who", who},
-                                      {"session", std::to_string(outcome_.session)},
-                                      {"block", std::to_string(block_)},
-                                      {"task", task},
-                                      {"code", code},
-                                      {"answer", answers[*noise]},
-                                      {"confidence", std::to_string(*sure + 1)}}));
-  }
-}
-
 void RunningSession::run_block() {
   const Trial next = course_.next().value();
   const StudyTask& task = study_.study.tasks[next.task];
@@ -435,8 +285,8 @@ void RunningSession::run_block() {
   } while (std::filesystem::exists(study_.recording_of(options_.participant, outcome_.session, block_)));
   const std::filesystem::path file = study_.recording_of(options_.participant, outcome_.session, block_);
   TrialScene trial_scene;
-  scene::Scene setup =
-      block_scene(study_, task, number_, outcome_.session, block_, options_.device, trial_scene.lumps);
+  scene::Scene setup = block_scene(study_.study, task, {number_, outcome_.session, block_}, options_.device,
+                                   trial_scene.lumps);
   trial_scene.rate_Hz = setup.rate_Hz;
   trial_scene.tissue = setup.tissue;
   session::SessionOptions session_options;
@@ -471,7 +321,9 @@ void RunningSession::run_block() {
                                  {"task", task.name},
                                  {"late_ticks", text_of(block.late_ticks())},
                                  {"faults", block.fault() == 0 ? "0" : "1"}}));
-  if (task.arms.size() > 1) blinding_questions(task.name, block.last_code());
+  if (task.arms.size() > 1 && !stop_ && !block.last_code().empty()) {
+    questions().blinding({outcome_.session, block_, task.name, block.last_code()});
+  }
 }
 
 // A person's block: rows, keys and pictures until the run has ended.
@@ -533,7 +385,11 @@ bool RunningSession::take_break() {
 
 SessionOutcome RunningSession::run() {
   open_session();
-  if (stop_ || !first_questions() || !audibility()) return outcome_;
+  if (stop_) return outcome_;
+  if (options_.screens != nullptr &&
+      !(questions().consent_and_bands() && questions().audibility(outcome_.session))) {
+    return outcome_;
+  }
   while (course_.next() && !stop_) {
     run_block();
     if (outcome_.fault != 0 || stop_) break;
@@ -547,22 +403,6 @@ SessionOutcome RunningSession::run() {
 }
 
 }  // namespace
-
-std::string sentence_of(const StudyTask& task) {
-  switch (task.kind) {
-    case TaskKind::kNoiseThreshold:
-      return "In which interval did it tingle?";
-    case TaskKind::kForceDetection:
-      return "In which interval was there an extra force?";
-    case TaskKind::kStiffness:
-      return "Press once in each interval. Which was stiffer?";
-    case TaskKind::kInclusion:
-      return "Search in each interval. Which had the lump?";
-    case TaskKind::kForceControl:
-      return "Press until the bar is in the band. Keep that force when the bar goes.";
-  }
-  return "";
-}
 
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options) {
   return RunningSession(study, key, options).run();

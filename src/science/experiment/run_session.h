@@ -82,7 +82,4 @@ struct SessionOutcome {
 /// @throws InputError, ParameterError
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options);
 
-/// [any] The task in one sentence, for the participant.
-[[nodiscard]] std::string sentence_of(const StudyTask& task);
-
 }  // namespace palpate::experiment

@@ -79,4 +79,20 @@ ForceBound force_bound(const Study& study, const StudyTask& task) {
   return bound;
 }
 
+std::string sentence_of(const StudyTask& task) {
+  switch (task.kind) {
+    case TaskKind::kNoiseThreshold:
+      return "Press gently and hold. In which interval did it tingle?";
+    case TaskKind::kForceDetection:
+      return "Press gently and hold. In which interval was there an extra force?";
+    case TaskKind::kStiffness:
+      return "Press once in each interval, until \"come up\". Which was stiffer?";
+    case TaskKind::kInclusion:
+      return "Search in each interval; Space ends a search. Which had the lump?";
+    case TaskKind::kForceControl:
+      return "Press until the bar is in the band. Keep that force when the bar goes.";
+  }
+  return "";
+}
+
 }  // namespace palpate::experiment

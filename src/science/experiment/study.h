@@ -203,4 +203,7 @@ struct PlannedSession {
 /// [any] Estimated time of a task's trial [s].
 [[nodiscard]] double trial_seconds(const Study& study, const StudyTask& task) noexcept;
 
+/// [any] The task in one sentence, for the participant.
+[[nodiscard]] std::string sentence_of(const StudyTask& task);
+
 }  // namespace palpate::experiment

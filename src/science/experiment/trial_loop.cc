@@ -17,6 +17,7 @@ constexpr double kReachTime = 15.0;  // s, longest wait for the force band, a pr
 constexpr double kShowTarget = 2.0;  // s, kForceControl: with the bar
 constexpr double kHoldTime = 6.0;    // s, kForceControl: without it
 constexpr double kSettle = 1.0;      // s, of the hold that is not measured
+constexpr double kGiven = 0.99;      // of a commanded force that the energy limit left
 constexpr double kLateTick = 5e-3;   // s
 constexpr std::uint32_t kPlacePart = 0x7200'0000;  // of the random numbers: place of an inclusion
 constexpr double kFarAway = 1e3;                   // m, d0 of a noise that does not depend on the distance
@@ -263,6 +264,9 @@ void TrialLoop::check(const haptics::TickRow& row) {
   if (band && (row.tissue_force < task().band_low || row.tissue_force > task().band_high)) {
     spoil("the force left the band");
   }
+  const bool commanded = task().kind == TaskKind::kForceDetection && signal_in(view_.interval);
+  if (commanded && row.stimulus_force < kGiven * std::pow(10.0, trial_.level))
+    spoil("the extra force was lowered");
   if ((row.status & haptics::kForceClamped) != 0) spoil("the force was clamped");
   if ((row.status & haptics::kForceSlewed) != 0) spoil("the force's change was limited");
   if ((row.status & haptics::kEnergyDamped) != 0) spoil("the passivity controller acted");

@@ -3,9 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <utility>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/haptics/prepared_update.h"

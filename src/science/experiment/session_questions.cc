@@ -1,0 +1,123 @@
+#include "science/experiment/session_questions.h"
+
+#include <algorithm>
+#include <ctime>
+#include <optional>
+
+#include "core/base/random.h"
+#include "io/system/input_file.h"
+#include "palpate/session.h"
+#include "science/experiment/block_scene.h"
+
+namespace palpate::experiment {
+namespace {
+
+constexpr int kAudibleTrials = 20;
+constexpr double kAudibleMinutes = 30.0;
+constexpr std::uint32_t kAudiblePart = 0x7500'0000;  // of the random numbers
+constexpr double kFarAway = 1e3;                     // m, d0 of a noise that does not depend on the distance
+constexpr InputKind kConsentInput{"a consent text", std::uint64_t{1} << 20U};
+
+double hours_since(const std::string& time) {
+  std::tm parts{};
+  if (::strptime(time.c_str(), "%Y-%m-%dT%H:%M:%S", &parts) == nullptr) return 0.0;
+  return std::difftime(std::time(nullptr), ::timegm(&parts)) / 3600.0;
+}
+
+/// Answers to a question of [participants] ask: bands only.
+std::vector<std::string> bands_of(const std::string& question) {
+  if (question == "age_band") return {"18-29", "30-39", "40-49", "50-59", "60 or more"};
+  if (question == "hand") return {"left", "right", "both"};
+  return {"none", "below 1", "1-5", "more than 5"};  // palpation_experience_years
+}
+
+}  // namespace
+
+EventRecord event_of(const std::string& name, std::vector<std::pair<std::string, std::string>> values) {
+  EventRecord event;
+  event.time = utc_now();
+  event.event = name;
+  event.values = std::move(values);
+  return event;
+}
+
+bool SessionQuestions::still_wanted() const {
+  const std::vector<TrialRecord>& trials = log_.opened().trials;
+  if (options_.screens == nullptr || trials.empty()) return true;
+  const double hours = hours_since(trials.back().time);
+  if (hours < 24.0) return true;
+  const auto answer = options_.screens->ask(
+      {"experimenter",
+       "The last trial of this session was on " + trials.back().time + ". Go on with it?",
+       {"go on", "stop"}});
+  return answer && *answer == 0;
+}
+
+bool SessionQuestions::has(const std::string& event) const {
+  const std::vector<EventRecord>& events = log_.opened().events;
+  return std::any_of(events.begin(), events.end(),
+                     [&](const EventRecord& seen) { return seen.event == event; });
+}
+
+bool SessionQuestions::consent_and_bands() {
+  if (!study_.study.consent_file.empty() && !has("consent")) {
+    const std::string text = InputFile(study_.study.consent_file, kConsentInput).read_rest();
+    const auto answer = options_.screens->ask({"participant", text, {"I agree", "I do not agree"}});
+    if (!answer) return false;
+    log_.append(event_of("consent", {{"answer", *answer == 0 ? "yes" : "no"}, {"hash", sha256(text)}}));
+    if (*answer != 0) return false;
+  }
+  if (!has("answers")) {
+    std::vector<std::pair<std::string, std::string>> answers;
+    for (const std::string& question : study_.study.ask) {
+      const std::vector<std::string> bands = bands_of(question);
+      const auto answer = options_.screens->ask({"participant", question, bands});
+      if (!answer) return false;
+      answers.emplace_back(question, bands[*answer]);
+    }
+    if (!answers.empty()) log_.append(event_of("answers", answers));
+  }
+  return true;
+}
+
+bool SessionQuestions::audibility(int session) {
+  if (!study_.study.check_audible || session != 1 || has("audible")) return true;
+  session::SessionOptions session_options;
+  session_options.preparation = options_.preparation;
+  session_options.duration_s = kAudibleMinutes * 60.0;
+  session::Session run(study_scene(study_.study, options_.device), std::move(session_options));
+  const auto background = run.run_in_background();
+  const auto switch_noise = [&](bool on) {
+    run.updates().offer(haptics::LiveNoise{on, study_.study.max_noise * kFarAway, kFarAway});
+  };
+  int correct = 0;
+  for (int i = 0; i < kAudibleTrials; ++i) {
+    Random random(study_.study.seed, participant_, kAudiblePart + static_cast<std::uint32_t>(i));
+    const std::optional<bool> answer = options_.screens->audible_trial(random.uniform() < 0.5, switch_noise);
+    if (!answer) return false;
+    correct += *answer ? 1 : 0;
+  }
+  log_.append(event_of("audible",
+                       {{"trials", std::to_string(kAudibleTrials)}, {"correct", std::to_string(correct)}}));
+  return true;
+}
+
+void SessionQuestions::blinding(const LastTrial& last) {
+  if (!study_.study.check_blinding || options_.screens == nullptr) return;
+  for (const std::string who : {"participant", "experimenter"}) {
+    const std::vector<std::string> answers = {"yes", "no", "unsure"};
+    const auto noise = options_.screens->ask({who, "Was there noise in the last trial?", answers});
+    if (!noise) return;
+    const auto sure = options_.screens->ask({who, "How sure are you?", {"1", "2", "3", "4", "5"}});
+    if (!sure) return;
+    log_.append(event_of("blinding", {{"who", who},
+                                      {"session", std::to_string(last.session)},
+                                      {"block", std::to_string(last.block)},
+                                      {"task", last.task},
+                                      {"code", last.code},
+                                      {"answer", answers[*noise]},
+                                      {"confidence", std::to_string(*sure + 1)}}));
+  }
+}
+
+}  // namespace palpate::experiment
