@@ -4,7 +4,7 @@
 
 namespace palpate::app {
 
-void add_study(CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
+void add_study(CLI::App& program, const std::string& command_line, int& exit_code) {
   CLI::App* study = program.add_subcommand(
       "study", "Plan, run and analyse an experiment: does the touch noise help people?");
   study->require_subcommand(1);
@@ -15,7 +15,7 @@ void add_study(CLI::App& program, const std::string& /*command_line*/, int& exit
   add_study_simulate(*study, exit_code);
   add_study_status(*study, exit_code);
   add_study_verify(*study, exit_code);
-  add_study_analyse(*study, exit_code);
+  add_study_analyse(*study, command_line, exit_code);
   add_study_unblind(*study, exit_code);
   add_study_export(*study, exit_code);
 }

@@ -13,6 +13,7 @@
 #include "science/experiment/bids.h"
 #include "science/experiment/folder.h"
 #include "science/experiment/trial_table.h"
+#include "view/report/study_report.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -35,14 +36,6 @@ struct AnalyseFlags {
   bool as_json = false;
 };
 
-std::vector<Participant> read_people(const StudyFolder& study) {
-  std::vector<Participant> people;
-  for (std::uint32_t number = 0; number < study.ids.size(); ++number) {
-    people.push_back({number, study.read(study.ids[number])});
-  }
-  return people;
-}
-
 /// @throws InputError when the file or folder exists
 void require_absent(const fs::path& path, const std::string& flag) {
   std::error_code error;
@@ -51,14 +44,22 @@ void require_absent(const fs::path& path, const std::string& flag) {
   }
 }
 
-int analyse(const AnalyseFlags& flags) {
+int analyse(const AnalyseFlags& flags, const std::string& command_line) {
+  const fs::path report = flags.report;
+  if (!flags.report.empty()) {
+    require_absent(report / "report.html", "--report");
+    require_writable_folder(report, "--report");
+  }
   const StudyFolder study = experiment::open_study(flags.folder);
-  const std::vector<Participant> people = read_people(study);
+  const std::vector<Participant> people = experiment::read_people(study);
   const experiment::StudyAnalysis analysis =
       experiment::analyse(study.study, people, experiment::read_sealed_key(study), study.unblinded());
   if (analysis.people.empty()) {
     throw InputError(flags.folder +
                      ": no participant has a trial yet; `palpate study run` or `simulate` first");
+  }
+  if (!flags.report.empty()) {
+    report_message("report: " + report::write_study_report(study, analysis, report, command_line).string());
   }
   std::cout << (flags.as_json ? experiment::analysis_json(study.study, analysis)
                               : experiment::analysis_text(study.study, analysis));
@@ -76,7 +77,7 @@ int unblind(const AnalyseFlags& flags) {
 int export_trials(const AnalyseFlags& flags) {
   if (flags.csv.empty() == flags.bids.empty()) throw InputError("give one of --csv FILE and --bids FOLDER");
   const StudyFolder study = experiment::open_study(flags.folder);
-  const std::vector<Participant> people = read_people(study);
+  const std::vector<Participant> people = experiment::read_people(study);
   const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
   if (!flags.csv.empty()) {
     require_absent(flags.csv, "--csv");
@@ -93,11 +94,12 @@ int export_trials(const AnalyseFlags& flags) {
 
 }  // namespace
 
-void add_study_analyse(CLI::App& study, int& exit_code) {
+void add_study_analyse(CLI::App& study, const std::string& command_line, int& exit_code) {
   auto flags = std::make_shared<AnalyseFlags>();
   CLI::App* command = study.add_subcommand(
       "analyse", "Thresholds, effects, curves and flags; blind until the study is unblinded");
   command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
+  command->add_option("--report", flags->report, "folder for report.html and its figures");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"
@@ -106,7 +108,7 @@ void add_study_analyse(CLI::App& study, int& exit_code) {
       "Blind, conditions are A, B, C, and the primary contrast and the inverted U are not shown.\n"
       "People who withdrew are left out.\n"
       "Exit: 0 done, 2 bad input, a changed log or no trials");
-  command->callback([flags, &exit_code] { exit_code = analyse(*flags); });
+  command->callback([flags, &command_line, &exit_code] { exit_code = analyse(*flags, command_line); });
 }
 
 void add_study_unblind(CLI::App& study, int& exit_code) {

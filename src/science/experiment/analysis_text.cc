@@ -1,6 +1,7 @@
 #include "science/experiment/analysis_text.h"
 
 #include <cmath>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -8,12 +9,6 @@
 
 namespace palpate::experiment {
 namespace {
-
-std::string interval_text(const std::string& measure, double low, double high) {
-  const std::string unit = is_ratio(measure) ? "x " : "";
-  return unit + effect_value(measure, low).substr(unit.size()) + " to " +
-         effect_value(measure, high).substr(unit.size());
-}
 
 std::string contrast_line(const Study& study, const StudyAnalysis& analysis, const Contrast& contrast) {
   std::string line = fmt::format("  {}, {}, {}: ", study.tasks[contrast.task].name,
@@ -96,12 +91,17 @@ std::string effect_value(const std::string& measure, double effect) {
   return is_ratio(measure) ? fmt::format("x {:.2f}", std::exp(effect)) : fmt::format("{:+.2f}", effect);
 }
 
+std::string interval_text(const std::string& measure, const Effect& effect) {
+  const std::size_t unit = is_ratio(measure) ? 2 : 0;  // without "x "
+  return effect_value(measure, effect.low).substr(unit) + " to " +
+         effect_value(measure, effect.high).substr(unit) + (effect.open ? " or wider" : "");
+}
+
 std::string effect_text(const Contrast& contrast, const Effect& effect) {
   const std::string side =
       contrast.alternative == "two-sided" ? "" : " (one-sided, " + contrast.alternative + ")";
-  return fmt::format("{} (95 % {}{}), {} people, {}{}", effect_value(contrast.measure, effect.effect),
-                     interval_text(contrast.measure, effect.low, effect.high), effect.open ? " or wider" : "",
-                     effect.people, p_text(effect.p_value), side);
+  return fmt::format("{} (95 % {}), {} people, {}{}", effect_value(contrast.measure, effect.effect),
+                     interval_text(contrast.measure, effect), effect.people, p_text(effect.p_value), side);
 }
 
 std::string smallest_effect_text(const Contrast& contrast, const Effect& effect) {
@@ -118,9 +118,11 @@ std::string estimate_text(const StudyTask& task, const std::optional<ThresholdFi
   if (!fit) return "no trials";
   if (fit->range_too_small) return "range too small";
   const Readable middle = readable_estimate(task, fit->estimate.mean);
-  return fmt::format("{} ({} to {}) {}", brief(middle.value, 3),
+  const bool ratio = std::string_view(middle.unit) == "ratio";
+  return fmt::format("{}{} ({} to {}){}", ratio ? "x " : "", brief(middle.value, 3),
                      brief(readable_estimate(task, fit->estimate.low).value, 3),
-                     brief(readable_estimate(task, fit->estimate.high).value, 3), middle.unit);
+                     brief(readable_estimate(task, fit->estimate.high).value, 3),
+                     ratio ? "" : std::string(" ") + middle.unit);
 }
 
 std::string inverted_u_text(const Curve& curve) {

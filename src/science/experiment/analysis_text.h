@@ -13,6 +13,8 @@ namespace palpate::experiment {
 [[nodiscard]] bool is_ratio(const std::string& measure);
 /// [setup] A value of an effect: "x 0.85", or "+0.30" of d'.
 [[nodiscard]] std::string effect_value(const std::string& measure, double effect);
+/// [setup] The 95 % interval of an effect: "0.72 to 1.00".
+[[nodiscard]] std::string interval_text(const std::string& measure, const Effect& effect);
 /// [setup] An effect with its 95 % interval, its people and its p value.
 [[nodiscard]] std::string effect_text(const Contrast& contrast, const Effect& effect);
 /// [setup] The smallest effect that the study finds with a power of 0.8.

@@ -67,7 +67,7 @@ TEST(AnalysisText, EffectsOfLogarithmsAreRatios) {
   contrast.alternative = "less";
   Effect effect{24, -0.162519, -0.3, 0.0, 0.02, false, 0.2};
   EXPECT_EQ(effect_text(contrast, effect),
-            "x 0.85 (95 % x 0.74 to 1.00), 24 people, p = 0.020 (one-sided, less)");
+            "x 0.85 (95 % 0.74 to 1.00), 24 people, p = 0.020 (one-sided, less)");
   EXPECT_EQ(smallest_effect_text(contrast, effect),
             "smallest effect that this study finds with power 0.8: x 0.82");
   effect.open = true;
