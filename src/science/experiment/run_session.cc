@@ -51,6 +51,7 @@ class RunningSession final {
   void run_block();
   void attend(session::Session& run, Block& block, const session::RunOptions& run_options);
   bool take_break();
+  void take_withdrawal();
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
   void note();
@@ -383,18 +384,25 @@ bool RunningSession::take_break() {
   return true;
 }
 
+// A question ends without an answer when the participant withdraws.
+void RunningSession::take_withdrawal() {
+  if (options_.screens == nullptr) return;
+  while (const auto input = options_.screens->take_input()) {
+    outcome_.withdrawn = outcome_.withdrawn || *input == ScreenInput::kWithdraw;
+  }
+}
+
 SessionOutcome RunningSession::run() {
   open_session();
   if (stop_) return outcome_;
-  if (options_.screens != nullptr &&
-      !(questions().consent_and_bands() && questions().audibility(outcome_.session))) {
-    return outcome_;
-  }
-  while (course_.next() && !stop_) {
+  const bool agreed = options_.screens == nullptr ||
+                      (questions().consent_and_bands() && questions().audibility(outcome_.session));
+  while (agreed && course_.next() && !stop_) {
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;
   }
+  take_withdrawal();
   if (outcome_.withdrawn) log_.append(event_of("withdrawn", {}));
   outcome_.complete = !course_.next();
   if (outcome_.complete)
