@@ -36,14 +36,6 @@ struct AnalyseFlags {
   bool as_json = false;
 };
 
-std::vector<Participant> read_people(const StudyFolder& study) {
-  std::vector<Participant> people;
-  for (std::uint32_t number = 0; number < study.ids.size(); ++number) {
-    people.push_back({number, study.read(study.ids[number])});
-  }
-  return people;
-}
-
 /// @throws InputError when the file or folder exists
 void require_absent(const fs::path& path, const std::string& flag) {
   std::error_code error;
@@ -59,7 +51,7 @@ int analyse(const AnalyseFlags& flags, const std::string& command_line) {
     require_writable_folder(report, "--report");
   }
   const StudyFolder study = experiment::open_study(flags.folder);
-  const std::vector<Participant> people = read_people(study);
+  const std::vector<Participant> people = experiment::read_people(study);
   const experiment::StudyAnalysis analysis =
       experiment::analyse(study.study, people, experiment::read_sealed_key(study), study.unblinded());
   if (analysis.people.empty()) {
@@ -85,7 +77,7 @@ int unblind(const AnalyseFlags& flags) {
 int export_trials(const AnalyseFlags& flags) {
   if (flags.csv.empty() == flags.bids.empty()) throw InputError("give one of --csv FILE and --bids FOLDER");
   const StudyFolder study = experiment::open_study(flags.folder);
-  const std::vector<Participant> people = read_people(study);
+  const std::vector<Participant> people = experiment::read_people(study);
   const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
   if (!flags.csv.empty()) {
     require_absent(flags.csv, "--csv");

@@ -1,5 +1,6 @@
 // `palpate study check`: reads a study file and prints its plan, its largest forces and what is missing.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -30,6 +31,7 @@ using experiment::StudyTask;
 using experiment::TaskKind;
 
 constexpr double kSecondsPerMinute = 60.0;
+constexpr double kRounding = 1e-9;  // N
 
 struct CheckedTask {
   const StudyTask* task = nullptr;
@@ -60,15 +62,13 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
   checked.trials = task.practice + task.trials * static_cast<int>(task.arms.size());
   checked.minutes = checked.trials * experiment::trial_seconds(made.study, task) / kSecondsPerMinute;
   checked.force = experiment::force_bound(made.study, task);
-  if (task.kind == TaskKind::kStiffness && task.depth > 0.0) {
-    checked.force.tissue = press_force(task, made.scene);
-    if (checked.force.sum() > made.scene.safety.max_force) {
-      made.missing.push_back(fmt::format(
-          "task {}: the stiffest tissue gives {} N at {} mm, with noise {} N, must be at most {} N: lower "
-          "depth_mm, ratio or standard_k1_N_per_m",
-          task.name, brief(checked.force.tissue), brief(task.depth / kMillimetre), brief(checked.force.sum()),
-          shortest(made.scene.safety.max_force)));
-    }
+  const bool pressed = task.kind == TaskKind::kStiffness && task.depth > 0.0;
+  if (pressed) checked.force.tissue = press_force(task, made.scene);
+  if (checked.force.sum() > made.scene.safety.max_force + kRounding) {
+    made.missing.push_back(fmt::format(
+        "task {}: its largest force is {} N, must be at most {} N, safety.max_force_N of scene and study{}",
+        task.name, brief(checked.force.sum()), shortest(made.scene.safety.max_force),
+        pressed ? ": lower depth_mm, ratio or standard_k1_N_per_m" : ""));
   }
   const double longest = task.kind == TaskKind::kInclusion ? task.search_time : 8.0;  // s, with reaching
   if (task.has_noise() && (task.kind == TaskKind::kInclusion || task.kind == TaskKind::kForceControl) &&
@@ -139,7 +139,7 @@ void print_text(const CheckedStudy& made) {
   const Study& study = made.study;
   std::cout << fmt::format("study {}, scene {}, {} and {} min a person\n\n", study.name, study.scene,
                            counted(made.sessions.size(), "session", "sessions"),
-                           static_cast<int>(minutes_of(made) + 0.5));
+                           std::lround(minutes_of(made)));
   std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8}  {}\n", "task", "kind", "arms", "trials",
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {

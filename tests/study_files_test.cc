@@ -66,8 +66,26 @@ TEST(StudyCheckCommand, NamesAMissingConsentFileAndTooStiffTissue) {
   std::ofstream(folder / "s.toml") << text;
   const Outcome outcome = run(folder, {"study", "check", "s.toml"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.out, HasSubstr("missing: task stiffness: the stiffest tissue gives "));
+  EXPECT_THAT(outcome.out,
+              testing::ContainsRegex(
+                  "missing: task stiffness: its largest force is [0-9.]+ N, must be at most 6 N, "
+                  "safety.max_force_N of scene and study: lower depth_mm, ratio or standard_k1_N_per_m\n"));
   EXPECT_THAT(outcome.out, HasSubstr("missing: ethics.consent_file: there is no file consent-en.md\n"));
+}
+
+TEST(StudyCheckCommand, HoldsForcesToTheLowerLimitOfAScene) {
+  const Folder folder;
+  std::string text = text_of(kExample);
+  const std::string scene = "scene = \"gallbladder\"";
+  text.replace(text.find(scene), scene.size(), "scene = \"weak.toml\"");
+  std::ofstream(folder / "s.toml") << text;
+  std::ofstream(folder / "weak.toml")
+      << "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:5\"\n[safety]\nmax_force_N = 4\n";
+  const Outcome outcome = run(folder, {"study", "check", "s.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.out, HasSubstr("limit 4 N of the scene\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("missing: task hold: its largest force is 4.6 N, must be at most 4 N, "
+                                     "safety.max_force_N of scene and study\n"));
 }
 
 TEST(StudyPrepareCommand, PrintsTheIdsAndTheNextCommands) {

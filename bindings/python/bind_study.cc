@@ -1,10 +1,15 @@
 // palpate.study: estimators and simulated observers for experiments with people.
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
+#include "science/experiment/trial_table.h"
 #include "science/psychophysics/psychophysics.h"
 
 #include "bindings/python/binding.h"
@@ -162,17 +167,52 @@ void bind_observers(py::module_& module) {
              "An answer with this probability, the same for the same numbers on any machine.");
 }
 
+// A column of the table: numbers, with NaN for an empty field, where all fields are numbers.
+py::object array_of_column(const std::vector<std::string>& fields) {
+  std::vector<double> numbers;
+  for (const std::string& field : fields) {
+    const std::optional<double> number = field.empty() ? std::nan("") : parse_number(field);
+    if (!number) return py::module_::import("numpy").attr("array")(fields);
+    numbers.push_back(*number);
+  }
+  return array_of(numbers);
+}
+
+py::dict read_trials(const std::filesystem::path& folder) {
+  const experiment::StudyFolder study = experiment::open_study(folder);
+  const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
+  const std::vector<experiment::TrialColumn>& columns = experiment::trial_columns();
+  std::vector<std::vector<std::string>> fields(columns.size());
+  for (const experiment::Participant& person : experiment::read_people(study)) {
+    if (person.log.withdrawn()) continue;
+    for (const experiment::TrialRecord& trial : person.log.trials) {
+      const std::vector<std::string> row = experiment::trial_row(study.study, person, trial, names);
+      for (std::size_t i = 0; i < row.size(); ++i) fields[i].push_back(row[i]);
+    }
+  }
+  py::dict table;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const std::string unit = columns[i].unit.empty() ? "" : "_" + columns[i].unit;
+    table[py::str(columns[i].name + unit)] = array_of_column(fields[i]);
+  }
+  return table;
+}
+
 }  // namespace
 
 void bind_study(py::module_& module) {
   py::module_ study = module.def_submodule(
       "study",
-      "Estimators and simulated observers for experiments with people: QUEST+, staircases, signal "
-      "detection theory.");
+      "Experiments with people: QUEST+, staircases, signal detection theory, simulated observers, and the "
+      "trials of a study's folder.");
   bind_quest(study);
   bind_staircase(study);
   bind_detection_theory(study);
   bind_observers(study);
+  study.def(
+      "read_trials", &read_trials, py::arg("folder"),
+      "All trials of a study's folder, as `palpate study export --csv`: a dict of arrays. Conditions are the "
+      "participants' own codes until the study is unblinded. Raises InputError for a changed file.");
 }
 
 }  // namespace palpate::python

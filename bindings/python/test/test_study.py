@@ -1,11 +1,15 @@
 """Estimators and observers from Python."""
 import math
+import pathlib
 
+import numpy as np
 import pytest
 
 import palpate
 import palpate.study
 from palpate import study
+
+SHORT_STUDY = pathlib.Path(__file__).resolve().parents[3] / 'examples' / 'study' / 'short.toml'
 
 
 def test_quest_finds_the_threshold_of_a_simulated_person():
@@ -50,3 +54,19 @@ def test_invalid_input_is_refused_in_words():
     with pytest.raises(palpate.ParameterError):
         study.QuestPlus.detection(10.0, 1.0)
     assert palpate.study is study
+
+
+def test_a_study_folder_is_read_as_a_table(tmp_path, program):
+    folder = tmp_path / 'try'
+    program('study', 'prepare', SHORT_STUDY, folder, '--participants', 2)
+    program('study', 'simulate', folder, '--observer', 'sr')
+    trials = study.read_trials(folder)
+    assert len(set(trials['participant'])) == 2
+    stiffness = trials['task'] == 'stiffness'
+    assert np.count_nonzero(stiffness) == 2 * 3 * 8
+    assert set(trials['condition'][stiffness]) == {'c1', 'c2', 'c3'}  # blind
+    counted = stiffness & (trials['practice'] == 0)
+    ratio = trials['stimulus'][counted]
+    assert np.allclose(np.log(ratio), trials['level'][counted], atol=1e-3)
+    with pytest.raises(palpate.InputError):
+        study.read_trials(tmp_path)

@@ -101,4 +101,12 @@ StudyAnalysis analyse(const Study& study, std::span<const Participant> people, S
   return analysis;
 }
 
+std::vector<Participant> read_people(const StudyFolder& study) {
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < study.ids.size(); ++number) {
+    people.push_back({number, study.read(study.ids[number])});
+  }
+  return people;
+}
+
 }  // namespace palpate::experiment

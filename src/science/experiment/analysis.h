@@ -21,6 +21,9 @@ struct Participant {
   ParticipantLog log;
 };
 
+/// [setup] Everybody's log, by number. @throws InputError as read_log()
+[[nodiscard]] std::vector<Participant> read_people(const StudyFolder& study);
+
 /// Answers at one level of the stimulus.
 struct Point {
   double level = 0.0;  // see grid_of()

@@ -139,7 +139,7 @@ fs::path copy_scene(const fs::path& file, const std::vector<scene::SourceFile>& 
   for (const scene::SourceFile& source : files) {
     made.copy(source.path, to / normal(source.path).lexically_relative(from));
   }
-  const fs::path scene = to / normal(file).lexically_relative(from);
+  fs::path scene = to / normal(file).lexically_relative(from);
   scene::Overrides copied;
   copied.scene = made.folder / scene;
   const scene::Scene read = scene::load(copied);

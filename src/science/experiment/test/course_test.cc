@@ -15,7 +15,7 @@
 namespace palpate::experiment {
 namespace {
 
-constexpr SealedKey kKey = 123456789;
+constexpr SealedKey kCourseKey = 123456789;
 
 // An answered trial; some are spoiled.
 TrialRecord answered(const Study& study, SimulatedPerson& person, const Trial& trial, double spoiled_share,
@@ -42,12 +42,12 @@ std::vector<TrialRecord> whole_session(const Study& study, Course& course, doubl
 
 TEST(Course, GoesOnFromTheLogAsWithoutAnInterruption) {
   const Study study = small_study();
-  Course uninterrupted(study, kKey, 2);
+  Course uninterrupted(study, kCourseKey, 2);
   uninterrupted.begin_session(1);
   const std::vector<TrialRecord> all = whole_session(study, uninterrupted, 0.1);
   for (const std::size_t cut :
        {std::size_t{0}, std::size_t{1}, all.size() / 3, all.size() / 2, all.size() - 1}) {
-    Course course(study, kKey, 2);
+    Course course(study, kCourseKey, 2);
     course.begin_session(1);
     for (std::size_t i = 0; i < cut; ++i) course.add(all[i]);
     for (std::size_t i = cut; i < all.size(); ++i) course.add(all[i]);  // throws if a trial differs
@@ -57,10 +57,10 @@ TEST(Course, GoesOnFromTheLogAsWithoutAnInterruption) {
 
 TEST(Course, AfterAnInterruptionPracticeComesFirstAndThenTheSameTrials) {
   const Study study = small_study();
-  Course uninterrupted(study, kKey, 2);
+  Course uninterrupted(study, kCourseKey, 2);
   uninterrupted.begin_session(1);
   const std::vector<TrialRecord> all = whole_session(study, uninterrupted);
-  Course course(study, kKey, 2);
+  Course course(study, kCourseKey, 2);
   course.begin_session(1);
   for (std::size_t i = 0; i < 20; ++i) course.add(all[i]);
   course.resume();
@@ -86,7 +86,7 @@ TEST(Course, AfterAnInterruptionPracticeComesFirstAndThenTheSameTrials) {
 
 TEST(Course, SpoiledTrialsAreRepeatedLaterAndThriceAtMost) {
   const Study study = small_study();
-  Course course(study, kKey, 1);
+  Course course(study, kCourseKey, 1);
   course.begin_session(1);
   const std::vector<TrialRecord> all = whole_session(study, course, 0.4);
   std::map<std::pair<std::string, int>, int> attempts;
@@ -119,7 +119,7 @@ TEST(Course, EachArmComesOnceARoundAndCodesAreDrawnForEachParticipant) {
   const Study study = small_study();
   std::set<std::vector<std::size_t>> orders;
   for (std::uint32_t participant = 0; participant < 12; ++participant) {
-    Course course(study, kKey, participant);
+    Course course(study, kCourseKey, participant);
     course.begin_session(1);
     SimulatedPerson person = make_person("ideal", 3, participant);
     std::vector<std::string> codes;
@@ -129,7 +129,7 @@ TEST(Course, EachArmComesOnceARoundAndCodesAreDrawnForEachParticipant) {
         codes.push_back(next->code);
         arms.push_back(next->arm);
         EXPECT_EQ(
-            arms_of_codes(kKey, participant, next->task, 3)[static_cast<std::size_t>(next->code[1] - '1')],
+            arms_of_codes(kCourseKey, participant, next->task, 3)[static_cast<std::size_t>(next->code[1] - '1')],
             next->arm);
       }
       course.add(answered(study, person, *next, 0.0, count));
@@ -149,7 +149,7 @@ TEST(Course, ForceControlHasOneArmAfterTheOtherInABalancedOrder) {
   const Study study = small_study();
   std::map<std::pair<std::size_t, std::size_t>, int> place_of_arm;
   for (std::uint32_t participant = 0; participant < 6; ++participant) {
-    Course course(study, kKey, participant);
+    Course course(study, kCourseKey, participant);
     course.begin_session(1);
     SimulatedPerson person = make_person("ideal", 3, participant);
     std::vector<std::size_t> arms;
@@ -167,7 +167,7 @@ TEST(Course, ForceControlHasOneArmAfterTheOtherInABalancedOrder) {
 
 TEST(Course, TheNoiseIsTheArmsShareOfTheOwnThreshold) {
   const Study study = small_study();
-  Course course(study, kKey, 0);
+  Course course(study, kCourseKey, 0);
   course.begin_session(1);
   SimulatedPerson person = make_person("sr", 3, 0);
   double log_error = 1.0;
@@ -188,12 +188,12 @@ TEST(Course, TheNoiseIsTheArmsShareOfTheOwnThreshold) {
 
 TEST(Course, ALogOfAnotherStudyIsRefused) {
   const Study study = small_study();
-  Course course(study, kKey, 0);
+  Course course(study, kCourseKey, 0);
   course.begin_session(1);
   TrialRecord record = record_of(study, course.next().value(), 1, 1);
   record.level += 0.1;
   EXPECT_THROW(course.add(record), InputError);
-  Course other(study, kKey + 1, 3);
+  Course other(study, kCourseKey + 1, 3);
   other.begin_session(1);
 }
 
