@@ -326,9 +326,12 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
   if (analysis.unblinded && study.primary) {
     const experiment::PrimaryAnalysis& primary = *study.primary;
     against.push_back(fmt::format(
-        "Primary: the interval of {} - {} in {} lies wholly on the side opposite to the alternative ({}). An "
-        "interval on both sides decides nothing.",
-        primary.condition, primary.reference, primary.task, primary.alternative));
+        "Primary: the interval of {} - {} in {} lies wholly on the side {}. An interval on both sides "
+        "decides "
+        "nothing.",
+        primary.condition, primary.reference, primary.task,
+        primary.alternative == "two-sided" ? "where the noise harms"
+                                           : "opposite to the alternative (" + primary.alternative + ")"));
   }
   against.insert(against.end(),
                  {"Noise near the tissue alone helps and constant noise does not: then the noise is a cue of "
