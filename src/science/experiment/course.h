@@ -99,6 +99,8 @@ class Course final {
   std::vector<std::vector<std::size_t>> arms_of_code_;  // of each task
   mutable std::map<RunKey, std::unique_ptr<Levels>> levels_;
 
+  mutable std::optional<Trial> next_;  // once it was asked for
+
   std::size_t session_ = 0;  // from 1; 0: none was begun
   std::size_t part_ = 0;
   std::vector<Slot> waiting_;  // of the part, the next one first
