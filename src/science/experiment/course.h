@@ -39,8 +39,8 @@ struct CoursePosition {
   int of = 0;
 };
 
-/// The trials of one participant: a function of study, key, participant and of what the log holds. What is
-/// next follows from the finished trials alone, so a session goes on after a crash as without it.
+/// The trials of one participant: a function of study, key, participant and of what the log holds. The next
+/// trial follows from the finished trials alone, so a session goes on after a crash as without it.
 class Course final {
  public:
   static constexpr int kMostAttempts = 3;   // of a trial; then it is lost

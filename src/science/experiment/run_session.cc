@@ -189,7 +189,8 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
   course_.add(record);
   ++outcome_.trials;
   outcome_.spoiled += record.spoiled.empty() ? 0 : 1;
-  if (task.kind == TaskKind::kNoiseThreshold && !record.practice) ladder_.push_back(loop.trial().noise);
+  if (task.kind == TaskKind::kNoiseThreshold && !record.practice && record.spoiled.empty())
+    ladder_.push_back(loop.trial().noise);
   message_.clear();
   const bool tells =
       study_.study.feedback == "always" || (study_.study.feedback == "practice" && record.practice);
@@ -371,7 +372,8 @@ bool RunningSession::take_break() {
     const double left = std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
     show({}, left > 0.0 ? "Take a break" : "Press a key to go on", left);
     while (const auto input = options_.screens->take_input()) {
-      if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw) {
+      if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
+          *input == ScreenInput::kForceOff) {
         outcome_.withdrawn = *input == ScreenInput::kWithdraw;
         stop_ = true;
         return false;

@@ -1,5 +1,6 @@
 #include "science/experiment/course.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>

@@ -1,5 +1,6 @@
 #include "science/experiment/run_session.h"
 
+#include <cmath>
 #include <filesystem>
 #include <set>
 #include <string>
