@@ -9,9 +9,11 @@
 #include "core/base/text.h"
 #include "palpate/device.h"
 #include "palpate/error.h"
+#include "palpate/version.h"
 #include "science/experiment/run_session.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/study_commands.h"
@@ -46,6 +48,10 @@ std::unique_ptr<StudyScreens> open_screens(const experiment::StudyFolder& study,
 int run_study(const StudyRunFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
   const experiment::SealedKey key = experiment::read_sealed_key(study);
+  if (study.program != kVersion) {
+    report_message(fmt::format("{}: was prepared by palpate {}, this is {}: use one version for all sessions",
+                               flags.folder, study.program, kVersion));
+  }
   experiment::SessionOptions options;
   options.participant = flags.participant;
   options.session = flags.session;
