@@ -130,7 +130,7 @@ std::string replay_defect(const std::filesystem::path& file, const contact::Prep
 
 int verify_study(const StudyFolderFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
-  static_cast<void>(experiment::read_sealed_key(study));
+  const experiment::SealedKey key = experiment::read_sealed_key(study);
   const OrganPreparation preparation(flags.no_cache);
   Progress bar("verify");
   experiment::VerifyCounts counts;
@@ -140,7 +140,7 @@ int verify_study(const StudyFolderFlags& flags) {
   }
   for (std::size_t i = 0; i < study.ids.size(); ++i) {
     bar.update(static_cast<double>(i) / static_cast<double>(study.ids.size()), "checking " + study.ids[i]);
-    experiment::verify_participant(study, study.ids[i], check, counts);
+    experiment::verify_participant(study, key, study.ids[i], check, counts);
   }
   bar.clear();
   if (flags.json) {

@@ -6,12 +6,18 @@
 
 #include "core/base/text.h"
 #include "palpate/error.h"
+#include "science/experiment/course.h"
 
 namespace palpate::experiment {
 
-void verify_participant(const StudyFolder& study, const std::string& id,
+void verify_participant(const StudyFolder& study, SealedKey key, const std::string& id,
                         const CheckRecording& check_recording, VerifyCounts& counts) {
   const ParticipantLog log = study.read(id);
+  try {
+    Course(study.study, key, study.number_of(id)).replay(log);
+  } catch (const InputError& error) {
+    throw InputError(study.log_of(id).string() + ": " + error.what());
+  }
   ++counts.logs;
   counts.trials += log.trials.size();
   for (const EventRecord& event : log.events) {

@@ -18,10 +18,11 @@ struct VerifyCounts {
   std::size_t recordings = 0;
 };
 
-/// [setup] Checks the hash chain of a participant's log, and each recording that its events "block" name.
+/// [setup] Checks the hash chain of a participant's log, that each trial is the one that follows from the
+/// answers before it, and each recording that its events "block" name.
 /// @param check_recording empty: recordings must only exist @throws InputError naming the first file, line or
 /// recording that is not as it was written
-void verify_participant(const StudyFolder& study, const std::string& id,
+void verify_participant(const StudyFolder& study, SealedKey key, const std::string& id,
                         const CheckRecording& check_recording, VerifyCounts& counts);
 
 }  // namespace palpate::experiment

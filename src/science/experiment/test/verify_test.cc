@@ -4,6 +4,7 @@
 
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
+#include "science/experiment/course.h"
 #include "science/experiment/test/study_text.h"
 
 namespace palpate::experiment {
@@ -22,13 +23,22 @@ class Verify : public testing::Test {
   }
   void log_block(const std::string& recording) {
     LogWriter writer(study_.log_of(study_.ids[0]), study_.lock_hash);
-    writer.append(TrialRecord{});
+    if (writer.opened().trials.empty()) {
+      writer.append(EventRecord{"", "session", {{"session", "1"}}});
+      writer.append(first_trial());
+    }
     writer.append(EventRecord{"", "block", {{"session", "1"}, {"block", "2"}, {"recording", recording}}});
+  }
+  [[nodiscard]] TrialRecord first_trial() const {
+    Course course(study_.study, read_sealed_key(study_), 0);
+    course.begin_session(1);
+    return record_of(study_.study, course.next().value(), 1, 2);
   }
   [[nodiscard]] std::string error(const CheckRecording& check = {}) const {
     return error_of([&] {
       VerifyCounts counts;
-      for (const std::string& id : study_.ids) verify_participant(study_, id, check, counts);
+      for (const std::string& id : study_.ids)
+        verify_participant(study_, read_sealed_key(study_), id, check, counts);
     });
   }
 
@@ -42,7 +52,8 @@ TEST_F(Verify, CountsLogsTrialsAndRecordings) {
   std::filesystem::path checked;
   for (const std::string& id : study_.ids) {
     verify_participant(
-        study_, id, [&](const auto& file) { return checked = file, std::string(); }, counts);
+        study_, read_sealed_key(study_), id, [&](const auto& file) { return checked = file, std::string(); },
+        counts);
   }
   EXPECT_EQ(counts.logs, 2U);
   EXPECT_EQ(counts.trials, 1U);
@@ -52,6 +63,15 @@ TEST_F(Verify, CountsLogsTrialsAndRecordings) {
 
 TEST_F(Verify, NamesARecordingWithADefect) {
   EXPECT_EQ(error([](const auto&) { return "tick 3 differs"; }), recording_.string() + ": tick 3 differs");
+}
+
+TEST_F(Verify, RefusesATrialThatDoesNotFollowFromTheAnswers) {
+  TrialRecord trial = first_trial();
+  trial.level += 0.05;
+  LogWriter writer(study_.log_of(study_.ids[1]), study_.lock_hash);
+  writer.append(EventRecord{"", "session", {{"session", "1"}}});
+  writer.append(trial);
+  EXPECT_NE(error().find(study_.log_of(study_.ids[1]).string() + ": a trial of the log"), std::string::npos);
 }
 
 TEST_F(Verify, NamesAMissingRecording) {
