@@ -1,4 +1,5 @@
 // `palpate study run`: one session of one participant.
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,9 +10,12 @@
 #include "core/base/text.h"
 #include "palpate/device.h"
 #include "palpate/error.h"
+#include "palpate/version.h"
 #include "science/experiment/run_session.h"
+#include "science/experiment/simulated_person.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/study_commands.h"
@@ -43,9 +47,29 @@ std::unique_ptr<StudyScreens> open_screens(const experiment::StudyFolder& study,
   }
 }
 
+// A folder holds people or simulated ones, since their data are analysed together.
+void require_one_kind(const experiment::StudyFolder& study, const std::string& observer) {
+  if (observer.empty()) {
+    if (!study.simulated) return;
+    throw InputError(study.folder.string() + ": is for simulated participants; prepare another for people");
+  }
+  (void)experiment::make_person(observer, 1, 0);  // refuses an unknown one
+  if (study.simulated) return;
+  for (const std::string& id : study.ids) {
+    if (!std::filesystem::exists(study.log_of(id))) continue;
+    throw InputError(study.folder.string() + ": has data of people; prepare another folder for --observer");
+  }
+  experiment::mark_simulated(study);
+}
+
 int run_study(const StudyRunFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
   const experiment::SealedKey key = experiment::read_sealed_key(study);
+  if (study.program != kVersion) {
+    report_message(fmt::format("{}: was prepared by palpate {}, this is {}: use one version for all sessions",
+                               flags.folder, study.program, kVersion));
+  }
+  require_one_kind(study, flags.observer);
   experiment::SessionOptions options;
   options.participant = flags.participant;
   options.session = flags.session;

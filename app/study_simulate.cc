@@ -41,8 +41,9 @@ std::vector<std::string> participants_of(const experiment::StudyFolder& study, i
   return {study.ids.begin(), study.ids.begin() + count};
 }
 
-void require_empty(const experiment::StudyFolder& study, const std::vector<std::string>& ids) {
-  for (const std::string& id : ids) {
+// Nobody's data may lie beside simulated ones.
+void require_empty(const experiment::StudyFolder& study) {
+  for (const std::string& id : study.ids) {
     if (!std::filesystem::exists(study.log_of(id))) continue;
     throw InputError(study.log_of(id).string() + ": is there already; simulate only fills an empty folder");
   }
@@ -73,7 +74,7 @@ int simulate(const SimulateFlags& flags) {
   const std::vector<std::string> ids = participants_of(study, flags.participants);
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   tasks::on_rank_zero(*ranks, [&] {
-    require_empty(study, ids);
+    require_empty(study);
     experiment::mark_simulated(study);
   });
   const OrganPreparation preparation(flags.no_cache);

@@ -62,8 +62,9 @@ TrialRecord record_of(const Study& study, const Trial& trial, int session, int b
 /// The levels of one task in one arm, by its method.
 class Course::Levels final {
  public:
-  Levels(const StudyTask& task, std::uint64_t seed, std::uint32_t participant, std::uint32_t part)
-      : task_(task), seed_(seed), participant_(participant), part_(part), quest_(grid_of(task)) {
+  // The key, since an order that followed from the arm and the study's seed would reveal the arm.
+  Levels(const StudyTask& task, SealedKey key, std::uint32_t participant, std::uint32_t part)
+      : task_(task), key_(key), participant_(participant), part_(part), quest_(grid_of(task)) {
     if (task.method != Method::kStaircase) return;
     psychophysics::StaircaseSetup setup;
     setup.start = magnitude(levels().back());
@@ -75,6 +76,7 @@ class Course::Levels final {
 
   [[nodiscard]] const std::vector<double>& levels() const { return quest_.grid().levels; }
   [[nodiscard]] const psychophysics::QuestPlus& quest() const { return quest_; }
+  [[nodiscard]] int answers() const noexcept { return answers_; }
 
   [[nodiscard]] std::size_t next(int number) const {
     if (staircase_) return nearest(number);
@@ -83,7 +85,7 @@ class Course::Levels final {
     const auto round = static_cast<std::uint32_t>(static_cast<std::size_t>(trials_) / levels().size());
     return shuffled(
         levels().size(),
-        Random(seed_, participant_, part_ + round))[static_cast<std::size_t>(trials_) % levels().size()];
+        Random(key_, participant_, part_ + round))[static_cast<std::size_t>(trials_) % levels().size()];
   }
 
   void add(double level, bool counted, bool correct, bool catch_trial) {
@@ -91,6 +93,7 @@ class Course::Levels final {
       return std::fabs(a - level) < std::fabs(b - level);
     });
     quest_.update(static_cast<std::size_t>(found - levels().begin()), counted);
+    ++answers_;
     if (staircase_ && !catch_trial) staircase_->update(correct);
     if (!catch_trial) ++trials_;
   }
@@ -104,7 +107,7 @@ class Course::Levels final {
     double wanted = staircase_->level();
     if (task_.comparison()) {
       const bool negative =
-          Random(seed_, participant_, part_ + 0x8'0000U + static_cast<std::uint32_t>(number)).uniform() < 0.5;
+          Random(key_, participant_, part_ + 0x8000U + static_cast<std::uint32_t>(number)).uniform() < 0.5;
       wanted = std::pow(10.0, wanted) * (negative ? -1.0 : 1.0);
     }
     const auto found = std::min_element(levels().begin(), levels().end(), [&](double a, double b) {
@@ -114,12 +117,13 @@ class Course::Levels final {
   }
 
   const StudyTask& task_;
-  std::uint64_t seed_;
+  SealedKey key_;
   std::uint32_t participant_;
   std::uint32_t part_;
   psychophysics::QuestPlus quest_;
   std::optional<psychophysics::Staircase> staircase_;
-  int trials_ = 0;
+  int trials_ = 0;  // without catch trials
+  int answers_ = 0;
 };
 
 Course::Course(const Study& study, SealedKey key, std::uint32_t participant)
@@ -135,7 +139,7 @@ Course::Levels& Course::levels_of(std::size_t task, bool repeat, std::size_t arm
   std::unique_ptr<Levels>& levels = levels_[{task, repeat, arm}];
   if (!levels) {
     const auto part = part_of(kLevelPart, task, repeat, static_cast<std::uint32_t>(arm) << 16U);
-    levels = std::make_unique<Levels>(study_.tasks[task], study_.seed, participant_, part);
+    levels = std::make_unique<Levels>(study_.tasks[task], key_, participant_, part);
   }
   return *levels;
 }
@@ -145,9 +149,31 @@ void Course::begin_session(int session) {
     throw InputError("session: " + std::to_string(session) + " does not exist, must be 1 to " +
                      std::to_string(plan_.size()));
   }
+  require_measured(static_cast<std::size_t>(session));
   session_ = static_cast<std::size_t>(session);
   part_ = 0;
   begin_part();
+}
+
+// A session that was skipped leaves noise or force without its measured value.
+void Course::require_measured(std::size_t session) const {
+  const std::vector<PlannedPart>& parts = plan_[session - 1].parts;
+  const auto require = [&](const StudyTask& task, std::size_t source) {
+    const bool here =
+        std::any_of(parts.begin(), parts.end(), [&](const PlannedPart& part) { return part.task == source; });
+    const StudyTask& of = study_.tasks[source];
+    const int answers = levels_of(source, false, 0).answers();
+    if (here || 2 * answers >= of.trials) return;
+    throw InputError("session " + std::to_string(session) + ": task " + task.name + " follows from task " +
+                     of.name + ", of which " + std::to_string(answers) + " of " + std::to_string(of.trials) +
+                     " trials were done: run the sessions before it first");
+  };
+  for (const PlannedPart& part : parts) {
+    const StudyTask& task = task_of(part);
+    const auto threshold = study_.threshold_task();
+    if (task.has_noise() && threshold) require(task, *threshold);
+    if (task.signal) require(task, study_.find_task(task.signal->task).value());
+  }
 }
 
 void Course::begin_part() {
@@ -175,8 +201,11 @@ std::size_t Course::arm_of(const PlannedPart& part, int number) const {
   const std::size_t arms = task.arms.size();
   if (task.kind == TaskKind::kForceControl) {
     const auto rows = psychophysics::williams_square(static_cast<int>(arms));
-    const std::vector<int>& row = rows[participant_ % rows.size()];
-    // The key names the arm behind each number of the square.
+    // The key deals the rows to each group of people, and names the arm behind each number of the square.
+    const auto people = static_cast<std::uint32_t>(rows.size());
+    const auto dealt =
+        shuffled(people, Random(key_, participant_ / people, part_of(kArmsPart, part.task, true, 0)));
+    const std::vector<int>& row = rows[dealt[participant_ % people]];
     const auto names = shuffled(arms, Random(key_, 0xffff'ffffU, part_of(kArmsPart, part.task, false, 0)));
     return names[static_cast<std::size_t>(row[static_cast<std::size_t>(number / task.trials)])];
   }

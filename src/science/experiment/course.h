@@ -51,6 +51,7 @@ class Course final {
   ~Course();
 
   /// [setup] Begins a session, from 1. Trials of sessions before it that were not finished are left out.
+  /// @throws InputError for an unknown session, or one whose noise or force was not measured before
   void begin_session(int session);
   /// [setup] The session goes on after an interruption: practice comes first.
   void resume();
@@ -82,6 +83,7 @@ class Course final {
   };
   using RunKey = std::tuple<std::size_t, bool, std::size_t>;  // task, repeat, arm
 
+  void require_measured(std::size_t session) const;
   void begin_part();
   void count(const TrialRecord& trial, const Trial& expected);
   [[nodiscard]] const StudyTask& task_of(const PlannedPart& part) const { return study_.tasks[part.task]; }

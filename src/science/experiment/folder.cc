@@ -222,6 +222,7 @@ void read_lock(const FolderJson& lock, StudyFolder& made) {
     throw InputError(fmt::format("{}: format = {}: must be \"{}\"", (made.folder / "lock.json").string(),
                                  excerpt(lock.at("format").dump()), kFormat));
   }
+  lock.at("program").get_to(made.program);
   lock.at("ids").get_to(made.ids);
   for (const auto& [name, hash] : lock.at("files").items()) {
     const fs::path file = made.folder / name;

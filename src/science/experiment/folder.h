@@ -29,6 +29,7 @@ struct StudyFolder {
   std::filesystem::path folder;
   Study study;                   // its scene and consent file are the copies in the folder
   std::string lock_hash;         // SHA-256 of lock.json; each log begins with it
+  std::string program;           // version of palpate that prepared it
   std::vector<std::string> ids;  // of all participants, by number
   bool simulated = false;        // filled by `palpate study simulate`
 

@@ -66,12 +66,23 @@ bool ObserverHand::write(const haptics::ForceCommand& command_D) noexcept {
   return true;
 }
 
-void ObserverAgent::begin() {
+void ObserverAgent::begin(Random random) {
+  random_ = random;
   samples_ = {};
   place_ = 0.0;
   pressed_ = false;
   searched_ = false;
   last_state_ = TrialState::kIdle;
+}
+
+// White noise through two low-pass filters, with the standard deviation kTremor.
+double ObserverAgent::next_tremor() noexcept {
+  constexpr double kTremor = 0.2e-3;  // m; about 5 % of a force of 1 N
+  constexpr double kTime = 80e-3;     // s, of each filter
+  const double share = 1.0 / (kTime * rate_Hz_);
+  tremor_[0] += share * (2.0 * kTremor / std::sqrt(share) * random_.normal() - tremor_[0]);
+  tremor_[1] += share * (tremor_[0] - tremor_[1]);
+  return tremor_[1];
 }
 
 void ObserverAgent::follow_force(double wanted, double force) noexcept {
@@ -118,7 +129,8 @@ void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, cons
       place_ = 0.0;
       break;
   }
-  hand_.move_to(place_);
+  const double tremor = next_tremor();
+  hand_.move_to(place_ > 0.0 ? place_ + tremor / hand_.length() : place_);
   if (view.state != TrialState::kInterval || view.interval < 1) return;
   std::vector<double>& samples = samples_[static_cast<std::size_t>(view.interval - 1)];
   const double since = static_cast<double>(row.tick - interval_began_) / rate_Hz_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/random.h"
 #include "palpate/device.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
@@ -55,8 +56,9 @@ class ObserverAgent final {
   /// [setup] @param rate_Hz of the loop
   ObserverAgent(ObserverHand& hand, double rate_Hz) : hand_(hand), rate_Hz_(rate_Hz) {}
 
-  /// [setup] A trial begins.
-  void begin();
+  /// [setup] A trial begins. @param random of the hand's tremor. Without tremor the forces of all trials
+  /// without noise are the same, and the log shows which they are.
+  void begin(Random random);
   /// [setup] Takes a row of hand 0, after the trial loop did.
   void row(const haptics::TickRow& row, const TrialLoop& loop, const Study& study);
   /// [any] The press of a search for an inclusion is over.
@@ -66,10 +68,13 @@ class ObserverAgent final {
 
  private:
   void follow_force(double wanted, double force) noexcept;
+  [[nodiscard]] double next_tremor() noexcept;
 
   ObserverHand& hand_;
   double rate_Hz_;
   double place_ = 0.0;  // share of the line
+  Random random_{0, 0, 0};
+  std::array<double, 2> tremor_{};  // m, of the two stages of its filter
   TrialState last_state_ = TrialState::kIdle;
   std::uint64_t interval_began_ = 0;
   bool pressed_ = false;   // in this interval, to the depth

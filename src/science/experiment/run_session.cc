@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/random.h"
 #include "core/base/spsc_queue.h"
 #include "io/record/machine.h"
 #include "io/scene/device_kinds.h"
@@ -23,7 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kLead = 20e-3;  // s, of decisions in real time
+constexpr double kLead = 20e-3;                     // s, of decisions in real time
+constexpr std::uint32_t kTremorPart = 0x8000'0000;  // of the random numbers: an observer's hand
 
 std::string text_of(std::uint64_t number) { return std::to_string(number); }
 
@@ -55,6 +57,7 @@ class RunningSession final {
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
   void note();
+  void withdraw();
 
   const StudyFolder& study_;
   const SessionOptions& options_;
@@ -148,7 +151,7 @@ void RunningSession::Block::begin_next() {
     return;
   }
   loop_.begin(*next);
-  if (agent_) agent_->begin();
+  if (agent_) agent_->begin(Random(study.seed, session_.number_, kTremorPart + next->draw));
 }
 
 void RunningSession::Block::step(const haptics::TickRow& row) {
@@ -228,6 +231,12 @@ void RunningSession::show(const TrialView& trial, const std::string& message, do
   options_.screens->show(content);
 }
 
+// In the log at once, whatever happens to the run.
+void RunningSession::withdraw() {
+  if (!outcome_.withdrawn) log_.append(event_of("withdrawn", {}));
+  outcome_.withdrawn = true;
+}
+
 void RunningSession::note() {
   const std::string text = options_.screens->take_note();
   if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
@@ -252,26 +261,29 @@ void RunningSession::open_session() {
       });
   const auto sessions = static_cast<int>(plan_sessions(study_.study).size());
   outcome_.session = options_.session.value_or(finished ? begun + 1 : begun);
-  if (outcome_.session > sessions || outcome_.session < begun || (finished && outcome_.session == begun)) {
+  if (outcome_.session > sessions || outcome_.session < std::max(begun, 1) ||
+      (finished && outcome_.session == begun)) {
     throw InputError(options_.participant + ": session " + std::to_string(outcome_.session) +
-                     " cannot be run: " + std::to_string(begun) + " of " + std::to_string(sessions) +
-                     " were begun, " + (finished ? "all of them finished" : "the last one is unfinished"));
+                     " cannot be run: of " + std::to_string(sessions) + " sessions, " +
+                     (begun == 0 ? "none was begun"
+                                 : std::to_string(begun) + (finished ? " is finished" : " is unfinished")));
   }
   const std::string number = std::to_string(outcome_.session);
+  const std::string program = "palpate " + record::palpate_version();
   if (!finished && outcome_.session == begun) {
     if (!questions().still_wanted()) {
       stop_ = true;
       return;
     }
-    log_.append(event_of("resumed", {{"session", number}}));
+    log_.append(event_of("resumed", {{"session", number}, {"program", program}}));
     course_.resume();
   } else {
+    course_.begin_session(outcome_.session);
     log_.append(event_of("session", {{"session", number},
-                                     {"program", "palpate " + record::palpate_version()},
+                                     {"program", program},
                                      {"device", options_.device},
                                      {"observer", options_.observer},
                                      {"level", options_.observer.empty() ? "" : "force"}}));
-    course_.begin_session(outcome_.session);
   }
   for (const TrialRecord& trial : before.trials) {
     if (trial.session == outcome_.session) block_ = std::max(block_, trial.block);
@@ -342,12 +354,14 @@ void RunningSession::attend(session::Session& run, Block& block, const session::
           block.loop().answer(2);
           break;
         case ScreenInput::kNext:
+          block.loop().next();
           break;
         case ScreenInput::kPause:
           block.end();
           break;
         case ScreenInput::kWithdraw:
-          outcome_.withdrawn = true;
+          run.control().stop();  // the force first
+          withdraw();
           [[fallthrough]];
         case ScreenInput::kForceOff:
         case ScreenInput::kStop:
@@ -374,7 +388,7 @@ bool RunningSession::take_break() {
     while (const auto input = options_.screens->take_input()) {
       if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
           *input == ScreenInput::kForceOff) {
-        outcome_.withdrawn = *input == ScreenInput::kWithdraw;
+        if (*input == ScreenInput::kWithdraw) withdraw();
         stop_ = true;
         return false;
       }
@@ -390,7 +404,7 @@ bool RunningSession::take_break() {
 void RunningSession::take_withdrawal() {
   if (options_.screens == nullptr) return;
   while (const auto input = options_.screens->take_input()) {
-    outcome_.withdrawn = outcome_.withdrawn || *input == ScreenInput::kWithdraw;
+    if (*input == ScreenInput::kWithdraw) withdraw();
   }
 }
 
@@ -405,7 +419,6 @@ SessionOutcome RunningSession::run() {
     if (course_.next() && !take_break()) break;
   }
   take_withdrawal();
-  if (outcome_.withdrawn) log_.append(event_of("withdrawn", {}));
   outcome_.complete = !course_.next();
   if (outcome_.complete)
     log_.append(event_of("session-end", {{"session", std::to_string(outcome_.session)}}));

@@ -1,6 +1,7 @@
 #include "science/experiment/session_questions.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <optional>
 
@@ -46,8 +47,7 @@ EventRecord event_of(const std::string& name, std::vector<std::pair<std::string,
 bool SessionQuestions::still_wanted() const {
   const std::vector<TrialRecord>& trials = log_.opened().trials;
   if (options_.screens == nullptr || trials.empty()) return true;
-  const double hours = hours_since(trials.back().time);
-  if (hours < 24.0) return true;
+  if (std::fabs(hours_since(trials.back().time)) < 24.0) return true;  // also when the clock was set back
   const auto answer = options_.screens->ask(
       {"experimenter",
        "The last trial of this session was on " + trials.back().time + ". Go on with it?",
@@ -55,14 +55,15 @@ bool SessionQuestions::still_wanted() const {
   return answer && *answer == 0;
 }
 
-bool SessionQuestions::has(const std::string& event) const {
+bool SessionQuestions::has(const std::string& event, const std::string& answer) const {
   const std::vector<EventRecord>& events = log_.opened().events;
-  return std::any_of(events.begin(), events.end(),
-                     [&](const EventRecord& seen) { return seen.event == event; });
+  return std::any_of(events.begin(), events.end(), [&](const EventRecord& seen) {
+    return seen.event == event && (answer.empty() || seen.value("answer") == answer);
+  });
 }
 
 bool SessionQuestions::consent_and_bands() {
-  if (!study_.study.consent_file.empty() && !has("consent")) {
+  if (!study_.study.consent_file.empty() && !has("consent", "yes")) {
     const std::string text = InputFile(study_.folder / study_.study.consent_file, kConsentInput).read_rest();
     const auto answer = options_.screens->ask({"participant", text, {"I agree", "I do not agree"}});
     if (!answer) return false;

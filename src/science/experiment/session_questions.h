@@ -25,7 +25,8 @@ class SessionQuestions final {
   /// After more than a day, a question decides whether an interrupted session goes on. Without screens it
   /// does.
   [[nodiscard]] bool still_wanted() const;
-  /// Consent, then [participants] ask, once. @return false: no consent, or the window was closed
+  /// Consent until it is given, then [participants] ask, once. @return false: no consent, or the window was
+  /// closed
   [[nodiscard]] bool consent_and_bands();
   /// Whether the noise is heard with the hand off the device: 20 trials, once. @return false: the window was
   /// closed
@@ -41,7 +42,7 @@ class SessionQuestions final {
   void blinding(const LastTrial& last);
 
  private:
-  [[nodiscard]] bool has(const std::string& event) const;
+  [[nodiscard]] bool has(const std::string& event, const std::string& answer = "") const;
 
   const StudyFolder& study_;
   const SessionOptions& options_;

@@ -117,7 +117,7 @@ void TrialLoop::switch_noise(bool on, std::uint64_t tick) {
 }
 
 void TrialLoop::limit_noise(std::uint64_t tick) {
-  if (noise_on_ && tick >= noise_since_ + ticks(study_.max_continuous_noise)) {
+  if (noise_on_ && tick + scene_.lead >= noise_since_ + ticks(study_.max_continuous_noise)) {
     switch_noise(false, tick + scene_.lead);
     noise_again_ = tick + ticks(kNoisePause);
   } else if (noise_again_ != 0 && tick >= noise_again_) {
@@ -156,7 +156,7 @@ void TrialLoop::end_interval(std::uint64_t tick) {
   if (noise_on_) switch_noise(false, at);
   noise_again_ = 0;
   Measured& measured = measured_[static_cast<std::size_t>(view_.interval - 1)];
-  measured.cues.to_tick = tick;
+  measured.cues.to_tick = tick + 1;
   if (measured.rows > 0) measured.cues.mean_force = measured.force_sum / static_cast<double>(measured.rows);
   view_.deep_enough = false;
 }

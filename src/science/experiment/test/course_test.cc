@@ -129,9 +129,9 @@ TEST(Course, EachArmComesOnceARoundAndCodesAreDrawnForEachParticipant) {
       if (study.tasks[next->task].name == "stiffness" && !next->practice) {
         codes.push_back(next->code);
         arms.push_back(next->arm);
-        EXPECT_EQ(
-            arms_of_codes(kCourseKey, participant, next->task, 3)[static_cast<std::size_t>(next->code[1] - '1')],
-            next->arm);
+        EXPECT_EQ(arms_of_codes(kCourseKey, participant, next->task,
+                                3)[static_cast<std::size_t>(next->code[1] - '1')],
+                  next->arm);
       }
       course.add(answered(study, person, *next, 0.0, count));
     }
@@ -185,6 +185,68 @@ TEST(Course, TheNoiseIsTheArmsShareOfTheOwnThreshold) {
     course.add(answered(study, person, *next, 0.0, count));
   }
   EXPECT_NEAR(log_error, 0.0, 0.3);  // three standard errors of 40 trials
+}
+
+// The study's seed is in the study file: orders that followed from it and the arm would reveal the arm.
+TEST(Course, LevelsOfAnArmFollowFromTheKey) {
+  Study study = small_study();
+  study.tasks[study.find_task("stiffness").value()].method = Method::kConstant;
+  std::set<std::vector<double>> orders;
+  for (SealedKey key = 1; key <= 4; ++key) {
+    Course course(study, key, 0);
+    course.begin_session(1);
+    std::vector<double> levels;
+    for (const TrialRecord& trial : whole_session(study, course)) {
+      const std::size_t task = study.find_task(trial.task).value();
+      if (trial.task != "stiffness" || trial.practice) continue;
+      if (arms_of_codes(key, 0, task, 3)[static_cast<std::size_t>(trial.code[1] - '1')] == 1)
+        levels.push_back(trial.level);
+    }
+    ASSERT_EQ(levels.size(), 10U);
+    orders.insert(levels);
+  }
+  EXPECT_EQ(orders.size(), 4U);
+}
+
+TEST(Course, TheOrderOfOnePersonsForceControlDoesNotTellAnothersOrder) {
+  const Study study = small_study();
+  std::set<std::size_t> places;  // of the first one's first arm in the order of the second one
+  for (SealedKey key = 1; key <= 20; ++key) {
+    std::vector<std::vector<std::size_t>> orders;
+    for (const std::uint32_t participant : {0U, 1U}) {
+      Course course(study, key, participant);
+      course.begin_session(1);
+      SimulatedPerson person = make_person("ideal", 3, participant);
+      std::vector<std::size_t>& arms = orders.emplace_back();
+      for (std::uint32_t count = 0; const auto next = course.next(); ++count) {
+        if (study.tasks[next->task].name == "hold" && next->number % 6 == 0) arms.push_back(next->arm);
+        course.add(answered(study, person, *next, 0.0, count));
+      }
+    }
+    const auto found = std::find(orders[1].begin(), orders[1].end(), orders[0][0]);
+    places.insert(static_cast<std::size_t>(found - orders[1].begin()));
+  }
+  EXPECT_EQ(places, (std::set<std::size_t>{0, 1, 2}));
+}
+
+TEST(Course, ASessionWhoseNoiseWasNotMeasuredIsRefused) {
+  Study study = small_study();
+  study.sessions = 5;
+  study.max_minutes = 8.0;
+  Course course(study, kCourseKey, 0);
+  try {
+    course.begin_session(4);
+    FAIL() << "begins without a threshold";
+  } catch (const InputError& error) {
+    EXPECT_NE(
+        std::string(error.what()).find("follows from task threshold, of which 0 of 40 trials were done"),
+        std::string::npos)
+        << error.what();
+  }
+  for (const int session : {1, 2, 3, 4, 5}) {
+    course.begin_session(session);
+    whole_session(study, course);
+  }
 }
 
 TEST(Course, ALogOfAnotherStudyIsRefused) {

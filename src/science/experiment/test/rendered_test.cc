@@ -3,10 +3,12 @@
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "core/base/random.h"
 #include "palpate/session.h"
 #include "science/experiment/observer_hand.h"
 #include "science/experiment/simulated_person.h"
@@ -72,7 +74,7 @@ class RenderedTrials final : public haptics::TickObserver {
  private:
   void begin() {
     loop_->begin(trials_[records.size()]);
-    agent_->begin();
+    agent_->begin(Random(7, 0, trials_[records.size()].draw));
   }
   void add_noise(const TrialRecord& record) {
     for (const haptics::TickRow& row : rows) {
@@ -148,6 +150,72 @@ TEST(Rendered, TheReferenceObserverFeelsWhatItsFormulaSays) {
       std::cout << "share " << share << ": correct " << reached << ", exact " << exact << "; sigma "
                 << (share > 0.0 ? sigma / trials[0].noise : 0.0) << " of what was set; spoiled " << spoiled
                 << '\n';
+    }
+  }
+}
+
+// Area under the ROC curve of scores for noise.
+double area(const std::vector<double>& scores, const std::vector<Trial>& trials) {
+  double wins = 0.0;
+  double pairs = 0.0;
+  for (std::size_t i = 0; i < scores.size(); ++i) {
+    for (std::size_t j = 0; j < scores.size(); ++j) {
+      if (!(trials[i].noise > 0.0 && trials[j].noise == 0.0)) continue;
+      pairs += 1.0;
+      wins += scores[i] > scores[j] ? 1.0 : scores[i] == scores[j] ? 0.5 : 0.0;
+    }
+  }
+  return wins / pairs;
+}
+
+// Distance of each value to the nearest other one of a trial of the same order: 0 where a trial repeats
+// itself.
+std::vector<double> to_nearest(const std::vector<double>& values, const std::vector<Trial>& trials) {
+  std::vector<double> nearest(values.size(), 1e9);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      if (i != j && trials[i].second == trials[j].second)
+        nearest[i] = std::min(nearest[i], std::abs(values[i] - values[j]));
+    }
+  }
+  return nearest;
+}
+
+// Numbers of a trial's line of the log that could follow the noise.
+std::vector<double> numbers_of(const TrialRecord& record) {
+  std::vector<double> numbers = {record.response_time, record.spoiled.empty() ? 0.0 : 1.0};
+  for (const IntervalCues& cues : record.intervals) {
+    for (const double number : {cues.peak_force, cues.mean_force, cues.depth, cues.work,
+                                static_cast<double>(cues.to_tick - cues.from_tick)}) {
+      numbers.push_back(number);
+    }
+  }
+  return numbers;
+}
+
+// Figure 17: 2,000 trials and 0.05 with PALPATE_STUDY_TABLE, else 100 and four standard errors.
+TEST(Rendered, TheLogOfATrialDoesNotTellItsNoise) {
+  const bool all = std::getenv("PALPATE_STUDY_TABLE") != nullptr;
+  const std::size_t count = all ? 2000 : 100;
+  const double bound = all ? 0.05 : 4.0 / std::sqrt(3.0 * static_cast<double>(count));
+  const SimulatedPerson person = reference_person();
+  for (const char* task : {"weak-force", "stiffness"}) {
+    std::vector<Trial> trials = force_trials(person, 0.6, static_cast<int>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (Random(11, 0, static_cast<std::uint32_t>(i)).uniform() < 0.5) trials[i].noise = 0.0;
+      if (std::string(task) == "stiffness") trials[i].level = 0.1;
+    }
+    const Study study = study_with(task);
+    RenderedTrials rendered(study, trials, person);
+    rendered.run();
+    for (std::size_t column = 0; column < numbers_of(rendered.records[0]).size(); ++column) {
+      std::vector<double> values;
+      for (const TrialRecord& record : rendered.records) values.push_back(numbers_of(record)[column]);
+      const double by_value = area(values, trials);
+      const double by_repetition = area(to_nearest(values, trials), trials);
+      EXPECT_NEAR(by_value, 0.5, bound) << task << ", number " << column;
+      EXPECT_NEAR(by_repetition, 0.5, bound) << task << ", number " << column;
+      if (all) std::cout << task << ' ' << column << ": " << by_value << ", " << by_repetition << '\n';
     }
   }
 }
