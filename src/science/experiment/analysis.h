@@ -143,7 +143,7 @@ struct Guesses {
   std::optional<psychophysics::Estimate> index;
 };
 
-/// A change over time, tested over the group: learning and fatigue, or a drift of the threshold.
+/// A mean over the group that would be 0 if nobody tired, learned, adapted or answered by a cue.
 struct GroupChange {
   std::size_t task = 0;
   std::string quantity;

@@ -153,7 +153,7 @@ std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
                   analysis.withdrawn, analysis.excluded);
   text += contrasts_text(study, analysis) + curves_text(study, analysis);
   for (const GroupChange& change : analysis.changes) {
-    text += fmt::format("Change in {}, {}: {:+.2f} ({:+.2f} to {:+.2f})\n", study.tasks[change.task].name,
+    text += fmt::format("Group mean in {}, {}: {:+.2f} ({:+.2f} to {:+.2f})\n", study.tasks[change.task].name,
                         change.quantity, change.test.mean, change.test.low, change.test.high);
   }
   for (const Guesses& guesses : analysis.guesses) text += "Blinding, " + guesses_text(guesses) + '\n';

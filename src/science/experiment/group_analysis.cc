@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -248,9 +249,11 @@ std::optional<Curve> curve_of(const Study& study, std::size_t task, bool unblind
 void add_changes(std::size_t task, const People& kept, std::vector<GroupChange>& changes) {
   std::vector<double> trends;
   std::vector<double> drifts;
+  std::map<std::string, std::vector<double>> cues;
   for (const PersonResult* person : kept) {
     const PersonTask& of = person->tasks[task];
     if (of.trend) trends.push_back(of.trend->change);
+    for (const CueWeight& cue : of.cues) cues[cue.cue].push_back(cue.correlation);
     for (const ArmResult& arm : of.arms) {
       if (!is_number(arm.fit) || !is_number(arm.repeated)) continue;
       drifts.push_back(arm.repeated->estimate.mean - arm.fit->estimate.mean);
@@ -259,6 +262,11 @@ void add_changes(std::size_t task, const People& kept, std::vector<GroupChange>&
   if (trends.size() >= 2) {
     changes.push_back(
         {task, "log odds of a correct answer, first to last trial", psychophysics::paired_t(trends)});
+  }
+  for (const auto& [cue, correlations] : cues) {
+    if (correlations.size() < 2) continue;
+    changes.push_back({task, "correlation of the answer with " + cue + " at the same stiffness",
+                       psychophysics::paired_t(correlations)});
   }
   if (drifts.size() >= 2) {
     changes.push_back(

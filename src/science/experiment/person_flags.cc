@@ -82,7 +82,6 @@ void flag_fits(const Study& study, std::size_t task, const PersonTask& result,
 
 void flag_course(const StudyTask& task, const PersonTask& result, std::vector<std::string>& flags) {
   constexpr double kTrend = 2.576;  // 99 %
-  constexpr double kCue = 0.2;      // correlation
   if (result.trend && std::abs(result.trend->z) > kTrend) {
     flags.push_back(fmt::format("{}: {} over the task (log odds {:+.1f})", task.name,
                                 result.trend->z < 0.0 ? "tires, fewer correct" : "learns, more correct",
@@ -90,7 +89,6 @@ void flag_course(const StudyTask& task, const PersonTask& result, std::vector<st
   }
   for (const CueWeight& cue : result.cues) {
     if (cue.low <= 0.0 && cue.high >= 0.0) continue;
-    if (std::abs(cue.correlation) < kCue) continue;
     flags.push_back(fmt::format("{}: answers by {} (r = {:.2f} at the same stiffness)", task.name, cue.cue,
                                 cue.correlation));
   }

@@ -232,7 +232,7 @@ void write_cues(Page& page, const Study& study, const StudyAnalysis& analysis) {
     page.paragraph(
         "Correlation of the answer with the difference of a cue between the two presses, among trials of the "
         "same stiffness and order, with its 99 % interval. It is 0 for a person who answers by the stiffness "
-        "alone. A person is flagged when the interval excludes 0 and the correlation exceeds 0.2.");
+        "alone. A person is flagged when the interval excludes 0.");
     if (rows.size() > 1) {
       page.table(rows);
     } else {
@@ -295,7 +295,7 @@ void write_quality(Page& page, const Study& study, const StudyAnalysis& analysis
   page.facts({{"late ticks", std::to_string(late)},
               {"latched faults", std::to_string(faults)},
               {"time of all sessions: median (range)", range_text(minutes, 0) + " min"}});
-  TableRows rows{{"task", "change over time", "mean (95 %)", "p"}};
+  TableRows rows{{"task", "mean over the group, 0 without a change or a cue", "mean (95 %)", "p"}};
   for (const experiment::GroupChange& change : analysis.changes) {
     rows.push_back(
         {escaped(study.tasks[change.task].name), escaped(change.quantity),

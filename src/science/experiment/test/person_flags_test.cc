@@ -1,4 +1,5 @@
 // People whose answers have a known fault are flagged, others are not.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -122,6 +123,20 @@ Participant changing_person(double factor) {
       },
       random);
   return person;
+}
+
+TEST(PersonFlags, CuesShowInTheGroup) {
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < 4; ++number) {
+    people.push_back(fair_person(test_study(), number));
+    add_forces(people.back(), true);
+  }
+  const StudyAnalysis found = analyse(test_study(), people, kTestKey, false);
+  const auto cue = std::find_if(found.changes.begin(), found.changes.end(), [](const GroupChange& change) {
+    return change.quantity == "correlation of the answer with peak force at the same stiffness";
+  });
+  ASSERT_NE(cue, found.changes.end());
+  EXPECT_GT(cue->test.low, 0.0);
 }
 
 TEST(PersonFlags, LearningAndFatigueAreFlagged) {
