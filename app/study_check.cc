@@ -20,6 +20,7 @@
 
 #include "app/commands.h"
 #include "app/study_commands.h"
+#include "app/window/study_keys.h"
 
 namespace palpate::app {
 namespace {
@@ -111,6 +112,7 @@ void check_surroundings(const std::string& file, CheckedStudy& made) {
 CheckedStudy check(const std::string& file) {
   CheckedStudy made;
   made.study = experiment::load_study(file);
+  check_keys(made.study);
   made.sessions = experiment::plan_sessions(made.study);
   made.scene = scene::load(experiment::scene_of(made.study));
   for (const StudyTask& task : made.study.tasks) check_task(task, made);

@@ -58,6 +58,18 @@ TEST(StudyCheckCommand, RefusesTheExampleInTwoSessions) {
               HasSubstr("two.toml: study.sessions = 2: the tasks need 4 sessions of at most 60 min"));
 }
 
+TEST(StudyCheckCommand, RefusesAKeyThatDoesNotExist) {
+  const Folder folder;
+  std::string text = text_of(kExample);
+  const std::string key = "pedal-left";
+  text.replace(text.find(key), key.size(), "pedal-middle");
+  std::ofstream(folder / "keys.toml") << text;
+  const Outcome outcome = run(folder, {"study", "check", "keys.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("keys.toml: response.first = \"pedal-middle\": no such key; keys are a to z"));
+}
+
 TEST(StudyCheckCommand, NamesAMissingConsentFileAndTooStiffTissue) {
   const Folder folder;
   std::string text = text_of(kExample);

@@ -249,10 +249,12 @@ void draw_experimenter(const ScreenContent& content, const ExperimenterView& vie
   const float left = 0.5F * size.x - 1.2F * text;
   ImGui::BeginChild("left", ImVec2(left, height));
   draw_state(content, view);
-  ImGui::Dummy(ImVec2(0.0F, 0.6F * text));
-  draw_table(content, view);
-  ImGui::Dummy(ImVec2(0.0F, 0.6F * text));
-  draw_force(content);
+  if (content.position.parts > 0) {  // not before the first trial
+    ImGui::Dummy(ImVec2(0.0F, 0.6F * text));
+    draw_table(content, view);
+    ImGui::Dummy(ImVec2(0.0F, 0.6F * text));
+    draw_force(content);
+  }
   ImGui::EndChild();
   ImGui::SameLine(0.0F, 2.4F * text);
   ImGui::BeginChild("right", ImVec2(0.0F, height));

@@ -17,19 +17,26 @@ namespace {
 
 using experiment::ScreenInput;
 
-constexpr double kFrameTime = 0.012;     // s, least: for windows that do not wait for their display
-constexpr double kStatusPeriod = 0.5;    // s
-constexpr std::size_t kMostInputs = 64;  // waiting
-constexpr Display::Size kParticipantSize{1280, 720};
-constexpr Display::Size kExperimenterSize{1280, 800};
+constexpr double kFrameTime = 0.012;            // s, least: for windows that do not wait for their display
+constexpr double kStatusPeriod = 0.5;           // s
+constexpr std::size_t kMostInputs = 64;         // waiting
+constexpr Display::Size kUsualSize{1280, 720};  // of a window alone
 
 double seconds_now() { return 1e-9 * static_cast<double>(monotonic_ns()); }
 
-/// Full screen on a display of its own, if there are two.
-void move_to(Viewport& window, int display) {
+/// Shows a window on the whole of a display.
+void fill_display(Viewport& window, int display) {
   SDL_SetWindowPosition(window.display().window(), static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(display)),
                         static_cast<int>(SDL_WINDOWPOS_CENTERED_DISPLAY(display)));
   window.display().toggle_full_screen();
+}
+
+/// Shows a window on the left (0) or right half (1) of the display.
+void fill_half(Viewport& window, int half) {
+  SDL_Rect area{};
+  if (SDL_GetDisplayUsableBounds(0, &area) != 0) return;
+  SDL_SetWindowSize(window.display().window(), area.w / 2, area.h);
+  SDL_SetWindowPosition(window.display().window(), area.x + half * (area.w / 2), area.y);
 }
 
 void fit_text(Viewport& window, bool participant) {
@@ -66,16 +73,22 @@ StudyScreens::~StudyScreens() {
 }
 
 void StudyScreens::open_windows() {
-  participant_ = std::make_unique<Viewport>("Palpate study", options_.size.value_or(kParticipantSize), 1.0F,
-                                            study_fonts());
-  const bool two_displays = !options_.size && SDL_GetNumVideoDisplays() > 1;
-  if (study_.experimenter_screen == "second-display") {
-    experimenter_ = std::make_unique<Viewport>(
-        "Palpate study: experimenter", options_.size.value_or(kExperimenterSize), 1.0F, study_fonts());
+  const Display::Size size = options_.size.value_or(kUsualSize);
+  const bool two_windows = study_.experimenter_screen == "second-display";
+  participant_ = std::make_unique<Viewport>("Palpate study", size, 1.0F, study_fonts());
+  const bool two_displays = SDL_GetNumVideoDisplays() > 1;
+  if (two_windows) {
+    experimenter_ = std::make_unique<Viewport>("Palpate study: experimenter", size, 1.0F, study_fonts());
     SDL_GL_SetSwapInterval(0);  // only the participant's window waits for its display
-    if (two_displays) move_to(*experimenter_, 1);
   }
-  if (two_displays) move_to(*participant_, 0);
+  if (options_.size) return;
+  if (two_displays) {
+    fill_display(*participant_, 0);
+    if (two_windows) fill_display(*experimenter_, 1);
+  } else if (two_windows) {
+    fill_half(*participant_, 0);
+    fill_half(*experimenter_, 1);
+  }
   SDL_RaiseWindow(participant_->display().window());
 }
 
@@ -264,7 +277,7 @@ void StudyScreens::draw_notices() const {
 ExperimenterView StudyScreens::experimenter_view() const {
   ExperimenterView view;
   view.asks_to_stop = asks_to_stop_;
-  view.title = study_.name + (options_.title.empty() ? "" : ": " + options_.title);
+  view.title = options_.title;
   view.action = view_.action;
   view.ladder = ladder_of(content_, study_);
   const std::vector<Paragraph> asked = paragraphs_of(question_ ? question_->text : std::string());

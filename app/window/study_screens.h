@@ -22,9 +22,9 @@ namespace palpate::app {
 
 /// Options of a session's windows.
 struct StudyScreensOptions {
-  std::string title;                  // participant and session, for the experimenter
+  std::string title;                  // study and participant, for the experimenter
   std::filesystem::path status_file;  // of `experimenter = "file"`: a line is added every 0.5 s
-  std::optional<Display::Size> size;  // of both windows; empty: full screen where there are two displays
+  std::optional<Display::Size> size;  // of both windows; empty: each fills a display, or half of one
   bool sound = true;                  // masking noise as the study has it
 };
 

@@ -27,7 +27,7 @@ class Pictures {
   Pictures(std::filesystem::path folder, palpate::app::Display::Size size)
       : study_(contents::study()), folder_(std::move(folder)) {
     StudyScreensOptions options;
-    options.title = "PK7Q2, session 2";
+    options.title = "touch-noise-1: PK7Q2";
     options.size = size;
     options.sound = false;
     screens_ = std::make_unique<StudyScreens>(study_, options);

@@ -2,6 +2,7 @@
 #include "app/window/study_screens.h"
 
 #include <atomic>
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <thread>
@@ -67,8 +68,8 @@ class Meanwhile final {
   explicit Meanwhile(std::function<void()> action)
       : thread_([this, action = std::move(action)] {
           while (!over_) {
-            action();
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            action();
           }
         }) {}
   ~Meanwhile() {

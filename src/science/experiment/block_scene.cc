@@ -51,7 +51,7 @@ scene::Scene block_scene(const Study& study, const StudyTask& task, const BlockN
   if (task.kind == TaskKind::kStiffness) setup.tissue.k1 = task.standard_k1;
   if (task.kind == TaskKind::kInclusion) {
     scene::Scene places = setup;
-    places.seed = study.seed;  // the same for everybody
+    places.seed = study.seed;  // all participants have the same places
     lumps = lump_places(places, task);
     setup.inclusions.clear();
     setup.inclusions.push_back({"lump", false, lumps.front()});

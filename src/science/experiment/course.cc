@@ -177,6 +177,7 @@ void Course::require_measured(std::size_t session) const {
 }
 
 void Course::begin_part() {
+  next_.reset();
   waiting_.clear();
   done_ = 0;
   practice_left_ = 0;
@@ -188,7 +189,10 @@ void Course::begin_part() {
   if (part.first_trial == 0 && !part.repeat) practice_left_ = task_of(part).practice;
 }
 
-void Course::resume() { practice_left_ = std::max(practice_left_, kPracticeAgain); }
+void Course::resume() {
+  next_.reset();
+  practice_left_ = std::max(practice_left_, kPracticeAgain);
+}
 
 // Interleaved arms: each once a round, in random order. Force control has one arm after the other, in the
 // order of a Williams square.
@@ -308,8 +312,8 @@ Trial Course::trial_of(const Slot& slot) const {
 
 std::optional<Trial> Course::next() const {
   if (session_ == 0 || waiting_.empty()) return std::nullopt;
-  if (practice_left_ > 0) return practice_trial();
-  return trial_of(waiting_.front());
+  if (!next_) next_ = practice_left_ > 0 ? practice_trial() : trial_of(waiting_.front());
+  return next_;
 }
 
 void Course::count(const TrialRecord& trial, const Trial& expected) {
@@ -327,6 +331,7 @@ void Course::count(const TrialRecord& trial, const Trial& expected) {
 
 void Course::add(const TrialRecord& trial) {
   const std::optional<Trial> expected = next();
+  next_.reset();
   const auto same = [&] {
     return expected && trial.task == study_.tasks[expected->task].name && trial.repeat == expected->repeat &&
            trial.practice == expected->practice && trial.number == expected->number &&

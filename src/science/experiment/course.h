@@ -39,8 +39,8 @@ struct CoursePosition {
   int of = 0;
 };
 
-/// The trials of one participant: a function of study, key, participant and of what the log holds. What is
-/// next follows from the finished trials alone, so a session goes on after a crash as without it.
+/// The trials of one participant: a function of study, key, participant and of what the log holds. The next
+/// trial follows from the finished trials alone, so a session goes on after a crash as without it.
 class Course final {
  public:
   static constexpr int kMostAttempts = 3;   // of a trial; then it is lost
@@ -100,6 +100,8 @@ class Course final {
   std::vector<PlannedSession> plan_;
   std::vector<std::vector<std::size_t>> arms_of_code_;  // of each task
   mutable std::map<RunKey, std::unique_ptr<Levels>> levels_;
+
+  mutable std::optional<Trial> next_;  // once it was asked for
 
   std::size_t session_ = 0;  // from 1; 0: none was begun
   std::size_t part_ = 0;

@@ -53,6 +53,7 @@ class RunningSession final {
   void run_block();
   void attend(session::Session& run, Block& block, const session::RunOptions& run_options);
   bool take_break();
+  void take_withdrawal();
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
   void note();
@@ -191,7 +192,8 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
   course_.add(record);
   ++outcome_.trials;
   outcome_.spoiled += record.spoiled.empty() ? 0 : 1;
-  if (task.kind == TaskKind::kNoiseThreshold && !record.practice) ladder_.push_back(loop.trial().noise);
+  if (task.kind == TaskKind::kNoiseThreshold && !record.practice && record.spoiled.empty())
+    ladder_.push_back(loop.trial().noise);
   message_.clear();
   const bool tells =
       study_.study.feedback == "always" || (study_.study.feedback == "practice" && record.practice);
@@ -384,7 +386,8 @@ bool RunningSession::take_break() {
     const double left = std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
     show({}, left > 0.0 ? "Take a break" : "Press a key to go on", left);
     while (const auto input = options_.screens->take_input()) {
-      if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw) {
+      if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
+          *input == ScreenInput::kForceOff) {
         if (*input == ScreenInput::kWithdraw) withdraw();
         stop_ = true;
         return false;
@@ -397,18 +400,25 @@ bool RunningSession::take_break() {
   return true;
 }
 
+// A question ends without an answer when the participant withdraws.
+void RunningSession::take_withdrawal() {
+  if (options_.screens == nullptr) return;
+  while (const auto input = options_.screens->take_input()) {
+    if (*input == ScreenInput::kWithdraw) withdraw();
+  }
+}
+
 SessionOutcome RunningSession::run() {
   open_session();
   if (stop_) return outcome_;
-  if (options_.screens != nullptr &&
-      !(questions().consent_and_bands() && questions().audibility(outcome_.session))) {
-    return outcome_;
-  }
-  while (course_.next() && !stop_) {
+  const bool agreed = options_.screens == nullptr ||
+                      (questions().consent_and_bands() && questions().audibility(outcome_.session));
+  while (agreed && course_.next() && !stop_) {
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;
   }
+  take_withdrawal();
   outcome_.complete = !course_.next();
   if (outcome_.complete)
     log_.append(event_of("session-end", {{"session", std::to_string(outcome_.session)}}));

@@ -51,10 +51,11 @@ class SessionScreens {
   virtual std::optional<ScreenInput> take_input() = 0;
   /// A note of the experimenter since the last call; empty: none.
   virtual std::string take_note() = 0;
-  /// Asks and waits. @return index of the answer; empty: the window was closed
+  /// Asks and waits. @return index of the answer; empty: the window was closed, or stop, withdraw or force
+  /// off was pressed, which take_input() then returns
   virtual std::optional<std::size_t> ask(const Question& question) = 0;
   /// Shows two intervals, the hand off the device, and asks which had the noise. @param noise switches the
-  /// device's noise @return whether the answer was correct; empty: the window was closed
+  /// device's noise @return whether the answer was correct; empty: as for ask()
   virtual std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) = 0;
 };
 

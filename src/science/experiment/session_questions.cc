@@ -25,11 +25,13 @@ double hours_since(const std::string& time) {
   return std::difftime(std::time(nullptr), ::timegm(&parts)) / 3600.0;
 }
 
-/// Answers to a question of [participants] ask: bands only.
-std::vector<std::string> bands_of(const std::string& question) {
-  if (question == "age_band") return {"18-29", "30-39", "40-49", "50-59", "60 or more"};
-  if (question == "hand") return {"left", "right", "both"};
-  return {"none", "below 1", "1-5", "more than 5"};  // palpation_experience_years
+/// Question for an entry of [participants] ask; its answers are bands only.
+Question question_of(const std::string& entry) {
+  if (entry == "age_band")
+    return {"participant", "Your age?", {"18-29", "30-39", "40-49", "50-59", "60 or more"}};
+  if (entry == "hand") return {"participant", "Your dominant hand?", {"left", "right", "both"}};
+  return {
+      "participant", "Your experience with palpation, in years?", {"none", "below 1", "1-5", "more than 5"}};
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ bool SessionQuestions::has(const std::string& event, const std::string& answer) 
 
 bool SessionQuestions::consent_and_bands() {
   if (!study_.study.consent_file.empty() && !has("consent", "yes")) {
-    const std::string text = InputFile(study_.study.consent_file, kConsentInput).read_rest();
+    const std::string text = InputFile(study_.folder / study_.study.consent_file, kConsentInput).read_rest();
     const auto answer = options_.screens->ask({"participant", text, {"I agree", "I do not agree"}});
     if (!answer) return false;
     log_.append(event_of("consent", {{"answer", *answer == 0 ? "yes" : "no"}, {"hash", sha256(text)}}));
@@ -70,11 +72,11 @@ bool SessionQuestions::consent_and_bands() {
   }
   if (!has("answers")) {
     std::vector<std::pair<std::string, std::string>> answers;
-    for (const std::string& question : study_.study.ask) {
-      const std::vector<std::string> bands = bands_of(question);
-      const auto answer = options_.screens->ask({"participant", question, bands});
+    for (const std::string& entry : study_.study.ask) {
+      const Question question = question_of(entry);
+      const auto answer = options_.screens->ask(question);
       if (!answer) return false;
-      answers.emplace_back(question, bands[*answer]);
+      answers.emplace_back(entry, question.answers[*answer]);
     }
     if (!answers.empty()) log_.append(event_of("answers", answers));
   }

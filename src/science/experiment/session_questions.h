@@ -22,8 +22,8 @@ class SessionQuestions final {
                    LogWriter& log)
       : study_(study), options_(options), participant_(participant), log_(log) {}
 
-  /// Whoever comes back to an interrupted session after more than a day decides whether it goes on. Without
-  /// screens it does.
+  /// After more than a day, a question decides whether an interrupted session goes on. Without screens it
+  /// does.
   [[nodiscard]] bool still_wanted() const;
   /// Consent until it is given, then [participants] ask, once. @return false: no consent, or the window was
   /// closed

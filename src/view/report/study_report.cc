@@ -1,5 +1,6 @@
 #include "view/report/study_report.h"
 
+#include <cctype>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -54,10 +55,11 @@ void write_result(Page& page, const StudyFolder& study, const StudyAnalysis& ana
         bold(fmt::format("{}: {} of {}", study.study.tasks[contrast.task].name,
                          experiment::measure_name(contrast.measure), contrast_name(analysis, contrast))) +
         ": " + (contrast.kept ? escaped(effect_text(contrast, *contrast.kept)) : "too few people") + ".");
-    if (contrast.kept) {
-      page.paragraph("The " + escaped(smallest_effect_text(contrast, *contrast.kept)) +
-                     ", from the width of this interval.");
-    }
+    if (!contrast.kept) continue;
+    std::string smallest = smallest_effect_text(contrast, *contrast.kept);
+    smallest.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(smallest.front())));
+    page.paragraph(escaped(smallest) +
+                   (contrast.kept->open ? "." : ". It follows from the width of the interval."));
   }
   for (const experiment::Curve& curve : analysis.curves) {
     if (!curve.inverted_u) continue;
@@ -71,8 +73,8 @@ void write_who(Page& page, const StudyFolder& study, const StudyAnalysis& analys
   const Study& of = study.study;
   page.facts({{"prepared for", counted(study.ids.size(), "person", "people")},
               {"took part", counted(analysis.people.size(), "person", "people")},
-              {"consented, refused", of.consent_file.empty()
-                                         ? "no consent text"
+              {"consented, refused", analysis.consented + analysis.refused == 0
+                                         ? "nobody was asked"
                                          : fmt::format("{}, {}", analysis.consented, analysis.refused)},
               {"withdrew and are left out", std::to_string(analysis.withdrawn)},
               {"excluded from the main analysis", std::to_string(analysis.excluded)},
@@ -91,6 +93,12 @@ std::string short_effect(const Contrast& contrast, const std::optional<experimen
                               interval_text(contrast.measure, *effect)));
 }
 
+// A p value for a column of them: "0.021" or "< 0.001".
+std::string p_value_of(double p_value) {
+  const std::string text = experiment::p_text(p_value).substr(2);
+  return unbroken(text.starts_with("= ") ? text.substr(2) : text);
+}
+
 TableRows effect_rows(const Study& study, const StudyAnalysis& analysis) {
   TableRows rows{
       {"task", "measure", "conditions", "effect (95 %)", "people", "p", "p by Holm", "with excluded people"}};
@@ -101,8 +109,8 @@ TableRows effect_rows(const Study& study, const StudyAnalysis& analysis) {
                     escaped(experiment::measure_name(contrast.measure)),
                     unbroken(contrast_name(analysis, contrast)), short_effect(contrast, contrast.kept),
                     contrast.kept ? std::to_string(contrast.kept->people) : "-",
-                    contrast.kept ? unbroken(experiment::p_text(contrast.kept->p_value).substr(2)) : "-",
-                    contrast.holm ? unbroken(experiment::p_text(*contrast.holm).substr(2)) : "-",
+                    contrast.kept ? p_value_of(contrast.kept->p_value) : "-",
+                    contrast.holm ? p_value_of(*contrast.holm) : "-",
                     same ? "same" : short_effect(contrast, contrast.everybody)});
   }
   return rows;

@@ -140,8 +140,9 @@ Figure draw_effects(const Study& study, const StudyAnalysis& analysis, bool rati
   Figure figure{file, "effects with 95 % intervals"};
   figure.caption = ratios
                        ? "Ratio of the measure in the first condition to that in the second, with its 95 % "
-                         "interval. Left of 1 the first one is smaller: better. Blue: the primary analysis."
+                         "interval. Left of 1 the first one is smaller: better."
                        : "Difference of d' with its 95 % interval.";
+  if (ratios && analysis.unblinded) figure.caption += " Blue: the primary analysis.";
   PlotData primary{"primary", {}};
   PlotData others{"others", {}};
   std::string names;

@@ -151,9 +151,7 @@ TableRows spoiled_rows(const Study& study, const StudyAnalysis& analysis) {
 }  // namespace
 
 std::string unbroken(const std::string& text) {
-  std::string html;
-  for (const char c : escaped(text)) html += c == ' ' ? std::string("&nbsp;") : std::string(1, c);
-  return html;
+  return "<span style=\"white-space:nowrap\">" + escaped(text) + "</span>";
 }
 
 void write_people_tables(Page& page, const Study& study, const StudyAnalysis& analysis, std::size_t task) {
@@ -302,7 +300,7 @@ void write_quality(Page& page, const Study& study, const StudyAnalysis& analysis
     rows.push_back(
         {escaped(study.tasks[change.task].name), escaped(change.quantity),
          fmt::format("{:+.2f} ({:+.2f} to {:+.2f})", change.test.mean, change.test.low, change.test.high),
-         experiment::p_text(change.test.two_sided)});
+         escaped(experiment::p_text(change.test.two_sided))});
   }
   if (rows.size() > 1) page.table(rows);
 }
@@ -328,9 +326,12 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
   if (analysis.unblinded && study.primary) {
     const experiment::PrimaryAnalysis& primary = *study.primary;
     against.push_back(fmt::format(
-        "Primary: the interval of {} - {} in {} lies wholly on the side opposite to the alternative ({}). An "
-        "interval on both sides decides nothing.",
-        primary.condition, primary.reference, primary.task, primary.alternative));
+        "Primary: the interval of {} - {} in {} lies wholly on the side {}. An interval on both sides "
+        "decides "
+        "nothing.",
+        primary.condition, primary.reference, primary.task,
+        primary.alternative == "two-sided" ? "where the noise harms"
+                                           : "opposite to the alternative (" + primary.alternative + ")"));
   }
   against.insert(against.end(),
                  {"Noise near the tissue alone helps and constant noise does not: then the noise is a cue of "

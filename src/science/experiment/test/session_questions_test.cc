@@ -1,74 +1,124 @@
-#include "science/experiment/session_questions.h"
-
 #include <deque>
+#include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
-#include "science/experiment/test/small_study.h"
+#include "science/experiment/run_session.h"
 
 namespace palpate::experiment {
 namespace {
 
-/// Screens whose answers to questions are given in advance.
-class GivenAnswers final : public SessionScreens {
+using testing::ElementsAre;
+
+constexpr const char* kAskingStudy = R"(
+[study]
+name = "asking"
+scene = "box"
+[ethics]
+consent_file = "consent.md"
+[participants]
+ask = ["age_band", "hand"]
+[[task]]
+name = "weak"
+kind = "force-detection"
+force_mN = { from = 5, to = 500 }
+trials = 4
+)";
+
+/// Gives prepared answers. After the last one, the participant holds the withdraw key.
+class ScriptedScreens final : public SessionScreens {
  public:
+  explicit ScriptedScreens(std::deque<std::size_t> answers) : answers_(std::move(answers)) {}
+
   void show(const ScreenContent& /*content*/) override {}
-  std::optional<ScreenInput> take_input() override { return std::nullopt; }
-  std::string take_note() override { return ""; }
+  std::optional<ScreenInput> take_input() override { return std::exchange(input_, std::nullopt); }
+  std::string take_note() override { return {}; }
   std::optional<std::size_t> ask(const Question& question) override {
     asked.push_back(question.text);
-    const std::size_t answer = answers.front();
-    answers.pop_front();
+    if (answers_.empty()) {
+      input_ = ScreenInput::kWithdraw;
+      return std::nullopt;
+    }
+    const std::size_t answer = answers_.front();
+    answers_.pop_front();
     return answer;
   }
   std::optional<bool> audible_trial(bool /*second*/, const std::function<void(bool)>& /*noise*/) override {
     return std::nullopt;
   }
 
-  std::deque<std::size_t> answers;
   std::vector<std::string> asked;
+
+ private:
+  std::deque<std::size_t> answers_;
+  std::optional<ScreenInput> input_;
 };
 
 class SessionQuestionsTest : public testing::Test {
  protected:
   SessionQuestionsTest() {
-    write_output(scratch_.path() / "consent.md", "I may stop at any time.");
-    study_.folder = scratch_.path();
-    study_.study = small_study();
-    study_.study.consent_file = (scratch_.path() / "consent.md").string();
-    study_.study.ask = {"hand"};
-    options_.screens = &screens_;
+    const std::filesystem::path file = scratch_.path() / "asking.toml";
+    write_output(file, kAskingStudy);
+    write_output(scratch_.path() / "consent.md", "Do you agree?");
+    prepare_study(file, scratch_.path() / "study", 2);
+    study_ = open_study(scratch_.path() / "study");
   }
 
-  // A new session, as after the program was started again.
-  bool consents(std::deque<std::size_t> answers) {
-    screens_.answers = std::move(answers);
-    screens_.asked.clear();
-    LogWriter log(scratch_.path() / "P.jsonl", "first");
-    return SessionQuestions(study_, options_, 0, log).consent_and_bands();
+  SessionOutcome run(ScriptedScreens& screens) {
+    SessionOptions options;
+    options.participant = study_.ids[0];
+    options.device = "emulated";
+    options.screens = &screens;
+    return run_session(study_, read_sealed_key(study_), options);
+  }
+  /// Values of the first event with this name.
+  std::vector<std::string> values_of(const std::string& name) {
+    std::vector<std::string> values;
+    for (const EventRecord& event : study_.read(study_.ids[0]).events) {
+      if (event.event != name) continue;
+      for (const auto& [key, value] : event.values) values.push_back(key + "=" + value);
+      break;
+    }
+    return values;
   }
 
   ScratchFolder scratch_{"palpate-session-questions"};
   StudyFolder study_;
-  SessionOptions options_;
-  GivenAnswers screens_;
 };
 
+TEST_F(SessionQuestionsTest, TheConsentTextOfTheFolderIsAskedFirst) {
+  ScriptedScreens screens({1});  // does not agree
+  const SessionOutcome outcome = run(screens);
+  EXPECT_THAT(screens.asked, ElementsAre("Do you agree?"));
+  EXPECT_EQ(values_of("consent").front(), "answer=no");
+  EXPECT_EQ(outcome.blocks, 0);
+  EXPECT_FALSE(outcome.complete);
+}
+
 TEST_F(SessionQuestionsTest, NobodyWhoRefusedGoesOnWithoutConsent) {
-  constexpr std::size_t kAgree = 0;
-  constexpr std::size_t kRefuse = 1;
-  EXPECT_FALSE(consents({kRefuse}));
-  EXPECT_FALSE(consents({kRefuse})) << "asked a second time";
-  EXPECT_TRUE(consents({kAgree, 1}));
-  EXPECT_TRUE(consents({})) << "asked although consent is given";
-  const ParticipantLog log = read_log(scratch_.path() / "P.jsonl", "first");
-  ASSERT_EQ(log.events.size(), 4U);
-  EXPECT_EQ(log.events[2].value("answer"), "yes");
-  EXPECT_EQ(log.events[2].value("hash"), sha256("I may stop at any time."));
-  EXPECT_EQ(log.events[3].value("hand"), "right");
+  ScriptedScreens first({1});
+  run(first);
+  ScriptedScreens second({1});
+  const SessionOutcome outcome = run(second);
+  EXPECT_THAT(second.asked, ElementsAre("Do you agree?"));
+  EXPECT_EQ(outcome.blocks, 0);
+}
+
+TEST_F(SessionQuestionsTest, AParticipantWhoWithdrawsDuringAQuestionHasWithdrawn) {
+  ScriptedScreens screens({0, 2});
+  const SessionOutcome outcome = run(screens);
+  EXPECT_THAT(screens.asked, ElementsAre("Do you agree?", "Your age?", "Your dominant hand?"));
+  EXPECT_TRUE(outcome.withdrawn);
+  EXPECT_TRUE(study_.read(study_.ids[0]).withdrawn());
+  EXPECT_EQ(outcome.blocks, 0);
 }
 
 }  // namespace
