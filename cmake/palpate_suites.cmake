@@ -7,7 +7,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
   set(PALPATE_LEFT_OUT "")
   if(PALPATE_SANITIZE)
     set(PALPATE_LEFT_OUT "*Fine*.*:*_300k:*ImageTrials.*:FitSpecimen.FindsRelaxation*:FitSpecimen.RelaxationTooFaint*:FitSpecimen.OrdersRelaxation*:"
-      "FitSpecimen.IntervalsHold*:LumpsInATick.ClosedPaths*:Recovery.*:GroupStudy.*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*")
+      "FitSpecimen.IntervalsHold*:LumpsInATick.ClosedPaths*:Recovery.*:GroupStudy.*:Sweep.OfAllTogether*:Sweep.NoValueFitsClearly*:Minima.OfRandomSprings*:Rendered.*:RunSession.*:Power.*")
     list(JOIN PALPATE_LEFT_OUT "" PALPATE_LEFT_OUT)
   endif()
   set(PALPATE_SUITES_SCRIPT ${CMAKE_CURRENT_LIST_FILE})

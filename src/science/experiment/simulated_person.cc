@@ -74,7 +74,7 @@ double detects_noise(const SimulatedPerson& person, const Trial& trial, double p
   return psychophysics::probability_second(observer, seen);
 }
 
-// What a press to the task's depth, give or take 5 %, tells the hand.
+// Cues of a press to the task's depth, give or take 5 %.
 IntervalCues press(const StudyTask& task, double ratio, Random& random) {
   IntervalCues cues;
   cues.depth = (task.depth > 0.0 ? task.depth : 8e-3) * std::exp(0.05 * random.normal());

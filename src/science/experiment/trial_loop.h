@@ -40,7 +40,7 @@ struct TrialView {
   std::uint32_t fault = 0;  // latched haptics::Fault
 };
 
-/// What the loop must know of the scene. SI units.
+/// Facts of the scene that the loop uses. SI units.
 struct TrialScene {
   double rate_Hz = 1000.0;
   model::TissueParameters tissue;
