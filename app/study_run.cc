@@ -115,7 +115,7 @@ void add_study_run(CLI::App& study, int& exit_code) {
   command->footer(
       "Examples:\n  palpate study run touch --participant PX7K2\n"
       "  palpate study run touch --participant PX7K2 --session 2 --device haply\n"
-      "  palpate study run touch --participant PX7K2 --observer sr\n"
+      "  palpate study run try --participant PX7K2 --observer sr\n"
       "Every finished trial is on the disk before the next begins. After a crash the same command goes on.\n"
       "Exit: 0 done, 2 bad input, 3 a fault was latched");
   command->callback([flags, &exit_code] { exit_code = run_study(*flags); });

@@ -47,7 +47,7 @@ class RunningSession final {
   class Block;
   friend class Block;
 
-  void require_held_device() const;
+  void require_for_person() const;
   void open_session();
   [[nodiscard]] SessionQuestions questions() { return {study_, options_, number_, log_}; }
   void run_block();
@@ -242,8 +242,12 @@ void RunningSession::note() {
   if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
 }
 
-// A person feels a device that a hand holds.
-void RunningSession::require_held_device() const {
+// A person consents, and feels a device that a hand holds.
+void RunningSession::require_for_person() const {
+  if (study_.study.consent_file.empty()) {
+    throw InputError(study_.study.file.string() +
+                     ": ethics.consent_file: is missing; without it only simulated people take part");
+  }
   const std::string kind = study_scene(study_.study, options_.device).devices.front().kind;
   const scene::DeviceKind* found = scene::find_device_kind(kind);
   if (found != nullptr && found->held) return;
@@ -252,7 +256,7 @@ void RunningSession::require_held_device() const {
 
 void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
-  if (options_.screens != nullptr) require_held_device();
+  if (options_.screens != nullptr) require_for_person();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);
   const bool finished =

@@ -46,8 +46,16 @@ class RenderedTrials final : public haptics::TickObserver {
   }
 
   void on_row(const haptics::TickRow& row) noexcept override {
+    if (records.size() == trials_.size()) {
+      rows.push_back(row);
+      if (rows.size() >= rows_after) session_->control().stop();
+      return;
+    }
     if (loop_->view().state == TrialState::kIdle) begin();
     loop_->row(row);
+    if (loop_->view().interval == 2 && loop_->view().state == TrialState::kInterval &&
+        ++in_second_ == abandon_after)
+      loop_->abandon("a person's fault");
     agent_->row(row, *loop_, study_);
     if (loop_->view().state == TrialState::kAnswer) loop_->answer(1);
     rows.push_back(row);
@@ -58,16 +66,18 @@ class RenderedTrials final : public haptics::TickObserver {
     add_noise(record);
     records.push_back(record);
     rows.clear();
-    if (records.size() == trials_.size()) {
-      session_->control().stop();
-    } else {
+    if (records.size() < trials_.size()) {
       begin();
+    } else if (rows_after == 0) {
+      session_->control().stop();
     }
   }
 
   std::vector<TrialRecord> records;
-  std::vector<haptics::TickRow> rows;  // of the present trial
-  double noise_square = 0.0;           // sum over the intervals' ticks
+  std::vector<haptics::TickRow> rows;  // of the present trial; at the end, those after the last one
+  int abandon_after = 0;               // ticks of the second interval; 0: never
+  std::size_t rows_after = 0;
+  double noise_square = 0.0;  // sum over the intervals' ticks
   std::uint64_t noise_ticks = 0;
   std::vector<std::uint32_t> events;
 
@@ -86,6 +96,7 @@ class RenderedTrials final : public haptics::TickObserver {
     }
   }
 
+  int in_second_ = 0;
   const Study& study_;
   const std::vector<Trial>& trials_;
   SimulatedPerson person_;
@@ -151,6 +162,26 @@ TEST(Rendered, TheReferenceObserverFeelsWhatItsFormulaSays) {
                 << (share > 0.0 ? sigma / trials[0].noise : 0.0) << " of what was set; spoiled " << spoiled
                 << '\n';
     }
+  }
+}
+
+TEST(Rendered, NoiseAndForceEndWhenATrialIsAbandonedInItsInterval) {
+  const Study study = study_with("weak-force");
+  const SimulatedPerson person = reference_person();
+  std::vector<Trial> trials = force_trials(person, 2.5, 1);
+  trials[0].second = true;
+  RenderedTrials rendered(study, trials, person);
+  rendered.abandon_after = 400;
+  rendered.rows_after = 300;
+  rendered.run();
+  ASSERT_EQ(rendered.records.size(), 1U);
+  EXPECT_EQ(rendered.records[0].spoiled, (std::vector<std::string>{"a person's fault"}));
+  ASSERT_EQ(rendered.rows.size(), 300U);
+  EXPECT_NE(rendered.rows[0].stimulus_force, 0.0);
+  for (const haptics::TickRow& row : rendered.rows) {
+    if (row.tick < rendered.rows[0].tick + 100) continue;  // the fade takes 50
+    EXPECT_EQ(row.noise_force, 0.0) << row.tick;
+    EXPECT_EQ(row.stimulus_force, 0.0) << row.tick;
   }
 }
 

@@ -116,7 +116,9 @@ TEST_F(RunSession, TheCuesOfAStiffnessTrialFollowFromTheRatio) {
   for (const TrialRecord& trial : study_.read(options.participant).trials) {
     if (trial.task != "stiffness" || !trial.spoiled.empty()) continue;
     ++seen;
-    const auto stiffness = [&](std::size_t i) { return trial.intervals[i].peak_force / trial.intervals[i].depth; };
+    const auto stiffness = [&](std::size_t i) {
+      return trial.intervals[i].peak_force / trial.intervals[i].depth;
+    };
     const std::size_t comparison = trial.second ? 1 : 0;
     EXPECT_GE(trial.intervals[0].depth, 6e-3);
     // The law's force at a depth is proportional to k1; depths and speeds of two presses differ a little.

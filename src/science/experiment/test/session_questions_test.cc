@@ -11,6 +11,7 @@
 
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
+#include "palpate/error.h"
 #include "science/experiment/run_session.h"
 
 namespace palpate::experiment {
@@ -101,6 +102,21 @@ TEST_F(SessionQuestionsTest, TheConsentTextOfTheFolderIsAskedFirst) {
   EXPECT_EQ(values_of("consent").front(), "answer=no");
   EXPECT_EQ(outcome.blocks, 0);
   EXPECT_FALSE(outcome.complete);
+}
+
+TEST_F(SessionQuestionsTest, NobodyWhoRefusedGoesOnWithoutConsent) {
+  ScriptedScreens first({1});
+  run(first);
+  ScriptedScreens second({1});
+  const SessionOutcome outcome = run(second);
+  EXPECT_THAT(second.asked, ElementsAre("Do you agree?"));
+  EXPECT_EQ(outcome.blocks, 0);
+}
+
+TEST_F(SessionQuestionsTest, NobodyTakesPartInAStudyWithoutAConsentText) {
+  study_.study.consent_file.clear();
+  ScriptedScreens screens({});
+  EXPECT_THROW(run(screens), InputError);
 }
 
 TEST_F(SessionQuestionsTest, AParticipantWhoWithdrawsDuringAQuestionHasWithdrawn) {
