@@ -64,6 +64,9 @@ void require_one_kind(const experiment::StudyFolder& study, const std::string& o
 
 int run_study(const StudyRunFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
+  if (study.unblinded()) {
+    throw InputError(flags.folder + ": is unblinded, so nobody can be run blind; prepare another folder");
+  }
   const experiment::SealedKey key = experiment::read_sealed_key(study);
   if (study.program != kVersion) {
     report_message(fmt::format("{}: was prepared by palpate {}, this is {}: use one version for all sessions",
