@@ -1,5 +1,3 @@
-#include "science/experiment/session_questions.h"
-
 #include <deque>
 #include <string>
 
@@ -7,6 +5,7 @@
 
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
+#include "science/experiment/session_questions.h"
 #include "science/experiment/test/small_study.h"
 
 namespace palpate::experiment {
