@@ -63,7 +63,7 @@ def test_a_study_folder_is_read_as_a_table(tmp_path, program):
     trials = study.read_trials(folder)
     assert len(set(trials['participant'])) == 2
     stiffness = trials['task'] == 'stiffness'
-    assert np.count_nonzero(stiffness) == 2 * 3 * 8
+    assert np.count_nonzero(stiffness) == 2 * 3 * 10
     assert set(trials['condition'][stiffness]) == {'c1', 'c2', 'c3'}  # blind
     counted = stiffness & (trials['practice'] == 0)
     ratio = trials['stimulus'][counted]
