@@ -167,6 +167,12 @@ struct StudyAnalysis {
   int refused = 0;
   int withdrawn = 0;
   int excluded = 0;
+
+  /// [any] Whether the results of single people may be shown by arm. While blind, one person's counts beside
+  /// the log would show which code has which label.
+  [[nodiscard]] bool shows_people(std::size_t task) const noexcept {
+    return unblinded || tasks[task].arms.size() == 1;
+  }
 };
 
 /// [setup] The analysis that the study file fixes. Blind, arms are pooled under the labels A, B, C, all pairs

@@ -98,7 +98,7 @@ Json json_of(const Study& study, const StudyAnalysis& analysis, const PersonResu
   for (std::size_t i = 0; i < person.tasks.size(); ++i) {
     const PersonTask& of = person.tasks[i];
     Json task = {{"task", study.tasks[i].name}};
-    for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
+    for (std::size_t arm = 0; analysis.shows_people(i) && arm < of.arms.size(); ++arm) {
       task["conditions"].push_back(json_of(study.tasks[i], analysis.tasks[i].arms[arm], of.arms[arm]));
     }
     for (const CueWeight& cue : of.cues) {

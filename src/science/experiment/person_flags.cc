@@ -64,13 +64,16 @@ void flag_chance(const StudyTask& task, const PersonTask& result, std::vector<st
       fmt::format("{}: {} correct, not better than chance", task.name, percent(correct / trials, 0)));
 }
 
-void flag_fits(const Study& study, std::size_t task, const PersonTask& result,
-               const std::vector<std::string>& names, std::vector<std::string>& flags) {
+void flag_fits(const Study& study, std::size_t task, const PersonTask& result, const TaskResult& names,
+               std::vector<std::string>& flags) {
   const StudyTask& of = study.tasks[task];
+  const bool named = !names.shares.empty() && names.arms.size() > 1;  // not while blind
   for (std::size_t i = 0; i < result.arms.size(); ++i) {
     const ArmResult& arm = result.arms[i];
-    const std::string where = names[i].empty() ? of.name : of.name + ", " + names[i];
-    if (arm.fit && arm.fit->range_too_small) flags.push_back(where + ": range of stimuli too small");
+    const std::string where = named ? of.name + ", " + names.arms[i] : of.name;
+    const std::string small = where + ": range of stimuli too small";
+    const bool is_new = std::find(flags.begin(), flags.end(), small) == flags.end();
+    if (arm.fit && arm.fit->range_too_small && is_new) flags.push_back(small);
     if (!is_number(arm.fit) || !is_number(arm.repeated)) continue;
     const double change = arm.repeated->estimate.mean - arm.fit->estimate.mean;
     const double error = std::hypot(arm.repeated->estimate.sd, arm.fit->estimate.sd);
@@ -168,7 +171,7 @@ void flag_person(const Study& study, const Participant& person, const std::vecto
   if (result.lapses_often > kLapses) result.flags.emplace_back("lapses often");
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     flag_chance(study.tasks[task], result.tasks[task], result.flags);
-    flag_fits(study, task, result.tasks[task], names[task].arms, result.flags);
+    flag_fits(study, task, result.tasks[task], names[task], result.flags);
     flag_course(study.tasks[task], result.tasks[task], result.flags);
   }
   if (result.heard) {

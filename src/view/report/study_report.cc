@@ -161,6 +161,11 @@ void write_curves(Page& page, const Study& study, const StudyAnalysis& analysis,
 void write_tasks(Page& page, const Study& study, const StudyAnalysis& analysis, const fs::path& folder) {
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     page.section("task-" + std::to_string(task), "Each person: " + study.tasks[task].name);
+    if (!analysis.shows_people(task)) {
+      page.paragraph(
+          "Shown after unblinding: beside the log, the results of one person would reveal the labels.");
+      continue;
+    }
     if (study.tasks[task].two_intervals() && !study.tasks[task].signal) {
       page.figures("", {draw_people(study, analysis, task, folder / fmt::format("people-{}.svg", task))});
       page.paragraph(

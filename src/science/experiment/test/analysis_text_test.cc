@@ -45,6 +45,22 @@ TEST(AnalysisText, BlindTextAndJsonNameNoCondition) {
   EXPECT_THAT(analysis_text(study, blind), HasSubstr("stiffness, C against A, JND: x "));
 }
 
+TEST(AnalysisText, BlindJsonHasNobodysResultsByArm) {
+  const Study study = test_study();
+  const auto of_first_person = [&](bool unblinded) {
+    const StudyAnalysis analysis = analyse(study, people_of(study), kTestKey, unblinded);
+    return nlohmann::json::parse(analysis_json(study, analysis))["people"][0]["tasks"];
+  };
+  const auto blind = of_first_person(false);
+  const auto open = of_first_person(true);
+  ASSERT_EQ(blind.size(), study.tasks.size());
+  for (std::size_t task = 0; task < study.tasks.size(); ++task) {
+    EXPECT_EQ(blind[task].contains("conditions"), study.tasks[task].arms.size() == 1)
+        << study.tasks[task].name;
+    EXPECT_TRUE(open[task].contains("conditions")) << study.tasks[task].name;
+  }
+}
+
 TEST(AnalysisText, UnblindedTextHasThePrimaryContrastFirst) {
   const Study study = test_study();
   const StudyAnalysis open = analyse(study, people_of(study), kTestKey, true);

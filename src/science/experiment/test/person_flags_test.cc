@@ -68,7 +68,7 @@ TEST(PersonFlags, RandomAnswersAreFlagged) {
   for (TrialRecord& trial : person.log.trials) answer(trial, random.uniform() < 0.5 ? 1 : 2);
   const std::vector<std::string> flags = result_of(person).flags;
   EXPECT_THAT(flags, Contains(HasSubstr("not better than chance")));
-  EXPECT_THAT(flags, Contains("stiffness, A: range of stimuli too small"));
+  EXPECT_THAT(flags, Contains("stiffness: range of stimuli too small"));
   EXPECT_THAT(flags, Not(Contains(HasSubstr("repeats the last answer"))));
 }
 

@@ -79,6 +79,7 @@ TEST_F(StudyReport, BlindReportNamesNoConditionAndNoPrimaryContrast) {
   EXPECT_THAT(page, HasSubstr("<strong>BLIND.</strong>"));
   EXPECT_THAT(page, HasSubstr("B against A"));
   EXPECT_THAT(page, HasSubstr("0123abcd"));
+  EXPECT_THAT(page, HasSubstr("Shown after unblinding: beside the log"));
   for (const char* name : kNames) EXPECT_THAT(page, Not(HasSubstr(name)));
   for (const char* text : {"registered-text", "(primary)", "Primary analysis", "one-sided p", "meant 0.6"}) {
     EXPECT_THAT(page, Not(HasSubstr(text)));
