@@ -144,17 +144,19 @@ int verify_study(const StudyFolderFlags& flags) {
   }
   bar.clear();
   if (flags.json) {
-    const nlohmann::ordered_json json{{"study", study.study.name},
-                                      {"logs", counts.logs},
-                                      {"trials", counts.trials},
-                                      {"recordings", counts.recordings},
-                                      {"replayed", !flags.logs_only}};
+    const nlohmann::ordered_json json{{"study", study.study.name},       {"logs", counts.logs},
+                                      {"trials", counts.trials},         {"recordings", counts.recordings},
+                                      {"unfinished", counts.unfinished}, {"replayed", !flags.logs_only}};
     std::cout << json.dump(2) << '\n';
   } else {
     std::cout << fmt::format("study {}: {}, {} and {} are as they were written{}\n", study.study.name,
                              counted(counts.logs, "log", "logs"), counted(counts.trials, "trial", "trials"),
                              counted(counts.recordings, "recording", "recordings"),
                              flags.logs_only ? "; recordings were not replayed" : "");
+    if (counts.unfinished > 0) {
+      std::cout << fmt::format("{} cut off before the end of a block and not checked\n",
+                               counted(counts.unfinished, "recording was", "recordings were"));
+    }
   }
   return kDone;
 }

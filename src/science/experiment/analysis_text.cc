@@ -1,5 +1,6 @@
 #include "science/experiment/analysis_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -13,7 +14,7 @@ namespace {
 std::string contrast_line(const Study& study, const StudyAnalysis& analysis, const Contrast& contrast) {
   std::string line = fmt::format("  {}, {}, {}: ", study.tasks[contrast.task].name,
                                  contrast_name(analysis, contrast), measure_name(contrast.measure));
-  if (!contrast.kept) return line + "fewer than two people with an estimate\n";
+  if (!contrast.kept) return line + "fewer than two people with 10 trials in both conditions\n";
   line += effect_text(contrast, *contrast.kept);
   if (contrast.holm) line += ", Holm " + p_text(*contrast.holm);
   if (contrast.everybody && contrast.everybody->people != contrast.kept->people) {
@@ -100,8 +101,9 @@ std::string interval_text(const std::string& measure, const Effect& effect) {
 std::string effect_text(const Contrast& contrast, const Effect& effect) {
   const std::string side =
       contrast.alternative == "two-sided" ? "" : " (one-sided, " + contrast.alternative + ")";
-  return fmt::format("{} (95 % {}), {} people, {}{}", effect_value(contrast.measure, effect.effect),
-                     interval_text(contrast.measure, effect), effect.people, p_text(effect.p_value), side);
+  return fmt::format("{} (95 % {}), {}, {}{}", effect_value(contrast.measure, effect.effect),
+                     interval_text(contrast.measure, effect), counted(effect.people, "person", "people"),
+                     p_text(effect.p_value), side);
 }
 
 std::string smallest_effect_text(const Contrast& contrast, const Effect& effect) {
@@ -147,10 +149,13 @@ std::string guesses_text(const Guesses& guesses) {
 }
 
 std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
+  const bool simulated = std::any_of(analysis.people.begin(), analysis.people.end(),
+                                     [](const PersonResult& person) { return !person.observer.empty(); });
   std::string text =
-      fmt::format("{}: {}\n{} people, {} withdrawn, {} excluded from the main analysis\n", study.name,
-                  analysis.unblinded ? "UNBLINDED" : "BLIND (conditions are A, B, C)", analysis.people.size(),
-                  analysis.withdrawn, analysis.excluded);
+      fmt::format("{}: {}{}\n{}, {} withdrawn, {} excluded from the main analysis\n", study.name,
+                  analysis.unblinded ? "UNBLINDED" : "BLIND (conditions are A, B, C)",
+                  simulated ? ", SIMULATED: no result about people" : "",
+                  counted(analysis.people.size(), "person", "people"), analysis.withdrawn, analysis.excluded);
   text += contrasts_text(study, analysis) + curves_text(study, analysis);
   for (const GroupChange& change : analysis.changes) {
     text += fmt::format("Group mean in {}, {}: {:+.2f} ({:+.2f} to {:+.2f})\n", study.tasks[change.task].name,

@@ -98,6 +98,8 @@ bool SessionQuestions::audibility(int session) {
     Random random(study_.study.seed, participant_, kAudiblePart + static_cast<std::uint32_t>(i));
     const std::optional<bool> answer = options_.screens->audible_trial(random.uniform() < 0.5, switch_noise);
     if (!answer) return false;
+    if (background->ended())
+      throw InputError("the check whether the noise is heard: the device's run has ended");
     correct += *answer ? 1 : 0;
   }
   log_.append(event_of("audible",

@@ -1,5 +1,7 @@
 #include "science/experiment/verify.h"
 
+#include <set>
+#include <string>
 #include <system_error>
 
 #include <fmt/core.h>
@@ -20,6 +22,7 @@ void verify_participant(const StudyFolder& study, SealedKey key, const std::stri
   }
   ++counts.logs;
   counts.trials += log.trials.size();
+  std::set<std::string> named;
   for (const EventRecord& event : log.events) {
     const std::filesystem::path name = event.value("recording");
     if (event.event != "block" || name.empty()) continue;
@@ -37,6 +40,12 @@ void verify_participant(const StudyFolder& study, SealedKey key, const std::stri
     const std::string defect = check_recording ? check_recording(file) : "";
     if (!defect.empty()) throw InputError(fmt::format("{}: {}", file.string(), defect));
     ++counts.recordings;
+    named.insert(name.string());
+  }
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(study.folder / "recordings", error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(id + "-") && name.ends_with(".h5") && !named.contains(name)) ++counts.unfinished;
   }
 }
 

@@ -16,6 +16,7 @@ struct VerifyCounts {
   std::size_t logs = 0;
   std::size_t trials = 0;
   std::size_t recordings = 0;
+  std::size_t unfinished = 0;  // recordings of blocks that were cut off; their finished trials count
 };
 
 /// [setup] Checks the hash chain of a participant's log, that each trial is the one that follows from the

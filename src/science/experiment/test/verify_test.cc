@@ -58,6 +58,10 @@ TEST_F(Verify, CountsLogsTrialsAndRecordings) {
   EXPECT_EQ(counts.logs, 2U);
   EXPECT_EQ(counts.trials, 1U);
   EXPECT_EQ(counts.recordings, 1U);
+  EXPECT_EQ(counts.unfinished, 0U);
+  write_output(study_.recording_of(study_.ids[0], 1, 3), "rows of a block that was cut off");
+  verify_participant(study_, read_sealed_key(study_), study_.ids[0], {}, counts);
+  EXPECT_EQ(counts.unfinished, 1U);
   EXPECT_EQ(checked, recording_);
 }
 
