@@ -7,6 +7,7 @@ import sys
 
 from . import _palpate
 from ._palpate import *  # noqa: F401,F403
+from .env import Env  # noqa: F401
 
 __version__ = _palpate.__version__
 __all__ = [name for name in dir(_palpate) if not name.startswith('_') and name != 'study']
