@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "core/model/require_within.h"
 #include "palpate/error.h"

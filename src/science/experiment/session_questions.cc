@@ -7,6 +7,7 @@
 
 #include "core/base/random.h"
 #include "io/system/input_file.h"
+#include "palpate/error.h"
 #include "palpate/session.h"
 #include "science/experiment/block_scene.h"
 
