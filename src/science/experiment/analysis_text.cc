@@ -102,7 +102,8 @@ std::string effect_text(const Contrast& contrast, const Effect& effect) {
   const std::string side =
       contrast.alternative == "two-sided" ? "" : " (one-sided, " + contrast.alternative + ")";
   return fmt::format("{} (95 % {}), {}, {}{}", effect_value(contrast.measure, effect.effect),
-                     interval_text(contrast.measure, effect), counted(effect.people, "person", "people"),
+                     interval_text(contrast.measure, effect),
+                     counted(static_cast<std::size_t>(effect.people), "person", "people"),
                      p_text(effect.p_value), side);
 }
 

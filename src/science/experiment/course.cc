@@ -236,7 +236,7 @@ void Course::fill_in(Trial& trial) const {
   const auto code = std::find(arms_of_code_[trial.task].begin(), arms_of_code_[trial.task].end(), trial.arm);
   trial.code = "c" + std::to_string(code - arms_of_code_[trial.task].begin() + 1);
   trial.draw = static_cast<std::uint32_t>(trial.task * 2 + (trial.repeat ? 1 : 0)) << 20U |
-               static_cast<std::uint32_t>(trial.practice ? 4 + resumed_ % 4 : trial.attempt) << 16U |
+               (trial.practice ? 4U + resumed_ % 4U : static_cast<std::uint32_t>(trial.attempt)) << 16U |
                (static_cast<std::uint32_t>(trial.number) & 0xffffU);
   if (task.kind == TaskKind::kNoiseThreshold) {
     trial.noise = std::min(std::pow(10.0, trial.level), study_.max_noise);
