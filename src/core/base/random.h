@@ -2,6 +2,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "core/base/philox.h"
 #include "core/base/portable_math.h"
@@ -43,6 +46,14 @@ class Random final {
   std::size_t below(std::size_t count) noexcept {
     const auto drawn = static_cast<std::size_t>(uniform() * static_cast<double>(count));
     return drawn < count ? drawn : count - 1;
+  }
+
+  /// The numbers 0 .. count - 1 in random order; uses count - 1 draws.
+  std::vector<std::size_t> permutation(std::size_t count) {
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[below(i)]);
+    return order;
   }
 
  private:

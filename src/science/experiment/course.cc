@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "core/base/random.h"
@@ -24,13 +23,6 @@ enum Part : std::uint32_t {
 
 std::uint32_t part_of(Part kind, std::size_t task, bool repeat, std::uint32_t number) {
   return kind + (static_cast<std::uint32_t>(task * 2 + (repeat ? 1 : 0)) << 20U) + number;
-}
-
-std::vector<std::size_t> shuffled(std::size_t count, Random random) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  return order;
 }
 
 double log10_of(double value) { return std::log10(value); }
@@ -79,20 +71,16 @@ class Course::Levels final {
   [[nodiscard]] int answers() const noexcept { return answers_; }
 
   [[nodiscard]] std::size_t next(int number) const {
-    if (staircase_) return nearest(number);
+    if (staircase_) return nearest(staircase_level(number));
     if (task_.method == Method::kQuestPlus) return quest_.next();
     // Constant stimuli: each level once a round, in random order.
     const auto round = static_cast<std::uint32_t>(static_cast<std::size_t>(trials_) / levels().size());
-    return shuffled(
-        levels().size(),
-        Random(key_, participant_, part_ + round))[static_cast<std::size_t>(trials_) % levels().size()];
+    return Random(key_, participant_, part_ + round)
+        .permutation(levels().size())[static_cast<std::size_t>(trials_) % levels().size()];
   }
 
   void add(double level, bool counted, bool correct, bool catch_trial) {
-    const auto found = std::min_element(levels().begin(), levels().end(), [&](double a, double b) {
-      return std::fabs(a - level) < std::fabs(b - level);
-    });
-    quest_.update(static_cast<std::size_t>(found - levels().begin()), counted);
+    quest_.update(nearest(level), counted);
     ++answers_;
     if (staircase_ && !catch_trial) staircase_->update(correct);
     if (!catch_trial) ++trials_;
@@ -103,17 +91,20 @@ class Course::Levels final {
   [[nodiscard]] double magnitude(double level) const {
     return task_.comparison() ? log10_of(std::fabs(level)) : level;
   }
-  [[nodiscard]] std::size_t nearest(int number) const {
+  [[nodiscard]] std::size_t nearest(double level) const {
+    const auto found = std::min_element(levels().begin(), levels().end(), [&](double a, double b) {
+      return std::fabs(a - level) < std::fabs(b - level);
+    });
+    return static_cast<std::size_t>(found - levels().begin());
+  }
+  [[nodiscard]] double staircase_level(int number) const {
     double wanted = staircase_->level();
     if (task_.comparison()) {
       const bool negative =
           Random(key_, participant_, part_ + 0x8000U + static_cast<std::uint32_t>(number)).uniform() < 0.5;
       wanted = std::pow(10.0, wanted) * (negative ? -1.0 : 1.0);
     }
-    const auto found = std::min_element(levels().begin(), levels().end(), [&](double a, double b) {
-      return std::fabs(a - wanted) < std::fabs(b - wanted);
-    });
-    return static_cast<std::size_t>(found - levels().begin());
+    return wanted;
   }
 
   const StudyTask& task_;
@@ -204,14 +195,14 @@ std::size_t Course::arm_of(const PlannedPart& part, int number) const {
     // The key deals the rows to each group of people, and names the arm behind each number of the square.
     const auto people = static_cast<std::uint32_t>(rows.size());
     const auto dealt =
-        shuffled(people, Random(key_, participant_ / people, part_of(kArmsPart, part.task, true, 0)));
+        Random(key_, participant_ / people, part_of(kArmsPart, part.task, true, 0)).permutation(people);
     const std::vector<int>& row = rows[dealt[participant_ % people]];
-    const auto names = shuffled(arms, Random(key_, 0xffff'ffffU, part_of(kArmsPart, part.task, false, 0)));
+    const auto names = Random(key_, 0xffff'ffffU, part_of(kArmsPart, part.task, false, 0)).permutation(arms);
     return names[static_cast<std::size_t>(row[static_cast<std::size_t>(number / task.trials)])];
   }
   const auto round = static_cast<std::uint32_t>(static_cast<std::size_t>(number) / arms);
   const auto order =
-      shuffled(arms, Random(key_, participant_, part_of(kArmsPart, part.task, part.repeat, round)));
+      Random(key_, participant_, part_of(kArmsPart, part.task, part.repeat, round)).permutation(arms);
   return order[static_cast<std::size_t>(number) % arms];
 }
 
@@ -290,7 +281,7 @@ Trial Course::trial_of(const Slot& slot) const {
     const std::size_t targets = task.targets.size();
     const auto round = number / static_cast<std::uint32_t>(targets);
     const auto order =
-        shuffled(targets, Random(study_.seed, participant_, part_of(kLevelPart, part.task, false, round)));
+        Random(study_.seed, participant_, part_of(kLevelPart, part.task, false, round)).permutation(targets);
     trial.level = task.targets[order[number % targets]];
   } else if (task.signal) {
     trial.level = signal_level(task);

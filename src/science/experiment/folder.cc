@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <numeric>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -44,13 +43,6 @@ constexpr std::uint32_t kLabelsPart = 0x8000'0000;
 constexpr std::uint32_t kAllParticipants = 0xffff'ffff;
 
 std::string content_of(const fs::path& file) { return InputFile(file, kStudyFileInput).read_rest(); }
-
-std::vector<std::size_t> permutation(std::size_t count, Random random) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  return order;
-}
 
 void fill_randomly(std::span<unsigned char> bytes) {
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
@@ -240,11 +232,11 @@ void read_lock(const FolderJson& lock, StudyFolder& made) {
 
 std::vector<std::size_t> arms_of_codes(SealedKey key, std::uint32_t participant, std::size_t task,
                                        std::size_t arms) {
-  return permutation(arms, Random(key, participant, kCodesPart + static_cast<std::uint32_t>(task)));
+  return Random(key, participant, kCodesPart + static_cast<std::uint32_t>(task)).permutation(arms);
 }
 
 std::vector<std::size_t> labels_of_arms(SealedKey key, std::size_t task, std::size_t arms) {
-  return permutation(arms, Random(key, kAllParticipants, kLabelsPart + static_cast<std::uint32_t>(task)));
+  return Random(key, kAllParticipants, kLabelsPart + static_cast<std::uint32_t>(task)).permutation(arms);
 }
 
 fs::path StudyFolder::log_of(const std::string& id) const {

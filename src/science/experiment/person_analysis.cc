@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
 #include <map>
 
 #include "core/base/statistics.h"
@@ -181,18 +179,6 @@ void count_trials(const Study& study, const ParticipantLog& log, PersonResult& r
     if (!trial.catch_trial || !trial.spoiled.empty()) continue;
     count_answer(result.catch_trials, is_correct(study.tasks[task_of(study, log.id, trial)], trial));
   }
-}
-
-// Seconds since 1970 of an ISO 8601 time; 0 when it is malformed.
-double seconds_of(const std::string& time) {
-  std::tm parts{};
-  double seconds = 0.0;
-  const int read = std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &parts.tm_year, &parts.tm_mon,
-                               &parts.tm_mday, &parts.tm_hour, &parts.tm_min, &seconds);
-  if (read != 6) return 0.0;
-  parts.tm_year -= 1900;
-  parts.tm_mon -= 1;
-  return static_cast<double>(timegm(&parts)) + seconds;
 }
 
 double minutes_of(const ParticipantLog& log) {

@@ -21,9 +21,8 @@ constexpr double kFarAway = 1e3;                     // m, d0 of a noise that do
 constexpr InputKind kConsentInput{"a consent text", std::uint64_t{1} << 20U};
 
 double hours_since(const std::string& time) {
-  std::tm parts{};
-  if (::strptime(time.c_str(), "%Y-%m-%dT%H:%M:%S", &parts) == nullptr) return 0.0;
-  return std::difftime(std::time(nullptr), ::timegm(&parts)) / 3600.0;
+  const double then = seconds_of(time);
+  return then > 0.0 ? (static_cast<double>(std::time(nullptr)) - then) / 3600.0 : 0.0;
 }
 
 /// Question for an entry of [participants] ask; its answers are bands only.

@@ -1,8 +1,7 @@
 #include "science/experiment/simulate.h"
 
 #include <algorithm>
-#include <array>
-#include <ctime>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -17,16 +16,11 @@ namespace palpate::experiment {
 namespace {
 
 // A simulated session begins at nine o'clock, one a day from this one on.
-constexpr std::time_t kFirstMorning = 946'717'200;  // 2000-01-01T09:00:00Z
-constexpr std::time_t kDay = 86'400;
+constexpr std::int64_t kFirstMorning = 946'717'200;  // 2000-01-01T09:00:00Z
+constexpr std::int64_t kDay = 86'400;
 
 std::string time_of(int session, double seconds) {
-  const std::time_t at = kFirstMorning + (session - 1) * kDay + static_cast<std::time_t>(seconds);
-  std::tm parts{};
-  gmtime_r(&at, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S.000Z", &parts);
-  return text.data();
+  return utc_time(1000 * (kFirstMorning + (session - 1) * kDay + static_cast<std::int64_t>(seconds)));
 }
 
 int planned_trials(const PlannedSession& session) {

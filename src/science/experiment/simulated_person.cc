@@ -107,14 +107,6 @@ void hold(const Trial& trial, Random& random, TrialRecord& record) {
 
 }  // namespace
 
-double noise_threshold_of(const Observer& observer) {
-  return at_75([&](double noise) {
-    ObserverTrial trial{0.0, noise, true};
-    trial.noise_without = 0.0;
-    return psychophysics::probability_second(observer, trial);
-  });
-}
-
 double force_threshold_of(const Observer& observer, double noise) {
   return at_75([&](double force) {
     return psychophysics::probability_second(observer, {force, noise, true});

@@ -33,9 +33,8 @@ struct SimulatedPerson {
 void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial& trial, double progress,
                        bool last_second, std::uint64_t seed, std::uint32_t participant, TrialRecord& record);
 
-/// [any] Own threshold of the standard deviation of a noise, and of a constant force with a noise in both
-/// intervals, of an observer that counts samples: 75 % correct, in units of T.
-[[nodiscard]] double noise_threshold_of(const psychophysics::Observer& observer);
+/// [any] Threshold of a constant force with a noise in both intervals, of an observer that counts samples:
+/// 75 % correct, in units of T.
 [[nodiscard]] double force_threshold_of(const psychophysics::Observer& observer, double noise);
 
 }  // namespace palpate::experiment

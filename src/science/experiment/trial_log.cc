@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <exception>
@@ -271,12 +272,26 @@ std::string sha256(const std::string& bytes) {
 
 std::string utc_now() {
   constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
-  const std::int64_t milliseconds = unix_ns() / kNanosecondsPerMillisecond;
+  return utc_time(unix_ns() / kNanosecondsPerMillisecond);
+}
+
+std::string utc_time(std::int64_t milliseconds) {
   const auto seconds = static_cast<std::time_t>(milliseconds / 1000);
   std::tm parts{};
   gmtime_r(&seconds, &parts);
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", parts.tm_year + 1900, parts.tm_mon + 1,
                      parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, milliseconds % 1000);
+}
+
+double seconds_of(const std::string& time) {
+  std::tm parts{};
+  double seconds = 0.0;
+  const int read = std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &parts.tm_year, &parts.tm_mon,
+                               &parts.tm_mday, &parts.tm_hour, &parts.tm_min, &seconds);
+  if (read != 6) return 0.0;
+  parts.tm_year -= 1900;
+  parts.tm_mon -= 1;
+  return static_cast<double>(timegm(&parts)) + seconds;
 }
 
 std::string EventRecord::value(const std::string& name) const {

@@ -120,6 +120,10 @@ class LogWriter final {
 
 /// [setup] SHA-256 of bytes, in hexadecimal.
 [[nodiscard]] std::string sha256(const std::string& bytes);
+/// [any] ISO 8601 UTC with milliseconds, of milliseconds since 1970.
+[[nodiscard]] std::string utc_time(std::int64_t milliseconds);
+/// [any] Seconds since 1970 of such a time; 0 when it is malformed.
+[[nodiscard]] double seconds_of(const std::string& time);
 /// [setup] The time now, ISO 8601 UTC with milliseconds.
 [[nodiscard]] std::string utc_now();
 
