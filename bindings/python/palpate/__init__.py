@@ -5,6 +5,8 @@ message of the program. docs/python.md has examples.
 """
 import sys
 
+import numpy  # noqa: F401  before _palpate, whose error without NumPy is less clear
+
 from . import _palpate
 from ._palpate import *  # noqa: F401,F403
 from .env import Env  # noqa: F401

@@ -6,12 +6,16 @@
 
 The same seed and actions give the same observations bit for bit.
 """
-from typing import Any, Dict, List, Optional, Tuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from . import InputError, TickedSimulation
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray  # NumPy 1.21
 
 TASKS = ('press', 'hold', 'search')
 FASTEST = 0.1  # m/s, of the hand
