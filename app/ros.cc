@@ -49,13 +49,15 @@ void check(const RosFlags& flags) {
   if (!flags.recording.empty()) require_regular_file(flags.recording, "--record");
 }
 
-/// Rejects a scene with a mouse or a gamepad, because they need the window of `palpate run`. @throws
-/// InputError
-void require_no_window(const scene::Scene& setup) {
+/// Rejects a mouse or a gamepad, because they need the window of `palpate run`, and names that are no topics.
+/// @throws InputError
+void check_devices(const scene::Scene& setup) {
   for (const scene::DeviceSetup& device : setup.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
-    if (kind == nullptr || !kind->window) continue;
-    throw InputError("device " + device.kind + ": needs the window of `palpate run`; ros has no window");
+    if (kind != nullptr && kind->window) {
+      throw InputError("device " + device.kind + ": needs the window of `palpate run`; ros has no window");
+    }
+    if (device.kind == "ros" && !device.path.empty()) ros::require_topic_name(device.path, "device ros:");
   }
 }
 
@@ -100,7 +102,7 @@ int play_on_ros(const RosFlags& flags) {
   check(flags);
   const ros::NodeOptions options = ros::options_of_environment(flags.network_interface);
   scene::Scene setup = scene::load(flags.request);
-  require_no_window(setup);
+  check_devices(setup);
   require_no_overwrite(std::vector<NamedFile>{{"--record", flags.recording}}, sources_of(setup));
   const std::unique_ptr<ros::Node> node = ros::open_node(options);
   report_network(options);
