@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   add_repair(program, exit_code);
   add_view(program, exit_code);
   add_serve(program, exit_code);
+  add_ros(program, exit_code);
   add_devices(program, exit_code);
   add_fit(program, command_line, exit_code);
   add_score(program, command_line, exit_code);

@@ -12,8 +12,10 @@
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
+#include "run/devices/ros.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress_observer.h"
 
@@ -79,6 +81,16 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
   }
 }
 
+/// Reports for which topics the run waits.
+void report_awaited_topics(const scene::Scene& setup) {
+  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
+    const scene::DeviceSetup& device = setup.devices[hand];
+    if (device.kind != "ros") continue;
+    report_message("device ros: the run begins when a program publishes poses to " +
+                   (device.path.empty() ? devices::default_ros_topic(hand) : device.path));
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s, bool no_cache,
@@ -88,6 +100,7 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
   session::SessionOptions options;
   options.duration_s = duration_s;
   options.preparation = preparation.how();
+  report_awaited_topics(setup);
   if (broken_off != nullptr) {
     options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
       if (broken_off->load(std::memory_order_relaxed)) throw InputError("cancelled");

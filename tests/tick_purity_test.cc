@@ -13,6 +13,8 @@
 #include "io/record/recorder.h"
 #include "net/igtl_server.h"
 #include "net/test/igtl_received.h"
+#include "run/ros/ros_publisher.h"
+#include "run/ros/test/fake_node.h"
 
 #include "tests/built_in_experiments.h"
 #include "tests/heap_and_lock_guard.h"
@@ -99,6 +101,19 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
   double shown = 0.0;
   while (shown < last) shown = client.next("SENSOR", "PalpateTime").values()[0];
   EXPECT_EQ(shown, last) << "it saw the last tick";
+}
+
+TEST_P(TickPurity, NoHeapUseAndNoLockWhileEveryTickIsPublishedToRos2) {
+  Rig rig = built_in(GetParam());
+  ros::test::FakeNode node;
+  ros::RosPublisher publisher(node, rig.setup.tools, rig.world.rate_Hz, ros::RosPublisher::kFastestRate);
+  Bracket bracket(kTicks, arm_guard, disarm_guard);
+  const std::uint64_t heap_before = heap_uses();
+  const std::uint64_t locks_before = lock_uses();
+  (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true});
+  EXPECT_EQ(heap_uses() - heap_before, 0u);
+  EXPECT_EQ(lock_uses() - locks_before, 0u);
+  EXPECT_GT(publisher.finish().messages, 0u);
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {

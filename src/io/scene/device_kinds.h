@@ -10,7 +10,7 @@ enum class DevicePath {
   kRecording,  // a recording, required
   kLibrary,  // the vendor's shared library, only on the command line; optional: DhdLibrary lists the default
              // paths
-  kAddress,  // ws://HOST:PORT, optional
+  kAddress,  // ws://HOST:PORT, or a ROS 2 topic; optional
   kName,     // the device's name in its vendor's setup, optional
   kNone,     // it takes no path
 };

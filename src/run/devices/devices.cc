@@ -18,7 +18,9 @@
 #include "run/devices/haply.h"
 #include "run/devices/mouse.h"
 #include "run/devices/replay.h"
+#include "run/devices/ros.h"
 #include "run/devices/touch.h"
+#include "run/ros/ros_node.h"
 
 namespace palpate::devices {
 namespace {
@@ -173,6 +175,20 @@ std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
 }
 
+OpenedDevice connect_ros(const std::string& topic) {
+  auto device = std::make_unique<RosDevice>(ros::open_node(ros::options_of_environment()),
+                                            topic.empty() ? default_ros_topic(0) : topic);
+  std::string name = device->description();
+  return {std::move(device), std::move(name)};
+}
+
+std::unique_ptr<haptics::Device> open_ros(const scene::Scene& setup, std::size_t hand) {
+  const std::string& topic = setup.devices[hand].path;
+  return connect_ros(topic.empty() ? default_ros_topic(hand) : topic).device;
+}
+
+Probe probe_ros_plugin(const Machine& /*machine*/) { return probe_ros(); }
+
 /// Functions for one kind of device.
 struct Kind {
   std::string_view name;
@@ -190,6 +206,7 @@ constexpr Kind kKinds[] = {
     {"forcedimension", open_forcedimension, probe_connected_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_local_haply, connect_haply},
     {"touch", open_touch, probe_installed_touch, connect_touch},
+    {"ros", open_ros, probe_ros_plugin, connect_ros},
     {"host", open_host, probe_host, nullptr},
 };
 

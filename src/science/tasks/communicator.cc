@@ -5,13 +5,13 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <dlfcn.h>
 #include <fmt/core.h>
 
+#include "io/system/plugin.h"
 #include "palpate/error.h"
 
 namespace palpate::tasks {
@@ -26,15 +26,6 @@ int number_in(const char* name, int otherwise) {
   const long value = std::strtol(text, &end, 10);
   const bool whole = end != text && *end == '\0' && value >= 0 && value < 1'000'000;
   return whole ? static_cast<int>(value) : otherwise;
-}
-
-/// Candidate folders: beside the program (build tree) and where it is installed.
-std::vector<std::filesystem::path> places() {
-  std::error_code failed;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  if (failed) return {};
-  const std::filesystem::path folder = program.parent_path();
-  return {folder / kLibrary, folder.parent_path() / "lib" / "palpate" / kLibrary};
 }
 
 [[noreturn]] void fail(const Launch& launch, const std::string& why) {
@@ -75,9 +66,7 @@ Launch launch_of_environment() {
 std::unique_ptr<Communicator> make_communicator() {
   const Launch launch = launch_of_environment();
   if (launch.size == 1) return std::make_unique<Communicator>();
-  for (const std::filesystem::path& file : places()) {
-    std::error_code failed;
-    if (!std::filesystem::exists(file, failed)) continue;
+  for (const std::filesystem::path& file : find_plugin(kLibrary)) {
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // plug-ins of Open MPI need its symbols
     if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
     using Make = Communicator* (*)();

@@ -231,7 +231,7 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   };
   EXPECT_THAT(with("joystick"),
               HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
-                        "forcedimension, haply or touch"));
+                        "forcedimension, haply, touch or ros"));
   EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
   EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
   EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));

@@ -1,0 +1,13 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// [setup] Existing files of a plug-in, such as "palpate_mpi.so": beside the running program (build tree) and
+/// in
+/// ../lib/palpate (installed). Empty: the plug-in is not built or not installed.
+[[nodiscard]] std::vector<std::filesystem::path> find_plugin(const std::string& file_name);
+
+}  // namespace palpate
