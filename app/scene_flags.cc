@@ -27,7 +27,7 @@ void add_scene_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option(
       "--device", request.device,
       "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-      "mouse, gamepad, forcedimension, haply, touch (`palpate devices` lists the available ones)");
+      "mouse, gamepad, forcedimension, haply, touch, igtl:PORT/NAME (`palpate devices` lists the available ones)");
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks per second");
   command.add_option("--seed", request.seed, "seed of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "run without the touch noise");

@@ -16,7 +16,8 @@ namespace palpate::devices {
 /// - "mouse", "gamepad": get their input from the window;
 /// - "forcedimension": the connected devices in order, one per hand;
 /// - "haply": hands with one address use its arms in order;
-/// - "touch": the device with that name in Touch_Setup.
+/// - "touch": the device with that name in Touch_Setup;
+/// - "igtl": waits until a client sends poses, IgtlTimes::opening at most.
 /// @throws InputError naming the kind, the file or address and the cause.
 [[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand);
 
