@@ -26,8 +26,8 @@ void add_scene_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
   command.add_option("--device", request.device,
                      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
-                     "mouse, gamepad, forcedimension, haply, touch, ros, ros:/topic (`palpate devices` lists "
-                     "the available ones)");
+                     "mouse, gamepad, forcedimension, haply, touch, igtl:PORT/NAME, ros, ros:/topic "
+                     "(`palpate devices` lists the available ones)");
   command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks per second");
   command.add_option("--seed", request.seed, "seed of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "run without the touch noise");

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/base/text.h"
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "run/devices/ros.h"
@@ -91,6 +92,19 @@ void report_awaited_topics(const scene::Scene& setup) {
   }
 }
 
+/// Says for which clients the run waits.
+void report_awaited_clients(const scene::Scene& setup) {
+  for (const scene::DeviceSetup& device : setup.devices) {
+    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
+    if (kind == nullptr || kind->path != scene::DevicePath::kClient) continue;
+    const bool local = device.path.find(':') == std::string::npos || device.path.rfind("127.", 0) == 0;
+    report_message(
+        "device " + device.kind + ":" + device.path + ": the run begins when a client sends poses; " +
+        (local ? "programs on this machine may connect"
+               : "anyone who can reach it over the network can move the tool; there is no password"));
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s, bool no_cache,
@@ -101,6 +115,7 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
   options.duration_s = duration_s;
   options.preparation = preparation.how();
   report_awaited_topics(setup);
+  report_awaited_clients(setup);
   if (broken_off != nullptr) {
     options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
       if (broken_off->load(std::memory_order_relaxed)) throw InputError("cancelled");

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/igtl/igtl_bytes.h"
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/array_file.h"
@@ -413,6 +414,12 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");
+  net::IgtlBytes transforms(0);
+  transforms.add_transform("Hand", {});
+  const std::string transform(transforms.bytes().begin(), transforms.bytes().end());
+  seeds.add("igtl_message", "whole", transform);
+  seeds.add("igtl_message", "version1", std::string(1, '\0') + transform.substr(58));
+  seeds.add("igtl_message", "version2", std::string("\1\0\14", 3) + std::string(10, '\0') + transform.substr(58));
   int message = 0;
   for (const char* text : kLiveMessages) seeds.add("live_message", std::to_string(++message), text);
   record::record_sample(seeds.place("recording", "no_tick"), 0, 1);

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
@@ -47,16 +46,6 @@ class PressedArm final {
   scene::ToolPath path_;
   std::atomic<Clock::time_point> begin_{Clock::now()};
 };
-
-/// Whether a process handles SIGUSR1, which resets the faults of a run.
-bool takes_resets(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.rfind("SigCgt:", 0) != 0) continue;
-    return (std::stoull(line.substr(7), nullptr, 16) >> (SIGUSR1 - 1) & 1U) != 0;
-  }
-  return false;
-}
 
 /// Runs until the hand has pressed, then calls `end` and checks the last command to the service. A machine
 /// that halts for 5 ms makes samples stale, which is a fault. It is reset, and the next press is used.

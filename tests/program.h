@@ -95,6 +95,16 @@ inline Outcome run(const Folder& folder, std::vector<std::string> words,
   return Program(folder.path(), std::move(words), environment).wait();
 }
 
+/// Whether a process handles SIGUSR1, which resets the faults of a run.
+inline bool takes_resets(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("SigCgt:", 0) != 0) continue;
+    return (std::stoull(line.substr(7), nullptr, 16) >> (SIGUSR1 - 1) & 1U) != 0;
+  }
+  return false;
+}
+
 inline std::size_t lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }

@@ -29,7 +29,8 @@ void choose_device(const PanelModel& shown, Commands& commands) {
   const std::string& now = shown.setup.devices.front().kind;
   if (!ImGui::BeginCombo("##device", now.c_str())) return;
   for (const scene::DeviceKind& kind : scene::device_kinds()) {
-    if (kind.path == scene::DevicePath::kRecording) continue;  // a replay needs its file
+    if (kind.path == scene::DevicePath::kRecording || kind.path == scene::DevicePath::kClient)
+      continue;  // need it
     const std::string name(kind.name);
     if (!ImGui::Selectable(name.c_str(), name == now)) continue;
     scene::Overrides request = shown.request;

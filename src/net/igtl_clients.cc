@@ -2,107 +2,24 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <cstring>
 
-#include <arpa/inet.h>
-#include <fmt/core.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "io/system/clock.h"
-#include "palpate/error.h"
 
 namespace palpate::net {
 namespace {
 
-constexpr int kLargestPort = 65535;
 /// Size of each client's send buffer in the system. A larger buffer would only make the data older that a
 /// slow client receives.
 constexpr int kSendBuffer = 128 * 1024;  // bytes
 constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
 
-InputError wrong_address(const std::string& text, const std::string& why) {
-  return InputError(fmt::format("--igtl {}: {}", text, why));
-}
-
-void set_option(int socket, int level, int name, int value) {
-  (void)setsockopt(socket, level, name, &value, sizeof value);
-}
-
-sockaddr_in socket_address(const IgtlAddress& address) {
-  sockaddr_in where{};
-  where.sin_family = AF_INET;
-  where.sin_port = htons(static_cast<std::uint16_t>(address.port));
-  if (inet_pton(AF_INET, address.host.c_str(), &where.sin_addr) != 1) {
-    throw wrong_address(address.host, "no address such as 127.0.0.1 or 0.0.0.0");
-  }
-  return where;
-}
-
-/// Describes why the server cannot listen at a port.
-std::string describe(int error, const IgtlAddress& address) {
-  switch (error) {
-    case EADDRINUSE:
-      return "the port is taken by another program; choose another port";
-    case EACCES:
-      return "this user may not listen at that port; choose one from 1024 on";
-    case EADDRNOTAVAIL:
-      return "this machine has no address " + address.host +
-             "; 127.0.0.1 is this machine alone, 0.0.0.0 all its addresses";
-    default:
-      return std::string("the port cannot be listened at: ") + std::strerror(error);
-  }
-}
-
-Descriptor listen_at(const IgtlAddress& address) {
-  const std::string text = fmt::format("{}:{}", address.host, address.port);
-  const sockaddr_in where = socket_address(address);
-  Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a previous run is free at once
-  if (listener.number() < 0 ||
-      bind(listener.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
-      listen(listener.number(), SOMAXCONN) != 0) {
-    throw wrong_address(text, describe(errno, address));
-  }
-  return listener;
-}
-
-int port_of(int socket) {
-  sockaddr_in where{};
-  socklen_t size = sizeof where;
-  (void)getsockname(socket, reinterpret_cast<sockaddr*>(&where), &size);
-  return ntohs(where.sin_port);
-}
-
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) close(number_);
-}
-
-IgtlAddress parse_igtl_address(const std::string& text) {
-  const std::string want =
-      "wanted is a port from 1 to 65535, or an address of this machine and a port, as in 0.0.0.0:18944";
-  IgtlAddress address;
-  const std::size_t colon = text.rfind(':');
-  if (colon != std::string::npos) address.host = text.substr(0, colon);
-  const std::string digits = colon == std::string::npos ? text : text.substr(colon + 1);
-  const char* end = digits.data() + digits.size();
-  const auto [stopped_at, error] = std::from_chars(digits.data(), end, address.port);
-  if (error != std::errc() || stopped_at != end || address.port < 1 || address.port > kLargestPort) {
-    throw wrong_address(text, want);
-  }
-  in_addr ignored{};
-  if (inet_pton(AF_INET, address.host.c_str(), &ignored) != 1) throw wrong_address(text, want);
-  return address;
-}
-
 IgtlClients::IgtlClients(const IgtlAddress& address, const Limits& limits)
-    : limits_(limits), listener_(listen_at(address)), port_(port_of(listener_.number())) {}
+    : limits_(limits), listener_(listen_at(address)), port_(port_of(listener_)) {}
 
 bool IgtlClients::busy() const noexcept {
   return std::any_of(clients_.begin(), clients_.end(), [](const Client& client) { return client.busy(); });
@@ -110,14 +27,12 @@ bool IgtlClients::busy() const noexcept {
 
 void IgtlClients::let_in() {
   for (;;) {
-    Descriptor socket(accept4(listener_.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    Descriptor socket = accept_from(listener_, kSendBuffer);
     if (socket.number() < 0) return;
     if (clients_.size() >= limits_.most_clients) {
       ++statistics_.refused;
       continue;
     }
-    set_option(socket.number(), IPPROTO_TCP, TCP_NODELAY, 1);
-    set_option(socket.number(), SOL_SOCKET, SO_SNDBUF, kSendBuffer);
     clients_.emplace_back(std::move(socket));
     ++statistics_.clients;
   }

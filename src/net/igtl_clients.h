@@ -4,39 +4,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "net/igtl_messages.h"
+#include "io/igtl/igtl_socket.h"
 
 namespace palpate::net {
-
-/// Address at which a server listens.
-struct IgtlAddress {
-  std::string host = "127.0.0.1";  // numeric IPv4 address of this machine; 0.0.0.0: all addresses
-  int port = 0;                    // 0: any free port
-};
-
-/// [setup] Parses "PORT" or "ADDRESS:PORT". @throws InputError naming --igtl and the required form.
-[[nodiscard]] IgtlAddress parse_igtl_address(const std::string& text);
-
-/// Owns a file descriptor and closes it.
-class Descriptor final {
- public:
-  explicit Descriptor(int number) noexcept : number_(number) {}
-  ~Descriptor();
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 /// The newest data of one kind. Its number rises with each update; a client gets each number at most once.
 struct IgtlChannel {

@@ -5,12 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "io/igtl/igtl_bytes.h"
 #include "palpate/mesh.h"
 #include "palpate/pose.h"
 
 namespace palpate::net {
-
-using Bytes = std::vector<unsigned char>;
 
 /// Unit of the values of a SENSOR message.
 enum class SensorUnit { kNewton, kNewtonMetre, kMillimetre, kSecond };

@@ -11,6 +11,7 @@ enum class DevicePath {
   kLibrary,  // the vendor's shared library, only on the command line; optional: DhdLibrary lists the default
              // paths
   kAddress,  // ws://HOST:PORT, or a ROS 2 topic; optional
+  kClient,   // [ADDRESS:]PORT/NAME at which a client connects, required; ADDRESS only on the command line
   kName,     // the device's name in its vendor's setup, optional
   kNone,     // it takes no path
 };

@@ -132,6 +132,9 @@ void require_below(const std::filesystem::path& folder, const LocatedString& fil
     file.fail("must be a file below " + folder.string());
 }
 
+/// Whether a device's path is a file, or a name that could be one.
+bool names_file(DevicePath path) { return path != DevicePath::kAddress && path != DevicePath::kClient; }
+
 /// Requires all files that the scene names to be inside the folder of the request.
 void require_files_below(const std::filesystem::path& folder, const SceneFile& scene) {
   std::vector<const LocatedString*> named;
@@ -147,7 +150,7 @@ void require_files_below(const std::filesystem::path& folder, const SceneFile& s
   }
   for (const DeviceTable& device : scene.devices) {
     const DeviceKind* kind = find_device_kind(device.kind.value);
-    const bool is_file = kind == nullptr || kind->path != DevicePath::kAddress;
+    const bool is_file = kind == nullptr || names_file(kind->path);
     if (device.path && is_file) named.push_back(&*device.path);
   }
   for (const LocatedString* name : named) require_below(folder, *name);
@@ -274,17 +277,29 @@ void check_library(const LocatedString& path) {
   if (!path.file().is_absolute()) path.fail("must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
 }
 
+/// Who listens at an address of a network lets other machines move the tool. So only the person who starts
+/// the program may name one.
+void check_client(const LocatedString& path) {
+  if (path.by_flag || path.value.find(':') == std::string::npos) return;
+  path.fail(
+      "must be PORT/NAME: a scene may let only this machine connect; give an address on the command line");
+}
+
 /// Checks the files that a device reads when it is opened. @return its resolved path; empty if none is given
 std::string check_device_path(const DeviceTable& device, const DeviceKind& kind, Task task) {
   if (!device.path) {
     if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
+    if (kind.path == DevicePath::kClient) {
+      device.kind.fail("needs path = \"PORT/NAME\" beside it, as in --device igtl:18945/Hand");
+    }
     return {};
   }
   if (kind.path == DevicePath::kNone)
     device.path->fail("must be left out: a " + std::string(kind.name) + " has none");
   if (kind.path == DevicePath::kLibrary) check_library(*device.path);
-  const bool file_like = kind.path != DevicePath::kAddress && kind.path != DevicePath::kName;
-  if (!file_like) return device.path->value;  // checked by the device itself
+  if (kind.path == DevicePath::kClient) check_client(*device.path);
+  if (!names_file(kind.path) || kind.path == DevicePath::kName)
+    return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
   std::error_code status;
   if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
@@ -353,7 +368,7 @@ void add_sources(const Overrides& request, const SceneFile& scene, Scene& setup)
   }
   for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
     const DevicePath kind = find_device_kind(setup.devices[hand].kind)->path;
-    if (setup.devices[hand].path.empty() || kind == DevicePath::kAddress) continue;
+    if (setup.devices[hand].path.empty() || !names_file(kind)) continue;
     setup.files.push_back({scene.devices[hand].path->where, setup.devices[hand].path});
   }
 }

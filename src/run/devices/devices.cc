@@ -16,6 +16,7 @@
 #include "run/devices/forcedimension.h"
 #include "run/devices/gamepad.h"
 #include "run/devices/haply.h"
+#include "run/devices/igtl.h"
 #include "run/devices/mouse.h"
 #include "run/devices/replay.h"
 #include "run/devices/ros.h"
@@ -175,6 +176,15 @@ std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
 }
 
+std::unique_ptr<haptics::Device> open_igtl(const scene::Scene& setup, std::size_t hand) {
+  return std::make_unique<IgtlDevice>(setup.devices[hand].path);
+}
+OpenedDevice connect_igtl(const std::string& source) { return connected<IgtlDevice>(source); }
+
+Probe probe_igtl(const Machine& /*machine*/) {
+  return {"igtl", true, "a client's OpenIGTLink TRANSFORM messages: igtl:PORT/NAME, as in igtl:18945/Hand"};
+}
+
 OpenedDevice connect_ros(const std::string& topic) {
   auto device = std::make_unique<RosDevice>(ros::open_node(ros::options_of_environment()),
                                             topic.empty() ? default_ros_topic(0) : topic);
@@ -206,6 +216,7 @@ constexpr Kind kKinds[] = {
     {"forcedimension", open_forcedimension, probe_connected_forcedimension, connect_forcedimension},
     {"haply", open_haply, probe_local_haply, connect_haply},
     {"touch", open_touch, probe_installed_touch, connect_touch},
+    {"igtl", open_igtl, probe_igtl, connect_igtl},
     {"ros", open_ros, probe_ros_plugin, connect_ros},
     {"host", open_host, probe_host, nullptr},
 };

@@ -17,6 +17,7 @@ namespace palpate::devices {
 /// - "forcedimension": the connected devices in order, one per hand;
 /// - "haply": hands with one address use its arms in order;
 /// - "touch": the device with that name in Touch_Setup;
+/// - "igtl": waits until a client sends poses, IgtlTimes::opening at most.
 /// - "ros": poses from a ROS 2 topic.
 /// @throws InputError naming the kind, the file or address and the cause.
 [[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand);

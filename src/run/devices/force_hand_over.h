@@ -2,26 +2,26 @@
 #include <atomic>
 #include <cstdint>
 
-#include "palpate/pose.h"
+#include "palpate/device.h"
 #include "palpate/triple_buffer.h"
 
 namespace palpate::devices {
 
-/// Passes the newest force from the loop to a device's thread. Neither waits for the other.
+/// Passes the newest force and torque from the loop to a device's thread. Neither waits for the other.
 class ForceHandover final {
  public:
-  /// [rt] Called by the loop. @return false when the force [N] is not finite; zero is then passed
-  bool write(const Vec3& force_D) noexcept;
+  /// [rt] Called by the loop. @return false when force or torque are not finite; zero is then passed
+  bool write(const haptics::ForceCommand& command_D) noexcept;
   /// [any] Zero until the next write().
   void stop() noexcept;
-  /// [rt] Called by the device's thread: the force [N] at a monotonic time [ns]. Zero before the first
+  /// [rt] Called by the device's thread: the command at a monotonic time [ns]. Zero before the first
   /// write(), after stop(), and when the last write() is older than `write_timeout_ns`, because the loop then
   /// hangs.
-  [[nodiscard]] Vec3 wanted(std::int64_t now_ns, std::int64_t write_timeout_ns) noexcept;
+  [[nodiscard]] haptics::ForceCommand wanted(std::int64_t now_ns, std::int64_t write_timeout_ns) noexcept;
 
  private:
   struct Command {
-    Vec3 force_D = Vec3::Zero();
+    haptics::ForceCommand command_D;
     std::int64_t written_ns = 0;
   };
 

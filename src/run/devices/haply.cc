@@ -80,7 +80,7 @@ haptics::DeviceState HaplyDevice::read(std::uint64_t /*tick*/, double /*time*/) 
 }
 
 bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  return forces_.write(command_D.force);
+  return forces_.write(command_D);
 }
 
 void HaplyDevice::stop() noexcept { forces_.stop(); }
@@ -155,7 +155,7 @@ void HaplyDevice::take_replies(Exchange& exchange) {
 
 void HaplyDevice::send_if_due(Exchange& exchange) {
   const std::int64_t now = monotonic_ns();
-  const Vec3 force_D = forces_.wanted(now, times_.write_timeout);
+  const Vec3 force_D = forces_.wanted(now, times_.write_timeout).force;
   const bool releases = force_D.isZero(0.0) && !exchange.sent_D.isZero(0.0);
   const bool due = exchange.awaited == 0 && now >= exchange.next_send_ns;
   if (link_.sending() || !(due || releases)) return;

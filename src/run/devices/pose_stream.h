@@ -32,8 +32,7 @@ struct StreamedPose {
 /// - break_off(), as when the connection ends.
 class PoseStream final {
  public:
-  /// As the default timeout of commands from a network in the robot software MoveIt Servo, 0.1 s. A sender
-  /// of 20 Hz may lose one message.
+  /// As the usual timeout of commands in MoveIt Servo, 0.1 s. A sender of 30 Hz may lose one message.
   static constexpr std::int64_t kSilence = 100'000'000;  // ns
   static constexpr std::size_t kLearned = 8;             // messages that give the period
   static constexpr std::int64_t kShortestDelay = 10'000'000;

@@ -96,7 +96,7 @@ haptics::DeviceState TouchDevice::read(std::uint64_t tick, double time) noexcept
 }
 
 bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  return arm_.forces.write(command_D.force);
+  return arm_.forces.write(command_D);
 }
 
 void TouchDevice::stop() noexcept { arm_.forces.stop(); }

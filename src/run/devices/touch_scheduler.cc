@@ -278,7 +278,7 @@ void TouchScheduler::show_error(TouchArm& arm, haptics::DeviceState& state, std:
 /// The loop's newest force [N], limited to the largest force of the arm. Zero after stop() and when the loop
 /// no longer writes.
 Vec3 TouchScheduler::wanted_force(TouchArm& arm, std::int64_t now) const noexcept {
-  const Vec3 force_D = arm.forces.wanted(now, kWriteTimeout);
+  const Vec3 force_D = arm.forces.wanted(now, kWriteTimeout).force;
   const double size = force_D.norm();
   return size > arm.max_force ? Vec3(arm.max_force / size * force_D) : force_D;
 }

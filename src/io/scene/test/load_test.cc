@@ -223,6 +223,25 @@ TEST(Load, ATouchIsNamedAndItsNameIsNoFile) {
   EXPECT_EQ(setup.devices[0].path, "Left Device");
 }
 
+TEST(Load, AClientsNameIsNoFileAndOnlyTheCommandLineLetsOtherMachinesConnect) {
+  const TemporaryFolder folder;
+  const auto text_with = [&](const std::string& device) {
+    Overrides text;
+    text.scene_text = SceneText{kShortLoaded + "[device]\nkind=\"igtl\"\n" + device, folder.path()};
+    text.files_below = folder.path();
+    return text;
+  };
+  EXPECT_EQ(load(text_with("path=\"18945/Hand\"")).devices[0].path, "18945/Hand");
+  EXPECT_THAT(
+      error_in(text_with("path=\"0.0.0.0:18945/Hand\"")),
+      HasSubstr("\"0.0.0.0:18945/Hand\": must be PORT/NAME: a scene may let only this machine connect"));
+  EXPECT_THAT(error_in(text_with("")), HasSubstr("needs path = \"PORT/NAME\" beside it"));
+  Overrides request;
+  request.device = "igtl:0.0.0.0:18945/Hand";
+  EXPECT_EQ(load(request).devices[0].path, "0.0.0.0:18945/Hand");
+  EXPECT_TRUE(load(request).files.empty());
+}
+
 TEST(Load, RefusesDevicesItCannotOpen) {
   const auto with = [](const std::string& device) {
     Overrides request;
@@ -231,7 +250,7 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   };
   EXPECT_THAT(with("joystick"),
               HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
-                        "forcedimension, haply, touch or ros"));
+                        "forcedimension, haply, touch, igtl or ros"));
   EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
   EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
   EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));

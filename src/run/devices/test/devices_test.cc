@@ -157,7 +157,7 @@ TEST(OpenDevice, RefusesAPullAlongAPathWithoutGripper) {
 TEST(OpenDevice, RefusesUnknownKindsHandsAndFiles) {
   EXPECT_THAT(error_of(bare_setup("joystick", ""), 0),
               HasSubstr("device kind = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
-                        "forcedimension, haply, touch or ros"));
+                        "forcedimension, haply, touch, igtl or ros"));
   EXPECT_THAT(error_of(bare_setup("scripted", ""), 1), HasSubstr("hand 1: the scene has only 1 devices"));
   EXPECT_THAT(error_of(bare_setup("scripted", "/no/such.csv"), 0), HasSubstr("/no/such.csv"));
   EXPECT_THAT(error_of(bare_setup("replay", ""), 0), HasSubstr("needs the path of a recording"));

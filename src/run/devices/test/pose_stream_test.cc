@@ -40,7 +40,10 @@ TEST(PoseStream, GivesThePoseOfTwoPeriodsAgoAtAConstantVelocity) {
 
 TEST(PoseStream, TheDelayIsFromTenToAHundredMilliseconds) {
   PoseStream fast;
-  stream(fast, 1000, 1100, 1);
+  stream(fast, 1000, 1007, 1);
+  EXPECT_EQ(fast.at(1009 * kMs).fault, Fault::kDevice) << "the first pose is only 9 ms old";
+  EXPECT_EQ(fast.at(1010 * kMs).fault, Fault::kNone);
+  stream(fast, 1008, 1100, 1);
   EXPECT_NEAR(fast.at(1100 * kMs).position_D.x(), 1e-4 * 1090, 5e-4) << "poses within 4 ms are one";
   PoseStream slow;
   stream(slow, 1000, 1800, 80);

@@ -1,0 +1,266 @@
+#include "run/devices/igtl.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "io/system/clock.h"
+#include "palpate/error.h"
+#include "run/realtime/realtime.h"
+
+namespace palpate::devices {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;             // ns
+constexpr std::int64_t kOpeningPoll = 5 * kMillisecond;      // ns between two looks for the first poses
+constexpr std::int64_t kFarewellLimit = 200 * kMillisecond;  // ns for the last zero force
+constexpr int kIgtlSendBuffer = 16 * 1024;                   // bytes: some 50 periods
+constexpr std::size_t kMostReceived = std::size_t{64} * 1024;
+
+const char* const kWho = "device igtl:";
+
+std::int64_t in_ms(std::int64_t ns) { return ns / kMillisecond; }
+
+}  // namespace
+
+IgtlSource parse_igtl_source(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos) {
+    throw InputError(fmt::format(
+        "{} \"{}\": must be PORT/NAME or ADDRESS:PORT/NAME, as in igtl:18945/Hand: the port at which the "
+        "client connects, and the name of its TRANSFORM messages",
+        kWho, text));
+  }
+  IgtlSource source{net::parse_igtl_address(text.substr(0, slash), kWho), text.substr(slash + 1)};
+  const std::string& name = source.name;
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) { return c > 0x20 && c < 0x7f; });
+  if (name.empty() || name.size() > net::IgtlReader::kLongestName || !plain) {
+    throw InputError(fmt::format("{} name \"{}\": must have 1 to {} printable ASCII characters", kWho, name,
+                                 net::IgtlReader::kLongestName));
+  }
+  return source;
+}
+
+IgtlDevice::IgtlDevice(const std::string& source, const IgtlTimes& times)
+    : IgtlDevice(parse_igtl_source(source), times) {
+  wait_for_poses();
+}
+
+IgtlDevice::IgtlDevice(IgtlSource source, const IgtlTimes& times)
+    : times_(times),
+      source_(std::move(source)),
+      listener_(net::listen_at(source_.address, kWho)),
+      reader_(source_.name) {
+  const haptics::BlockedSignals signals;
+  thread_ = std::thread([this] { run(); });
+}
+
+IgtlDevice::~IgtlDevice() {
+  closing_.store(true);
+  thread_.join();
+}
+
+haptics::DeviceState IgtlDevice::read(std::uint64_t /*tick*/, double /*time*/) noexcept {
+  return poses_.at(monotonic_ns());
+}
+
+bool IgtlDevice::write(const haptics::ForceCommand& command_D) noexcept { return forces_.write(command_D); }
+
+void IgtlDevice::stop() noexcept { forces_.stop(); }
+
+std::string IgtlDevice::last_error() const {
+  const std::int64_t heard = heard_ns_.load();
+  const std::int64_t silence = monotonic_ns() - heard;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!usable_ || silence <= PoseStream::kSilence) return trouble_;
+  return fmt::format("{}: no TRANSFORM {} came for {} ms", source_.address.text(), source_.name,
+                     in_ms(silence));
+}
+
+std::string IgtlDevice::description() const {
+  return fmt::format("TRANSFORM {} at {}", source_.name, source_.address.text());
+}
+
+void IgtlDevice::wait_for_poses() {
+  const std::int64_t deadline = monotonic_ns() + times_.opening;
+  for (;;) {
+    const std::int64_t now = monotonic_ns();
+    const haptics::DeviceState sample = poses_.at(now);
+    if (sample.fault == haptics::Fault::kNone && sample.age == 0.0) return;
+    if (now >= deadline) throw InputError(why_no_poses());
+    sleep_until_ns(std::min(deadline, now + kOpeningPoll));
+  }
+}
+
+std::string IgtlDevice::why_no_poses() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::string why;
+  if (!trouble_.empty()) {
+    why = "; the last error: " + trouble_;
+  } else if (!connected_) {
+    why = ": none has connected";
+  } else if (heard_ns_.load() > 0) {
+    why = fmt::format(": its messages must come at least every {} ms", in_ms(PoseStream::kSilence));
+  } else if (others_.empty()) {
+    why = ": it sends no TRANSFORM";
+  } else {
+    why = fmt::format(": it sends {}", fmt::join(others_, ", "));
+  }
+  return fmt::format("{} no client sent poses as TRANSFORM {} to {} within {:.3g} s{}", kWho, source_.name,
+                     source_.address.text(), 1e-9 * static_cast<double>(times_.opening), why);
+}
+
+void IgtlDevice::run() noexcept {
+  while (!closing_.load()) {
+    try {
+      serve();
+    } catch (const std::exception& error) {
+      drop(error.what());
+    }
+  }
+  let_go();
+}
+
+/// Waits for bytes from the client or the next message to it, and handles them.
+void IgtlDevice::serve() {
+  std::array<pollfd, 2> awaited{{{listener_.number(), POLLIN, 0}, {client_.number(), POLLIN, 0}}};
+  const std::int64_t left = next_send_ns_ - monotonic_ns();
+  const timespec limit{0, static_cast<long>(std::clamp<std::int64_t>(left, 0, times_.period))};
+  (void)ppoll(awaited.data(), awaited.size(), &limit, nullptr);
+  const std::int64_t now = monotonic_ns();
+  let_in(now);
+  receive(now);
+  send_if_due(now);
+}
+
+void IgtlDevice::let_in(std::int64_t now) {
+  for (;;) {
+    net::Descriptor socket = net::accept_from(listener_, kIgtlSendBuffer);
+    if (socket.number() < 0) return;
+    receive(now);  // the present client may have closed its connection before
+    if (client_.number() >= 0) {
+      if (now - received_ns_ <= times_.replaced) continue;  // closes the new connection
+      drop("another client has replaced one that sent nothing");
+    }
+    client_ = std::move(socket);
+    reader_ = net::IgtlReader(source_.name);
+    received_ns_ = now;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    connected_ = true;
+    others_.clear();
+  }
+}
+
+void IgtlDevice::receive(std::int64_t now) {
+  if (client_.number() < 0) return;
+  std::array<unsigned char, kMostReceived> bytes;
+  const ssize_t got = recv(client_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (got < 0) return drop(std::string("the connection broke: ") + std::strerror(errno));
+  if (got == 0) return drop("the client closed the connection");
+  received_ns_ = now;
+  try {
+    reader_.read(std::span(bytes).first(static_cast<std::size_t>(got)),
+                 [this, now](const std::optional<Pose>& pose) { take(pose, now); });
+  } catch (const InputError& error) {
+    return drop(std::string(error.what()) + "; the client was disconnected");
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (others_.size() != reader_.others().size()) others_ = reader_.others();
+}
+
+void IgtlDevice::take(const std::optional<Pose>& pose, std::int64_t now) {
+  heard_ns_.store(now);
+  if (!pose) {
+    set_error("TRANSFORM " + source_.name + ": its matrix is not finite, or scales, shears or mirrors");
+    return poses_.break_off();
+  }
+  const std::string refused = poses_.add({pose->position, pose->rotation}, now);
+  if (!refused.empty()) return set_error("TRANSFORM " + source_.name + ": " + refused);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  usable_ = true;
+}
+
+void IgtlDevice::send_if_due(std::int64_t now) {
+  if (now < next_send_ns_) return;
+  next_send_ns_ = now + times_.period;
+  if (client_.number() < 0) return;
+  if (sent_ == pending_.size()) pack(forces_.wanted(now, times_.write_timeout));
+  send_pending();
+}
+
+/// The command as messages. Only clients other than 3D Slicer, which cannot read them, get SENSOR messages.
+void IgtlDevice::pack(const haptics::ForceCommand& command_D) {
+  net::IgtlBytes messages(unix_ns());
+  messages.add_transform(kForceName, {Quat::Identity(), 1e-3 * command_D.force});
+  if (!reader_.is_slicer()) {
+    messages.add_sensor(kForceName, command_D.force, net::kIgtlNewton);
+    messages.add_sensor(kTorqueName, command_D.torque, net::kIgtlNewtonMetre);
+  }
+  pending_ = messages.bytes();
+  sent_ = 0;
+}
+
+/// Sends what the system takes. A client that reads too slowly gets the newest command after the present one.
+void IgtlDevice::send_pending() {
+  while (sent_ < pending_.size()) {
+    const ssize_t sent =
+        send(client_.number(), pending_.data() + sent_, pending_.size() - sent_, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
+    if (sent < 0 && errno == EAGAIN) return;
+    if (sent < 0) return drop(std::string("the connection broke: ") + std::strerror(errno));
+    sent_ += static_cast<std::size_t>(sent);
+  }
+}
+
+/// Ends the connection, which is a fault.
+void IgtlDevice::drop(const std::string& why) {
+  set_error(why);
+  poses_.break_off();
+  client_ = net::Descriptor(-1);
+  pending_.clear();
+  sent_ = 0;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  connected_ = false;
+}
+
+/// Sends a zero force at the end, whatever became of the last command.
+void IgtlDevice::let_go() noexcept {
+  try {
+    const std::int64_t deadline = monotonic_ns() + kFarewellLimit;
+    for (bool zero = false; client_.number() >= 0 && monotonic_ns() < deadline;) {
+      send_pending();
+      if (sent_ < pending_.size()) {
+        sleep_until_ns(monotonic_ns() + kMillisecond);
+      } else if (zero) {
+        break;
+      } else {
+        pack({});
+        zero = true;
+      }
+    }
+    // Closing a connection with unread input would reset it, and the zero force could be lost.
+    if (client_.number() >= 0) (void)shutdown(client_.number(), SHUT_WR);
+    std::array<unsigned char, kMostReceived> ignored;
+    while (monotonic_ns() < deadline) {
+      if (recv(client_.number(), ignored.data(), ignored.size(), MSG_DONTWAIT) <= 0) break;
+    }
+  } catch (const std::exception&) {
+    return;  // no memory is left for a message; the connection is closed
+  }
+}
+
+void IgtlDevice::set_error(const std::string& what) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trouble_ = source_.address.text() + ": " + what;
+  usable_ = false;
+}
+
+}  // namespace palpate::devices
