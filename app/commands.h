@@ -29,6 +29,7 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
 void add_score(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_study(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_sweep(CLI::App& program, int& exit_code);
+void add_generate(CLI::App& program, int& exit_code);
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_doctor(CLI::App& program, int& exit_code);
 

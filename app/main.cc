@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   add_score(program, command_line, exit_code);
   add_study(program, command_line, exit_code);
   add_sweep(program, exit_code);
+  add_generate(program, exit_code);
   add_validate(program, command_line, exit_code);
   add_bench(program);
   add_doctor(program, exit_code);

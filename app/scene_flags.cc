@@ -2,9 +2,7 @@
 
 namespace palpate::app {
 
-void add_scene_flags(CLI::App& command, scene::Overrides& request) {
-  command.add_option("SCENE", request.scene, "scene file (.toml); default: the gallbladder press");
-  command.add_option("--task", request.task, "press, pull or palpate (find hidden lumps)");
+void add_organ_and_tool_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("--organ", request.organ, "built-in organ or mesh file");
   command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
   command
@@ -24,11 +22,17 @@ void add_scene_flags(CLI::App& command, scene::Overrides& request) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--tool-unit", request.tool_unit, "unit of the tool's files");
+  command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks per second");
+}
+
+void add_scene_flags(CLI::App& command, scene::Overrides& request) {
+  command.add_option("SCENE", request.scene, "scene file (.toml); default: the gallbladder press");
+  command.add_option("--task", request.task, "press, pull or palpate (find hidden lumps)");
+  add_organ_and_tool_flags(command, request);
   command.add_option("--device", request.device,
                      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "
                      "mouse, gamepad, forcedimension, haply, touch, igtl:PORT/NAME, ros, ros:/topic "
                      "(`palpate devices` lists the available ones)");
-  command.add_option("--rate-Hz", request.rate_Hz, "haptic ticks per second");
   command.add_option("--seed", request.seed, "seed of the touch noise");
   command.add_flag("--no-noise", request.no_noise, "run without the touch noise");
   command.add_flag("--fit-device", request.fit_device,

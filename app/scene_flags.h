@@ -9,4 +9,8 @@ namespace palpate::app {
 /// outlives the parse
 void add_scene_flags(CLI::App& command, scene::Overrides& request);
 
+/// [setup] Adds those of them that describe organ, tool and rate: all but --task, --device, --seed and the
+/// flags of the noise and the device's fit.
+void add_organ_and_tool_flags(CLI::App& command, scene::Overrides& request);
+
 }  // namespace palpate::app

@@ -31,6 +31,7 @@ void bind_fit(py::module_& module);
 void bind_surface(py::module_& module);
 void bind_live(py::module_& module);
 void bind_study(py::module_& module);
+void bind_learning(py::module_& module);
 void bind_ticked(py::module_& module);
 void bind_validate(py::module_& module);
 

@@ -49,6 +49,7 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::python::bind_fit(module);
   palpate::python::bind_live(module);
   palpate::python::bind_study(module);
+  palpate::python::bind_learning(module);
   palpate::python::bind_ticked(module);
   palpate::python::bind_validate(module);
 }

@@ -12,7 +12,7 @@ import palpate
 from measurements import profile_of, side_view, write_columns, write_gray_png
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / 'examples' / 'python'
-DRAWING = ('law_curves', 'simulated_press', 'fit_specimens', 'compare_tissues', 'live_control', 'force_threshold', 'learn_to_press', 'validate_tissue')
+DRAWING = ('law_curves', 'simulated_press', 'fit_specimens', 'compare_tissues', 'live_control', 'force_threshold', 'learn_to_press', 'clone_a_press', 'validate_tissue')
 ROOT = EXAMPLES.parents[1]
 
 
