@@ -49,3 +49,6 @@ UNUSED(_Z13SuiteSparseQRIdElidlP21cholmod_sparse_structPS1_PPlP21cholmod_common_
 UNUSED(cblas_cgemm) UNUSED(cblas_dgemm) UNUSED(cblas_sgemm) UNUSED(cblas_zgemm) UNUSED(dgels_) UNUSED(dgesdd_)
 UNUSED(dgesv_) UNUSED(dgetrf_) UNUSED(dposv_) UNUSED(sgels_) UNUSED(sgeqrf_) UNUSED(sgesdd_) UNUSED(sgesv_)
 UNUSED(sgetrf_) UNUSED(sposv_) UNUSED(spotrf_) UNUSED(glXGetProcAddressARB)
+
+// Functions of libunwind. libglog.a calls them for the stack after a fatal message, and then aborts.
+UNUSED(_Ux86_64_getcontext) UNUSED(_ULx86_64_init_local) UNUSED(_ULx86_64_step) UNUSED(_ULx86_64_get_reg)
