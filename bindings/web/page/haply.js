@@ -133,7 +133,7 @@ export class HaplyLink {
     this.send([0, 0, 0]);
     clearTimeout(this.timer);
     this.greeted = false;
-    this.socket.close();
+    this.socket?.close();
   }
 
   #open() {
