@@ -123,7 +123,10 @@ export class Controls {
     for (const id of ['sigma', 'reach']) showValue(byId(id));
     this.task = task;
   }
-  begun(mode) { this.#hint(mode, this.task); }
+  begun(mode) {
+    this.#hint(mode, this.task);
+    byId('depth').disabled = true;  // until lever()
+  }
 
   tissue({name, values}) {
     byId('preset').value = name ?? '';
@@ -137,7 +140,7 @@ export class Controls {
   /** Sets the lever's ends from the distance between tool and organ at the start [m]. */
   lever(distance) {
     const input = byId('depth');
-    [input.min, input.max, input.value] = [-15, Math.ceil(1e3 * Math.max(0, distance) + 20), 0];
+    [input.min, input.max, input.value, input.disabled] = [-15, Math.ceil(1e3 * Math.max(0, distance) + 20), 0, false];
   }
 
   frame({mode, result, felt, fault}, task) {

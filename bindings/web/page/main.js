@@ -145,6 +145,7 @@ function finish() {
 
 function record() {
   if (!state.recording) return send('record', {on: true});
+  state.recording = false;
   send('csv');
 }
 

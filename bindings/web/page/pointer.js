@@ -11,11 +11,11 @@ const NEARER = 0.88;         // factor of the distance per notch
 
 /** The tool's target, in the world frame. */
 export class Steering {
-  constructor() { this.take({start: [0, 0, 0], axis: [0, 0, -1], gripper: 0}); }
+  constructor() { this.take({start: [0, 0, 0], axis: [0, 0, -1], gripper: 0, epoch: 0}); }
 
   /** Begins at a follower's start: position [m], axis (towards the organ), opening of the jaws. */
-  take({start, axis, gripper}) {
-    Object.assign(this, {start, axis, target: start, rest: gripper, closed: false, pressed: 0, gain: 1});
+  take({start, axis, gripper, epoch}) {
+    Object.assign(this, {epoch, start, axis, target: start, rest: gripper, closed: false, gain: 1});
   }
   /** Moves the target [m]; beyond reach it waits at the edge, so that it turns round at once. */
   move(way) {
@@ -28,7 +28,7 @@ export class Steering {
   get depth() { return dot(sub(this.target, this.start), this.axis); }
   set depth(value) { this.move(scaled(value - this.depth, this.axis)); }
   get gripper() { return this.closed ? 0 : this.rest; }
-  get input() { return {target: this.target, gripper: this.gripper, buttons: this.closed ? 1 : 0}; }
+  get input() { return {epoch: this.epoch, target: this.target, gripper: this.gripper, buttons: this.closed ? 1 : 0}; }
 }
 
 /**

@@ -20,7 +20,8 @@ const ZERO = [0, 0, 0];
 
 let palpate, sim, law, follower, results, scene, settings, link;
 let mode = 'demo', target = ZERO, gripper = 0, buttons = 0;
-let clock = 0, lastBatch = 0, tick = 0, paused = false, sentForce = false;
+let clock = 0, lastBatch = 0, tick = 0, epoch = 0, paused = false;
+let fresh = false, sentForce = false;  // of the Inverse3: a sample came since the beginning; the last force was not zero
 let count = 0;
 const rows = new Float64Array(ROW * CAPACITY);
 let simulated = 0, dropped = 0, busy = 0;  // ms since the last report
@@ -32,7 +33,8 @@ const handlers = {
     openScene({task, seed, record: false});
   },
   frame(input) {
-    [target, gripper, buttons] = [input.target, input.gripper, input.buttons];
+    // Input for an earlier beginning does not count.
+    if (input.epoch === epoch) [target, gripper, buttons] = [input.target, input.gripper, input.buttons];
     advance();
     postFrame();
   },
@@ -69,13 +71,14 @@ const handlers = {
     if (!address) return;
     link = new HaplyLink(address, {
       onReady: at => guarded('haply', () => {
-        if (mode !== 'haply') openScene(scene);
-        sentForce = false;
         postHaply(at);
-        at.send(ZERO);
+        if (mode !== 'haply') openScene(scene); else at.send(ZERO);
       }),
       onSample: exchange,
-      onTrouble: postHaply,
+      onTrouble(at) {
+        fresh = true;  // the next ticks latch the fault
+        postHaply(at);
+      },
     });
     postHaply(link);
   },
@@ -129,7 +132,11 @@ function begin(next) {
   [target, gripper, buttons] = [follower.start, follower.gripper, 0];
   [tick, count, results] = [0, 0, undefined];
   clock = lastBatch = performance.now();
-  postMessage({is: 'begun', mode, start: follower.start, axis: follower.axis, gripper: follower.gripper});
+  if (mode === 'haply') {
+    fresh = sentForce = false;
+    link.send(ZERO);  // asks for a sample
+  }
+  postMessage({is: 'begun', mode, epoch: ++epoch, start: follower.start, axis: follower.axis, gripper: follower.gripper});
 }
 
 /** Tissue and noise outlast a new beginning of the scene. */
@@ -155,7 +162,7 @@ function loop() {
 
 /** Computes the ticks that are due. */
 function advance() {
-  if (!sim || paused) return;
+  if (!sim || paused || (mode === 'haply' && !fresh)) return;
   const now = performance.now(), period = 1000 / sim.info.rate;
   let due = Math.floor((now - clock) / period);
   const most = Math.ceil(LONGEST_BATCH / period);
@@ -208,6 +215,10 @@ function passForce() {
 /** After a sample of the Inverse3: the next tick and its force, now or as soon as the tick is due. */
 function exchange() {
   if (mode !== 'haply') return;
+  if (!fresh) {
+    fresh = true;
+    clock = lastBatch = performance.now();
+  }
   advance();
   if (!link.awaits) setTimeout(advance, 1);
 }

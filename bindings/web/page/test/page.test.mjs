@@ -58,7 +58,7 @@ const pressing = page => until(page, () => /^Pressing, [3-9]\.|^Pressing, \d\d/.
 async function press(page) {
   await page.locator('#picture').click({position: {x: 60, y: 100}});
   await until(page, () => /Drag|Press until/.test(document.getElementById('hint').textContent));
-  await page.waitForTimeout(300);  // the first distance sets the lever's ends
+  await page.locator('#depth:enabled').waitFor();  // the first distance sets its ends
   const depth = await page.evaluate(() => document.getElementById('depth').max - 14);
   await page.locator('#depth').fill(String(depth));
   await pressing(page);
