@@ -1,10 +1,10 @@
 // Functions of palpate_web.h for a simulation.
-#include <malloc.h>
-
 #include <cstddef>
 #include <cstring>
 #include <memory>
 #include <string>
+
+#include <malloc.h>
 
 #include "core/haptics/workspace.h"
 #include "run/devices/target_follower.h"
@@ -54,16 +54,15 @@ std::string sample_text() {
 
 std::string result_text() {
   using Struct = palpate_result;
-  return struct_text(
-      "result", sizeof(Struct),
-      PALPATE_FIELD(tick) + PALPATE_FIELD(time) + PALPATE_FIELD(device_force) + PALPATE_FIELD(device_torque) +
-          PALPATE_FIELD(gripper_force) + PALPATE_FIELD(force) + PALPATE_FIELD(torque) +
-          PALPATE_FIELD(tissue_force) + PALPATE_FIELD(noise_force) + PALPATE_FIELD(friction) +
-          PALPATE_FIELD(distance) + PALPATE_FIELD(depth) + PALPATE_FIELD(contact) + PALPATE_FIELD(normal) +
-          PALPATE_FIELD(tool_position) + PALPATE_FIELD(tool_orientation) + PALPATE_FIELD(gripper) +
-          PALPATE_FIELD(energy) + PALPATE_FIELD(engagement) + PALPATE_FIELD(phase) +
-          PALPATE_FIELD(cutoff_layer) + PALPATE_FIELD(saturated) + PALPATE_FIELD(status) +
-          PALPATE_FIELD(fault));
+  return struct_text("result", sizeof(Struct),
+                     PALPATE_FIELD(tick) + PALPATE_FIELD(time) + PALPATE_FIELD(device_force) +
+                         PALPATE_FIELD(device_torque) + PALPATE_FIELD(gripper_force) + PALPATE_FIELD(force) +
+                         PALPATE_FIELD(torque) + PALPATE_FIELD(tissue_force) + PALPATE_FIELD(noise_force) +
+                         PALPATE_FIELD(friction) + PALPATE_FIELD(distance) + PALPATE_FIELD(depth) +
+                         PALPATE_FIELD(contact) + PALPATE_FIELD(normal) + PALPATE_FIELD(tool_position) +
+                         PALPATE_FIELD(tool_orientation) + PALPATE_FIELD(gripper) + PALPATE_FIELD(energy) +
+                         PALPATE_FIELD(engagement) + PALPATE_FIELD(phase) + PALPATE_FIELD(cutoff_layer) +
+                         PALPATE_FIELD(saturated) + PALPATE_FIELD(status) + PALPATE_FIELD(fault));
 }
 
 std::string options_text() {
@@ -163,7 +162,8 @@ palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_
         palpate::Quat(first.orientation[0], first.orientation[1], first.orientation[2], first.orientation[3]);
     start.gripper = first.gripper;
     const palpate::scene::Scene& setup = simulation->setup();
-    *follower = std::make_unique<palpate_web_follower>(setup.devices[hand], start, 1.0 / setup.rate_Hz).release();
+    *follower =
+        std::make_unique<palpate_web_follower>(setup.devices[hand], start, 1.0 / setup.rate_Hz).release();
   });
 }
 

@@ -91,7 +91,8 @@ struct palpate_web_view {
       : simulation(shown_simulation),
         width(wide),
         height(high),
-        renderer(subject_of(simulation.setup()), kFirstWidth, kFirstHeight, palpate::render::OffscreenRenderer::InCurrentContext{}),
+        renderer(subject_of(simulation.setup()), kFirstWidth, kFirstHeight,
+                 palpate::render::OffscreenRenderer::InCurrentContext{}),
         driver(renderer.driver()),
         shown(simulation.newest_snapshot()) {
     frame(false);
@@ -104,11 +105,13 @@ struct palpate_web_view {
     const palpate::contact::ToolResult& result = shown.results[0];
     const bool contact = result.view_count > 0;
     if (!close_up && simulation.setup().task == palpate::scene::Task::kPalpate) {
-      camera.look_as(palpate::app::tilted(palpate::render::frame_from_above(subject, shown, aspect())), aspect());
-    } else {
-      camera.look_as(palpate::render::frame_contact(subject, shown, contact ? result.contact_W : result.nearest_W,
-                                                    contact ? result.normal_W : result.away_W, close_up),
+      camera.look_as(palpate::app::tilted(palpate::render::frame_from_above(subject, shown, aspect())),
                      aspect());
+    } else {
+      camera.look_as(
+          palpate::render::frame_contact(subject, shown, contact ? result.contact_W : result.nearest_W,
+                                         contact ? result.normal_W : result.away_W, close_up),
+          aspect());
     }
   }
 
@@ -195,11 +198,14 @@ palpate_status palpate_web_view_set_camera(palpate_web_view* view, const double 
     if (!(wanted.vertical_view_deg >= 1.0 && wanted.vertical_view_deg <= 120.0)) {
       throw palpate::ParameterError("camera.verticalViewDeg", wanted.vertical_view_deg, "1 to 120");
     }
-    view->camera.look_exactly_as({wanted.eye, wanted.target, wanted.up.normalized(), wanted.vertical_view_deg});
+    view->camera.look_exactly_as(
+        {wanted.eye, wanted.target, wanted.up.normalized(), wanted.vertical_view_deg});
   });
 }
 
-void palpate_web_view_orbit(palpate_web_view* view, double right, double up) { view->camera.orbit(right, up); }
+void palpate_web_view_orbit(palpate_web_view* view, double right, double up) {
+  view->camera.orbit(right, up);
+}
 void palpate_web_view_pan(palpate_web_view* view, double right, double up) { view->camera.pan(right, up); }
 void palpate_web_view_zoom(palpate_web_view* view, double factor) { view->camera.zoom(factor); }
 
