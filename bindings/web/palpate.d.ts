@@ -16,7 +16,7 @@ export class PalpateError extends Error {
 }
 
 export interface LoadOptions {
-  /** Address of palpate.wasm; default: beside palpate.js. */
+  /** Address of palpate.wasm, absolute or relative to palpate.js; default: beside palpate.js. */
   wasmUrl?: string | URL;
 }
 
@@ -128,8 +128,6 @@ export interface Info {
   /** Of surface(). */
   vertices: number;
   triangles: number;
-  /** Number of rigid parts of each hand's instrument. */
-  toolParts: number[];
 }
 
 /** A sphere in the organ of another stiffness. */
@@ -143,6 +141,15 @@ export interface Inclusion {
   stiffnessRatio: number;
   /** false: hidden, for a search; do not draw it. */
   visible: boolean;
+}
+
+/** Touch noise: its standard deviation is gain / (distance + threshold). */
+export interface Noise {
+  enabled: boolean;
+  /** N m, >= 0 */
+  gain: number;
+  /** m, > 0 */
+  threshold: number;
 }
 
 /** Poses at the tick of a surface, in the world frame. */
@@ -187,11 +194,12 @@ export interface Simulation {
 
   /** Replaces the tissue by a built-in one from the next tick on: 'gallbladder', 'heart', 'liver', ... */
   setTissue(name: string): void;
-  /** Changes one number of the tissue, by its key in tissue files, such as 'contact.friction'. */
+  /** Changes one number of the tissue, in the unit of its name. @param field one of Palpate.tissueFields */
   setTissueValue(field: string, value: number): void;
   tissueValue(field: string): number;
-  /** Sets the touch noise. @param noise gain [N m], threshold [m] */
-  setNoise(noise: {enabled: boolean; gain: number; threshold: number}): void;
+  /** Sets the touch noise from the next tick on, with a crossfade of 50 ms. */
+  setNoise(noise: Noise): void;
+  noise(): Noise;
 
   inclusions(): Inclusion[];
   /** Moves an inclusion or sets its stiffness ratio from the next tick on. */
@@ -281,7 +289,7 @@ export interface View {
   pan(right: number, up: number): void;
   /** Multiplies the distance to the target; below 1: nearer. */
   zoom(factor: number): void;
-  /** Frames the contact of the last drawn state (closeUp), or the whole organ. */
+  /** Frames the contact of the last drawn state (closeUp), or the whole organ, for the canvas's aspect ratio. */
   frame(closeUp: boolean): void;
   /**
    * Motion of a pointer as motion of a tool: the displacement [m, world frame] across the tool's axis for a
@@ -313,6 +321,8 @@ export interface View {
 export interface Palpate {
   /** For example '0.2.0'. */
   readonly version: string;
+  /** Names of the numbers of a tissue, as in tissue files: 'k1_N_per_m', 'contact.friction', ... */
+  readonly tissueFields: readonly string[];
   /** Bits of Result.status by their names in palpate.h: {STARTED_INSIDE: 1, ...}. */
   readonly status: Readonly<Record<string, number>>;
   open(options?: OpenOptions): Simulation;

@@ -161,6 +161,9 @@ class Palpate {
     this.#memory = new Memory(core);
     this.version = core.UTF8ToString(core._palpate_version());
     this.status = STATUS;
+    const fields = [];
+    for (let at; (at = core._palpate_tissue_field(fields.length)) !== 0;) fields.push(core.UTF8ToString(at));
+    this.tissueFields = Object.freeze(fields);
   }
 
   open(options = {}) {
@@ -338,7 +341,6 @@ class Simulation {
       const seed = (at + this.#memory.offset('info', 'seed')) >> 2;
       const {HEAPU32} = this.#memory.core;
       info.seed = (BigInt(HEAPU32[seed + 1]) << 32n) | BigInt(HEAPU32[seed]);
-      info.toolParts.length = info.hands;
       return info;
     });
   }
@@ -423,6 +425,15 @@ class Simulation {
     this.#memory.check(this.#memory.core._palpate_set_noise(this.#opened, enabled ? 1 : 0, gain, threshold));
   }
 
+  noise() {
+    const handle = this.#opened;
+    return this.#memory.borrow(24, (at) => {
+      this.#memory.check(this.#memory.core._palpate_get_noise(handle, at, at + 8, at + 16));
+      const [gain, threshold] = this.#memory.numbers(at + 8, 2);
+      return {enabled: this.#memory.core.HEAP32[at >> 2] !== 0, gain, threshold};
+    });
+  }
+
   inclusions() {
     const handle = this.#opened;
     const count = this.#memory.core._palpate_inclusion_count(handle);
@@ -483,6 +494,7 @@ class Simulation {
   recordingCsv() {
     this.#opened;
     if (!this.#recording) refuse('the simulation was opened without record');
+    this.#memory.check(this.#memory.core._palpate_web_flush_recording(this.#handle));
     return this.#memory.core.FS.readFile(`${this.#folder}/recording.csv`, {encoding: 'utf8'});
   }
 

@@ -14,6 +14,9 @@ size_t palpate_web_snapshot_size(void);
 /// Copies the state after the newest tick. @param capacity palpate_web_snapshot_size()
 palpate_status palpate_web_snapshot(palpate_simulation* simulation, void* bytes, size_t capacity);
 
+/// Writes all ticks so far to the recording's file.
+palpate_status palpate_web_flush_recording(palpate_simulation* simulation);
+
 /// A hand that follows a pointer (run/devices/target_follower.h), from the start of the scripted motion.
 struct palpate_web_follower;
 palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_t hand,

@@ -80,7 +80,7 @@ std::string info_text() {
                      PALPATE_FIELD(hands) + PALPATE_FIELD(held) + PALPATE_FIELD(rate) +
                          PALPATE_FIELD(max_force) + PALPATE_FIELD(max_torque) + PALPATE_FIELD(seed) +
                          PALPATE_FIELD(scripted_ticks) + PALPATE_FIELD(vertices) + PALPATE_FIELD(triangles) +
-                         PALPATE_FIELD(remarks) + PALPATE_FIELD(tool_parts));
+                         PALPATE_FIELD(remarks));
 }
 
 std::string inclusion_text() {
@@ -145,6 +145,10 @@ palpate_status palpate_web_snapshot(palpate_simulation* simulation, void* bytes,
     }
     std::memcpy(bytes, static_cast<const void*>(&simulation->newest_snapshot()), capacity);
   });
+}
+
+palpate_status palpate_web_flush_recording(palpate_simulation* simulation) {
+  return guarded([&] { simulation->flush_recording(); });
 }
 
 palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_t hand,

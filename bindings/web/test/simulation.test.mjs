@@ -259,7 +259,9 @@ test('tissue and noise change from the next tick on', () => {
   play(simulation, 1);
   assert.ok(Math.abs(simulation.tissueValue('contact.friction') - before - 0.1) < 1e-12);
   assert.match(errorOf(() => simulation.setTissueValue('contact.frictoin', 1)).message, /friction/);
+  assert.ok(palpate.tissueFields.includes('contact.friction'));
   simulation.setNoise({enabled: false, gain: 0, threshold: 0.01});
+  assert.deepEqual(simulation.noise(), {enabled: false, gain: 0, threshold: 0.01});
   const results = play(simulation, 2500);
   assert.ok(results.slice(1000).every((result) => result.noiseForce === 0));
   simulation.close();
