@@ -222,6 +222,48 @@ PALPATE_API palpate_status palpate_restart(palpate_simulation* simulation);
 PALPATE_API palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t hand,
                                                    uint64_t tick, palpate_sample* sample);
 
+// ---- Live changes of the tissue and the touch noise
+//
+// A recording contains each change. The next tick applies a change, or a later one while other changes wait,
+// because a tick applies one. The functions that set allocate and may wait for another caller, so do not call
+// them from the thread of the haptic loop. After an error nothing has changed. palpate_restart() restores the
+// scene's parameters.
+
+/// [any] Replaces the tissue: force law, relaxation, displacement profile, friction, damping and grip limit.
+/// Reads the file if `tissue` is one.
+/// @param tissue name of a built-in tissue or a tissue file
+/// @return PALPATE_ERROR_INPUT for an unknown tissue, an invalid file, another reference radius than the
+/// scene's, or when 32 changes wait
+PALPATE_API palpate_status palpate_set_tissue(palpate_simulation* simulation, const char* tissue);
+
+/// [any] Name of a number of the tissue, as in tissue files (docs/file-formats.md): "k1_N_per_m",
+/// "contact.friction"; null past the last. Valid forever.
+PALPATE_API const char* palpate_tissue_field(size_t index);
+
+/// [any] Changes one number of the tissue and keeps the others.
+/// @param field a name of palpate_tissue_field()
+/// @param value in the unit at the end of the name ("rest_length_mm": mm), not in SI
+/// @return PALPATE_ERROR_INPUT for an unknown name, a value out of range, or when 32 changes wait
+PALPATE_API palpate_status palpate_set_tissue_value(palpate_simulation* simulation, const char* field,
+                                                    double value);
+
+/// [any] One number of the tissue as the scene or the last change gives it, in the unit of its name. May wait
+/// for another caller. @return PALPATE_ERROR_INPUT for an unknown name
+PALPATE_API palpate_status palpate_get_tissue_value(const palpate_simulation* simulation, const char* field,
+                                                    double* value);
+
+/// [any] Switches the touch noise on or off and sets its strength. The crossfade takes 50 ms.
+/// @param enabled 0: off
+/// @param gain N m, >= 0
+/// @param threshold m, > 0
+/// @return PALPATE_ERROR_INPUT for an invalid gain or threshold, or when 32 changes wait
+PALPATE_API palpate_status palpate_set_noise(palpate_simulation* simulation, int32_t enabled, double gain,
+                                             double threshold);
+
+/// [any] The touch noise as the scene or the last change gives it. May wait for another caller.
+PALPATE_API palpate_status palpate_get_noise(const palpate_simulation* simulation, int32_t* enabled,
+                                             double* gain, double* threshold);
+
 // ---- Inclusions: spheres in the organ of another stiffness (docs/lumps.md)
 
 typedef struct palpate_inclusion {
@@ -248,7 +290,7 @@ PALPATE_API palpate_status palpate_get_inclusion(const palpate_simulation* simul
 /// do not call it from the thread of the haptic loop.
 /// @param inclusion position and stiffness_ratio; the other fields are not used
 /// @return PALPATE_ERROR_USE for an inclusion that does not exist; PALPATE_ERROR_INPUT for a ratio out of
-/// range, a position that is not inside the organ by the radius, or when eight changes wait
+/// range, a position that is not inside the organ by the radius, or when 32 changes wait
 PALPATE_API palpate_status palpate_set_inclusion(palpate_simulation* simulation, size_t index,
                                                  const palpate_inclusion* inclusion);
 

@@ -7,6 +7,7 @@
 #include "palpate/parameter_updates.h"
 
 #include "bindings/c/errors.h"
+#include "bindings/c/float_environment.h"
 #include "bindings/c/simulation.h"
 
 using palpate::c_interface::guarded;
@@ -57,6 +58,7 @@ palpate_status palpate_set_inclusion(palpate_simulation* simulation, size_t inde
     require_given(inclusion, "inclusion");
     require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
     require_inclusion(*simulation, index);
+    const palpate::c_interface::DefaultFloatEnvironment environment;
     const double* position = inclusion->position;
     (void)simulation->updates().offer(palpate::haptics::LiveInclusion{static_cast<std::uint32_t>(index),
                                                                       {position[0], position[1], position[2]},

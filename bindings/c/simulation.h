@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -46,9 +47,11 @@ struct palpate_simulation {
   void scripted_sample(std::size_t hand, std::uint64_t tick_number, palpate_sample& sample) noexcept;
   /// [any] Resets faults for palpate_reset_fault().
   void reset_faults(std::uint32_t hand_bits) noexcept { resets_.fetch_or(hand_bits); }
-  /// [any] Changes of inclusions; the next ticks apply them.
+  /// [any] Changes of tissue, noise and inclusions; the next ticks apply them.
   [[nodiscard]] palpate::haptics::ParameterUpdates& updates() noexcept { return *updates_; }
   [[nodiscard]] const palpate::haptics::ParameterUpdates& updates() const noexcept { return *updates_; }
+  /// [any] Held while a caller changes the tissue, so that a change of one number keeps all others.
+  [[nodiscard]] std::mutex& tissue_callers() noexcept { return tissue_callers_; }
   /// [setup] Resets the state to that before tick 0.
   void restart();
   /// [setup] Closes the recording. @throws InputError if rows are missing from it
@@ -83,6 +86,7 @@ struct palpate_simulation {
   std::vector<palpate::haptics::ForceCommand> commands_;  // world frame
   std::vector<palpate::haptics::TickRow> rows_;
   std::optional<palpate::haptics::ParameterUpdates> updates_;
+  std::mutex tissue_callers_;
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // one bit per hand
   std::optional<palpate::record::Recorder> recorder_;
