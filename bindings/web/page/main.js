@@ -7,7 +7,6 @@ import {EXERCISES, sceneText, TOLERANCE} from './scenes.js';
 import {scoreOf, surfacePoint} from './search.js';
 import {clamp, rotatedBack, sub} from './vectors.js';
 
-const USUAL_ASPECT = 4 / 3;    // a first view fits a picture of this aspect
 const MAP_RANGE = 10e-3;       // m
 const SLOW_FRAME = 40, FAST_FRAME = 24;  // ms between pictures: the resolution falls, or rises
 const LEAST_SCALE = 0.4;       // of the display's pixels per side
@@ -88,17 +87,13 @@ function show(text) {
   state.view = state.palpate.view(canvas, state.sim);
   if (byId('map').checked) state.view.showDisplacement(MAP_RANGE);
   state.snapshot = null;
-  firstView(false);
   draw();
   say('');
   requestAnimationFrame(() => performance.mark('first picture'));
 }
 
 function firstView(closeUp) {
-  if (!state.view) return;
-  state.view.frame(closeUp);
-  const aspect = picture.clientWidth / Math.max(1, picture.clientHeight);
-  if (!closeUp) state.view.zoom(Math.max(1, USUAL_ASPECT / aspect));
+  state.view?.frame(closeUp);
   state.stale = true;
 }
 
