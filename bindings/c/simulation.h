@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/haptics/simulation.h"
-#include "io/record/recorder.h"
+#include "io/record/make_recorder.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
@@ -64,7 +64,7 @@ struct palpate_simulation {
   void update_surface(palpate_picture& picture);
 
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
-  [[nodiscard]] bool recording() const noexcept { return recorder_.has_value(); }
+  [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
   [[nodiscard]] const palpate::scene::Scene& setup() const noexcept { return setup_; }
   /// [picture] Vertices of the last update_surface().
   [[nodiscard]] const std::vector<palpate::Vec3>& vertices() const noexcept { return vertices_; }
@@ -89,7 +89,7 @@ struct palpate_simulation {
   std::mutex tissue_callers_;
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // one bit per hand
-  std::optional<palpate::record::Recorder> recorder_;
+  std::unique_ptr<palpate::record::RunRecorder> recorder_;
   palpate::TripleBuffer<palpate::haptics::Snapshot> snapshots_;
   // Used by the display thread:
   palpate::deform::SurfaceDeformer deformer_;
