@@ -2,15 +2,23 @@
 # (alias palpate::NAME) from the *.cc files of the current folder and its SUBFOLDERS, and a test program palpate_NAME_test from
 # test/*_test.cc. HEADERS: its headers in include/palpate/ (tools/lint_modules). DEPS: module names or link targets. Targets that
 # link a module see only the public headers in include/; sources of this repository that use src/ link palpate::private.
-# TEST_PROPERTIES: CTest properties of each suite.
+# TEST_PROPERTIES: CTest properties of each suite. NOT_PORTABLE: sources that the portable build leaves out (PALPATE_PORTABLE).
+# It takes those of the folder portable/ instead.
 add_library(palpate_private INTERFACE)
 add_library(palpate::private ALIAS palpate_private)
 target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
 
 function(palpate_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;NOT_PORTABLE;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
   list(TRANSFORM ARG_SUBFOLDERS APPEND "/*.cc")
   file(GLOB sources CONFIGURE_DEPENDS *.cc ${ARG_SUBFOLDERS})
+  if(PALPATE_PORTABLE)
+    list(TRANSFORM ARG_NOT_PORTABLE PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    list(TRANSFORM ARG_NOT_PORTABLE APPEND .cc)
+    file(GLOB instead CONFIGURE_DEPENDS portable/*.cc)
+    list(REMOVE_ITEM sources "" ${ARG_NOT_PORTABLE})
+    list(APPEND sources ${instead})
+  endif()
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src

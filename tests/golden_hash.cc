@@ -6,16 +6,19 @@
 // detects such differences; ticks do not use these functions.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <iostream>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "core/base/charconv.h"
+#include "core/haptics/simulation.h"
+#include "io/scene/make_world.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
+#include "palpate/scripted_device.h"
 
-#include "tests/built_in_experiments.h"
 #include "tests/hash_file.h"
 
 namespace palpate::tests {
@@ -23,23 +26,47 @@ namespace {
 
 constexpr std::uint64_t kMaxTicks = 4000;
 
+/// The press or pull of the paper.
+scene::Scene built_in(const std::string& task) {
+  scene::Overrides request;
+  request.task = task;
+  return scene::load(request);
+}
+
 /// Two instruments on an organ with breathing and heartbeat.
-Rig two_hands() {
+scene::Scene two_hands() {
   scene::Overrides request;
   request.task = "press";
   request.organ_motion = {"breathing", "heartbeat"};
   scene::Scene setup = scene::load(request);
   setup.tools.push_back(setup.tools.front());
   setup.devices.push_back(setup.devices.front());
-  return Rig(std::move(setup));
+  return setup;
 }
 
-/// "TICKS HASH" of a run.
-std::string hash_of(Rig rig) {
-  const std::uint64_t ticks = std::min(rig.whole_path(), kMaxTicks);
-  RowKeeper rows(ticks * rig.world.hands());
-  (void)rig.run({&rows}, {.ticks = ticks, .offline = true});
-  return std::to_string(ticks) + " " + hexadecimal(record::hash_rows(rows.rows));
+/// "TICKS HASH" of a run on the scene's paths.
+std::string hash_of(const scene::Scene& setup) {
+  const haptics::SimulationWorld world = scene::make_world(setup);
+  haptics::SimulationState state(world);
+  std::vector<devices::ScriptedDevice> hands;
+  std::uint64_t ticks = 0;
+  for (std::size_t hand = 0; hand < world.hands(); ++hand) {
+    hands.emplace_back(scene::default_path(setup, hand).faster(setup.devices[hand].path_speed));
+    ticks = std::max(ticks, hands.back().last_tick(world.rate_Hz));
+  }
+  ticks = std::min(ticks, kMaxTicks);
+  std::vector<haptics::DeviceState> samples(world.hands());
+  std::vector<haptics::ForceCommand> commands(world.hands());
+  std::vector<haptics::TickRow> rows(world.hands());
+  std::uint64_t hash = record::kHashStart;
+  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+    for (std::size_t hand = 0; hand < hands.size(); ++hand) {
+      samples[hand] = hands[hand].read(tick, static_cast<double>(tick) / world.rate_Hz);
+    }
+    haptics::tick(world, state, tick, samples, commands, rows);
+    hash = record::hash_rows(rows, hash);
+  }
+  return std::to_string(ticks) + " " + hexadecimal(hash);
 }
 
 std::string hash_of_library() {
@@ -48,7 +75,7 @@ std::string hash_of_library() {
   for (int i = 0; i < kSamples; ++i) {
     const double x = 0.1 + 1.234567e-4 * i;
     for (const double value : {std::exp(x), std::log(x), std::sin(x), std::cos(x)}) {
-      hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
+      hash = (hash ^ bit_cast<std::uint64_t>(value)) * 1099511628211ULL;
     }
   }
   return hexadecimal(hash);

@@ -25,7 +25,11 @@
 /// SONAME (libpalpate.so.0).
 #define PALPATE_ABI_VERSION 0
 
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(PALPATE_BUILDS_DLL)
+#define PALPATE_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define PALPATE_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define PALPATE_API __attribute__((visibility("default")))
 #else
 #define PALPATE_API
@@ -98,7 +102,7 @@ typedef struct palpate_options {
   const char* scene_text;    // TOML text
   const char* scene_folder;  // folder of relative paths in scene_text; null: the working folder
   const char* task;          // "press", "pull" or "palpate"; null: the scene's task
-  const char* record_file;   // HDF5 file for every tick; null: no recording
+  const char* record_file;   // file for every tick, CSV if it ends in .csv, else HDF5; null: no recording
   // 0: a recording that is too slow loses rows, which palpate_close() reports. 1: palpate_tick() waits for
   // the disk and is not [rt].
   int32_t record_waits;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/haptics/simulation.h"
-#include "io/record/recorder.h"
+#include "io/record/make_recorder.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
@@ -54,6 +54,10 @@ struct palpate_simulation {
   [[nodiscard]] std::mutex& tissue_callers() noexcept { return tissue_callers_; }
   /// [setup] Resets the state to that before tick 0.
   void restart();
+  /// [setup] Writes all rows so far to the recording, if record_waits.
+  void flush_recording() {
+    if (recorder_) recorder_->flush();
+  }
   /// [setup] Closes the recording. @throws InputError if rows are missing from it
   void finish_recording();
   /// [any]
@@ -64,7 +68,7 @@ struct palpate_simulation {
   void update_surface(palpate_picture& picture);
 
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
-  [[nodiscard]] bool recording() const noexcept { return recorder_.has_value(); }
+  [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
   [[nodiscard]] const palpate::scene::Scene& setup() const noexcept { return setup_; }
   /// [picture] Vertices of the last update_surface().
   [[nodiscard]] const std::vector<palpate::Vec3>& vertices() const noexcept { return vertices_; }
@@ -89,7 +93,7 @@ struct palpate_simulation {
   std::mutex tissue_callers_;
   std::uint64_t next_tick_ = 0;
   std::atomic<std::uint32_t> resets_{0};  // one bit per hand
-  std::optional<palpate::record::Recorder> recorder_;
+  std::unique_ptr<palpate::record::RunRecorder> recorder_;
   palpate::TripleBuffer<palpate::haptics::Snapshot> snapshots_;
   // Used by the display thread:
   palpate::deform::SurfaceDeformer deformer_;

@@ -1,11 +1,11 @@
 #include "core/base/portable_math.h"
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "core/base/charconv.h"
 #include "core/base/infinity.h"
 
 namespace palpate::portable {
@@ -30,7 +30,7 @@ constexpr double kHalfPiLow = 0x1.1a62633145c07p-54;
 
 // 2^k for -1022 <= k <= 1023.
 double power_of_two(std::int64_t k) noexcept {
-  return std::bit_cast<double>(static_cast<std::uint64_t>(k + 1023) << 52);
+  return bit_cast<double>(static_cast<std::uint64_t>(k + 1023) << 52);
 }
 
 // c[I] + c[I + 2] x^2 + c[I + 4] x^4 + ... by Horner's rule. Recursive, because compilers do not unroll a
@@ -74,7 +74,7 @@ Reduced reduce_to_quadrant(double x) noexcept {
   const double b_rest = (a - (b + b_virtual)) + (b_virtual - third);
   const double rest = (a_rest + b_rest) - n * kHalfPi4;
   const double value = b + rest;
-  return {value, (b - value) + rest, std::bit_cast<std::uint64_t>(shifted) & 3};
+  return {value, (b - value) + rest, bit_cast<std::uint64_t>(shifted) & 3};
 }
 
 // Sine and cosine from the reduced angle and its quadrant.
@@ -104,13 +104,12 @@ SinCos sin_cos_of(const Reduced& angle) noexcept {
   const double cosine = near_one + (((1.0 - near_one) - half) + (z * z * polynomial(kCosine, z) - r * rest));
   // A quarter turn swaps sine and cosine and changes a sign. Without branches, which random angles would
   // mispredict.
-  const auto sine_bits = std::bit_cast<std::uint64_t>(sine);
-  const auto cosine_bits = std::bit_cast<std::uint64_t>(cosine);
+  const auto sine_bits = bit_cast<std::uint64_t>(sine);
+  const auto cosine_bits = bit_cast<std::uint64_t>(cosine);
   const std::uint64_t swap = (sine_bits ^ cosine_bits) & (0 - (quadrant & 1));
   const std::uint64_t sine_sign = (quadrant & 2) << 62;
   const std::uint64_t cosine_sign = ((quadrant + 1) & 2) << 62;
-  return {std::bit_cast<double>(sine_bits ^ swap ^ sine_sign),
-          std::bit_cast<double>(cosine_bits ^ swap ^ cosine_sign)};
+  return {bit_cast<double>(sine_bits ^ swap ^ sine_sign), bit_cast<double>(cosine_bits ^ swap ^ cosine_sign)};
 }
 
 // (asin(s)/s - 1)/s^2 as a function of z = s^2 in [0, 1/4]: interpolated at Chebyshev nodes of the exact
@@ -133,7 +132,7 @@ constexpr double kExpExcess[] = {1.0 / 2,       1.0 / 6,        1.0 / 24,       
 
 // The upper 21 bits of a positive number's significand; its square is exact.
 double upper_half(double x) noexcept {
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) & 0xffff'ffff'0000'0000ULL);
+  return bit_cast<double>(bit_cast<std::uint64_t>(x) & 0xffff'ffff'0000'0000ULL);
 }
 
 }  // namespace
@@ -185,11 +184,10 @@ double log(double x) noexcept {
   }
   // x = 2^k m with m in [sqrt(1/2), sqrt(2)): the offset moves the boundary from 1 to sqrt(1/2)
   constexpr std::uint64_t kSqrtHalf = 0x3fe6'a09e'667f'3bcdULL;
-  const std::uint64_t offset = std::bit_cast<std::uint64_t>(x) - kSqrtHalf;
+  const std::uint64_t offset = bit_cast<std::uint64_t>(x) - kSqrtHalf;
   const std::int64_t shift = static_cast<std::int64_t>(offset) >> 52;
   exponent += shift;
-  const double m =
-      std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) - (static_cast<std::uint64_t>(shift) << 52));
+  const double m = bit_cast<double>(bit_cast<std::uint64_t>(x) - (static_cast<std::uint64_t>(shift) << 52));
   // ln(1 + f) = 2 atanh(s) = 2s + s R(s^2), s = f/(2 + f), and 2s = f - f^2/2 + s f^2/2; next term below
   // 1e-18
   const double f = m - 1.0;
@@ -226,8 +224,8 @@ double cos_of_turns(double turns) noexcept {
                               0x1.71de3a5456715p-19,  -0x1.ae6455a1d702bp-26, 0x1.6124015b5d047p-33,
                               -0x1.ae5138c0886c1p-41, 0x1.89a4865c3ec8ep-49};
   const double sine = r + r * z * polynomial(kSine, z);
-  const std::uint64_t sign = (~std::bit_cast<std::uint64_t>(shifted) & 1) << 63;  // minus where n is even
-  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(sine) ^ sign);
+  const std::uint64_t sign = (~bit_cast<std::uint64_t>(shifted) & 1) << 63;  // minus where n is even
+  return bit_cast<double>(bit_cast<std::uint64_t>(sine) ^ sign);
 }
 
 double acos(double x) noexcept {

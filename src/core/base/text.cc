@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
 #include <system_error>
 #include <vector>
+
+#include "core/base/charconv.h"
 
 namespace palpate {
 namespace {
@@ -40,7 +41,7 @@ std::string one_line(std::string text) {
 std::string shortest(double value) {
   if (std::isnan(value)) return "nan";
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  const auto end = to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   return {buffer.data(), end};
 }
 
@@ -83,7 +84,7 @@ std::string excerpt(std::string_view text, std::size_t most) {
 std::optional<double> parse_number(std::string_view text) noexcept {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const auto [end, error] = from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
 }

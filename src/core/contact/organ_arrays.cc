@@ -13,7 +13,7 @@ namespace {
 
 // Raise this whenever the arrays of any mesh change, so that older cache files are not used. A test compares
 // hashes of the arrays.
-constexpr std::uint64_t kArraysVersion = 3;
+constexpr std::uint64_t kArraysVersion = 4;
 
 // Approximate limit of triangles after refinement. It refines organs above 0.15 m^2 (with the default R_ref;
 // a large liver has 0.1 m^2) less finely. The normals' error is then up to 0.2 degrees at 450 mm and 1.3

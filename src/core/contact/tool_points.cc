@@ -50,9 +50,12 @@ std::vector<Sample> samples_of(const geometry::TriangleMesh& mesh) {
 }
 
 /// Orders points so that neighbours are adjacent: halves along the longest side of the bounding box, down to
-/// one cluster.
+/// one cluster, whose points are in order of their index (docs/decisions/0026-one-order-everywhere.md).
 void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices) {
-  if (indices.size() <= kClusterSize) return;
+  if (indices.size() <= kClusterSize) {
+    std::sort(indices.begin(), indices.end());
+    return;
+  }
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
   for (const std::uint32_t i : indices) {
@@ -74,48 +77,54 @@ void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices)
   order(samples, indices.subspan(half));
 }
 
-/// Replaces a group of samples by its outermost one, with the area of all.
-Sample outermost(std::span<const Sample> group) {
+/// Replaces a group of samples by its outermost one, with the area of all. Sorts the group by index.
+Sample outermost(const std::vector<Sample>& samples, std::span<std::uint32_t> group) {
+  std::sort(group.begin(), group.end());
   Vec3 normal = Vec3::Zero();
   double area = 0.0;
-  for (const Sample& sample : group) {
-    normal += sample.area * sample.normal;
-    area += sample.area;
+  for (const std::uint32_t i : group) {
+    normal += samples[i].area * samples[i].normal;
+    area += samples[i].area;
   }
-  const auto out = std::max_element(group.begin(), group.end(), [&](const Sample& a, const Sample& b) {
-    return a.point.dot(normal) < b.point.dot(normal);
+  const auto out = std::max_element(group.begin(), group.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return samples[a].point.dot(normal) < samples[b].point.dot(normal);
   });
-  Sample kept = *out;
+  Sample kept = samples[*out];
   kept.area = area;
   return kept;
 }
 
 /// Halves a run by position and normal until there are `groups` groups; each becomes one sample.
-void thin_out(std::span<Sample> run, std::size_t groups, std::vector<Sample>& thinned) {
+void thin_out(const std::vector<Sample>& samples, std::span<std::uint32_t> run, std::size_t groups,
+              std::vector<Sample>& thinned) {
   if (groups <= 1 || run.size() <= 1) {
-    thinned.push_back(outermost(run));
+    thinned.push_back(outermost(samples, run));
     return;
   }
   using Key = Eigen::Matrix<double, 6, 1>;
-  const auto key = [](const Sample& sample) {
+  const auto key = [&samples](std::uint32_t i) {
     Key k;
-    k << sample.point, kNormalWeight * sample.normal;
+    k << samples[i].point, kNormalWeight * samples[i].normal;
     return k;
   };
   Key low = key(run.front());
   Key high = low;
-  for (const Sample& sample : run) {
-    low = low.cwiseMin(key(sample));
-    high = high.cwiseMax(key(sample));
+  for (const std::uint32_t i : run) {
+    low = low.cwiseMin(key(i));
+    high = high.cwiseMax(key(i));
   }
   Eigen::Index axis = 0;
   (high - low).maxCoeff(&axis);
   const std::size_t left_groups = groups / 2;
   const std::size_t left = std::clamp<std::size_t>(run.size() * left_groups / groups, 1, run.size() - 1);
   std::nth_element(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(left), run.end(),
-                   [&](const Sample& a, const Sample& b) { return key(a)[axis] < key(b)[axis]; });
-  thin_out(run.first(left), left_groups, thinned);
-  thin_out(run.subspan(left), groups - left_groups, thinned);
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double ka = key(a)[axis];
+                     const double kb = key(b)[axis];
+                     return ka < kb || (ka == kb && a < b);
+                   });
+  thin_out(samples, run.first(left), left_groups, thinned);
+  thin_out(samples, run.subspan(left), groups - left_groups, thinned);
 }
 
 /// Points of a part in cubes of kWidthReach, for neighbourhood queries in set-up.
@@ -216,13 +225,15 @@ void make_clusters(PartPoints& points) {
 PartPoints sample_part(const geometry::ToolPart& part, double given_radius) {
   if (part.mesh.triangles.empty()) throw InputError("tool part \"" + part.name + "\" has no triangles");
   std::vector<Sample> samples = samples_of(part.mesh);
-  if (samples.size() > kMaxPoints) {
-    std::vector<Sample> thinned;
-    thin_out(samples, kMaxPoints, thinned);
-    samples = std::move(thinned);
-  }
   std::vector<std::uint32_t> indices(samples.size());
   std::iota(indices.begin(), indices.end(), 0U);
+  if (samples.size() > kMaxPoints) {
+    std::vector<Sample> thinned;
+    thin_out(samples, indices, kMaxPoints, thinned);
+    samples = std::move(thinned);
+    indices.resize(samples.size());
+    std::iota(indices.begin(), indices.end(), 0U);
+  }
   order(samples, indices);
   const Cells cells(samples);
   const geometry::Bounds box = geometry::bounds(part.mesh);

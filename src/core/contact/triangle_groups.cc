@@ -71,10 +71,11 @@ void divide(std::span<TriangleMoments> all, std::size_t first, std::size_t count
     Eigen::Index longest = 0;
     (high - low).maxCoeff(&longest);
     const std::size_t half = count / 2;
-    std::nth_element(pieces.begin(), pieces.begin() + static_cast<std::ptrdiff_t>(half), pieces.end(),
-                     [&](const TriangleMoments& a, const TriangleMoments& b) {
-                       return a.centre[longest] < b.centre[longest];
-                     });
+    // Stable: the order of the sums must not depend on the C++ library
+    // (docs/decisions/0026-one-order-everywhere.md).
+    std::stable_sort(pieces.begin(), pieces.end(), [&](const TriangleMoments& a, const TriangleMoments& b) {
+      return a.centre[longest] < b.centre[longest];
+    });
     divide(all, first, half, nodes);
     divide(all, first + half, count - half, nodes);
   }

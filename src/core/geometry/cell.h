@@ -1,10 +1,10 @@
 #pragma once
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/charconv.h"
 #include "palpate/pose.h"
 
 namespace palpate::geometry {
@@ -17,7 +17,7 @@ struct ThreeWordsHash {
   template <typename T>
   std::size_t operator()(const std::array<T, 3>& words) const noexcept {
     std::uint64_t hash = 0;
-    for (const T word : words) hash = (hash ^ std::bit_cast<std::uint64_t>(word)) * 0x9e3779b97f4a7c15ULL;
+    for (const T word : words) hash = (hash ^ bit_cast<std::uint64_t>(word)) * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(hash ^ (hash >> 31));
   }
 };

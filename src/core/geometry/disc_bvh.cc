@@ -132,7 +132,8 @@ void DiscBvh::fill_lane(const TriangleMesh& mesh, std::size_t slot) {
 }
 
 /// Splits at the median of the longest side, at a multiple of the largest power of 4 below the count, so that
-/// the tree's runs are halves of halves.
+/// the tree's runs are halves of halves. The last runs are in order of the triangles' numbers
+/// (docs/decisions/0026-one-order-everywhere.md).
 void DiscBvh::order(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end) {
   struct Range {
     std::int32_t begin;
@@ -167,7 +168,10 @@ void DiscBvh::order(const std::vector<Vec3>& centres, std::int32_t begin, std::i
     while (!open.empty()) {
       const Range range = open.back();
       open.pop_back();
-      if (range.end - range.begin <= kChildren) continue;
+      if (range.end - range.begin <= kChildren) {
+        std::sort(triangle_of_.begin() + range.begin, triangle_of_.begin() + range.end);
+        continue;
+      }
       const std::int32_t middle = halve(range);
       open.push_back({range.begin, middle});
       open.push_back({middle, range.end});

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "io/record/make_recorder.h"
 #include "palpate/recording.h"
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
@@ -12,7 +13,7 @@ namespace palpate::record {
 
 /// Records a run to one HDF5 file on its own thread, fed by a ring. The file gets its name when the first
 /// tick is due, and is flushed at least every 0.5 s.
-class Recorder final : public haptics::TickObserver {
+class Recorder final : public RunRecorder {
  public:
   /// [setup] Creates the file under a temporary name in the same folder and starts the thread.
   /// @param on_failure called once, on the recorder's thread, when writing fails (disk full), with the file,
@@ -29,7 +30,7 @@ class Recorder final : public haptics::TickObserver {
 
   /// [setup] Writes the remaining rows and the loop's report, and closes the file. @throws InputError naming
   /// the file when writing failed (disk full) or rows were lost because the ring was full.
-  void finish(const haptics::LoopReport& report);
+  void finish(const haptics::LoopReport& report) override;
 
  private:
   struct Impl;

@@ -1,12 +1,12 @@
 #include "palpate/builtin.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include <fmt/core.h>
 
+#include "core/base/charconv.h"
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "io/shapes/mesh_archive.h"
@@ -24,13 +24,16 @@ constexpr double kBallRadius = 0.03;       // [m]
 constexpr double kBoxEdge = 0.005;         // [m] longest edge of the squares on the box
 const Vec3 kBoxSize(0.060, 0.060, 0.040);  // [m]
 
-/// The names `stems`, then `more`, then all `stems` with each resolution's suffix.
+/// The names `stems`, then `more`, then all `stems` with each resolution's suffix that the archive has
+/// (`part` is the end of a mesh's name).
 std::vector<std::string> with_endings(const std::vector<std::string>& stems,
-                                      const std::vector<std::string>& more) {
+                                      const std::vector<std::string>& more, const std::string& part = "") {
   std::vector<std::string> names = stems;
   names.insert(names.end(), more.begin(), more.end());
   for (const char* ending : {"-30k", "-300k"}) {
-    for (const std::string& stem : stems) names.push_back(stem + ending);
+    for (const std::string& stem : stems) {
+      if (has_mesh(built_in_meshes(), stem + ending + part)) names.push_back(stem + ending);
+    }
   }
   return names;
 }
@@ -50,7 +53,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 Tool sphere(const std::string& name) {
   const std::string_view number = std::string_view(name).substr(kSphere.size());
   double radius_mm = 0.0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), radius_mm);
+  const auto [end, error] = from_chars(number.data(), number.data() + number.size(), radius_mm);
   const bool whole = error == std::errc() && end == number.data() + number.size();
   constexpr double kLargest = 1000.0;  // mm
   if (!whole || !std::isfinite(radius_mm) || radius_mm <= 0.0 || radius_mm > kLargest) {
@@ -94,7 +97,8 @@ TriangleMesh make_organ(const std::string& name) {
 }
 
 const std::vector<std::string>& builtin_tool_names() {
-  static const std::vector<std::string> names = with_endings({"curved-forceps", "straight-forceps"}, {});
+  static const std::vector<std::string> names =
+      with_endings({"curved-forceps", "straight-forceps"}, {}, "/left");
   return names;
 }
 

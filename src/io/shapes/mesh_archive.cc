@@ -1,30 +1,18 @@
 #include "io/shapes/mesh_archive.h"
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
-#include <zlib.h>
-
+#include "core/base/charconv.h"
 #include "core/base/index.h"
 #include "core/geometry/edge_key.h"
-
-// The assembler embeds the archive in the object file.
-asm(R"(
-  .pushsection .rodata
-palpate_shapes: .incbin ")" PALPATE_SHAPES R"("
-palpate_shapes_end:
-  .popsection
-)");
-extern "C" {
-[[gnu::visibility("hidden")]] extern const unsigned char palpate_shapes[];
-[[gnu::visibility("hidden")]] extern const unsigned char palpate_shapes_end[];
-}
+#include "io/shapes/embedded_shapes.h"
 
 namespace palpate::geometry {
 
@@ -57,17 +45,27 @@ class Columns final {
   std::size_t next_ = 0;
 };
 
-std::vector<unsigned char> inflate_entry(Bytes archive, const std::string& name) {
+/// An entry of the archive.
+struct Packed {
+  Bytes bytes;
+  std::size_t unpacked_size = 0;
+};
+
+std::optional<Packed> find_entry(Bytes archive, const std::string& name) {
   for (std::size_t entry = 0; entry < archive.size();) {
     const auto sizes = Columns(archive.subspan(entry)).take<std::uint32_t>(2);  // bytes packed, unpacked
     const std::string_view found(reinterpret_cast<const char*>(&archive[entry + 8]));
     const std::size_t start = entry + 8 + found.size() + 1;
-    if (found == name) {
-      std::vector<unsigned char> bytes(sizes[1]);
-      uLongf size = bytes.size();
-      if (uncompress(bytes.data(), &size, &archive[start], sizes[0]) == Z_OK) return bytes;
-    }
+    if (found == name) return Packed{archive.subspan(start, sizes[0]), sizes[1]};
     entry = start + sizes[0];
+  }
+  return std::nullopt;
+}
+
+std::vector<unsigned char> inflate_entry(Bytes archive, const std::string& name) {
+  if (const std::optional<Packed> entry = find_entry(archive, name)) {
+    std::vector<unsigned char> bytes(entry->unpacked_size);
+    if (inflate(entry->bytes, bytes)) return bytes;
   }
   throw std::runtime_error("the archive of built-in shapes has no mesh \"" + name + "\"");
 }
@@ -76,7 +74,7 @@ TriangleMesh exact_mesh(Columns& columns, std::size_t vertices, std::size_t tria
   TriangleMesh mesh{std::vector<Vec3>(vertices), std::vector<Triangle>(triangles)};
   const auto bits = columns.take<std::uint64_t>(3 * vertices);
   for (std::size_t k = 0; k < bits.size(); ++k) {
-    mesh.vertices[k / 3][static_cast<Eigen::Index>(k % 3)] = std::bit_cast<double>(bits[k]);
+    mesh.vertices[k / 3][static_cast<Eigen::Index>(k % 3)] = bit_cast<double>(bits[k]);
   }
   const auto steps = columns.take_signed(3 * triangles);
   std::int32_t corner = 0;
@@ -121,9 +119,8 @@ TriangleMesh grown_mesh(Columns& columns, std::size_t vertices, std::size_t tria
 
 }  // namespace
 
-std::span<const unsigned char> built_in_meshes() noexcept {
-  return {static_cast<const unsigned char*>(palpate_shapes),
-          static_cast<const unsigned char*>(palpate_shapes_end)};
+bool has_mesh(std::span<const unsigned char> archive, const std::string& name) {
+  return find_entry(archive, name).has_value();
 }
 
 TriangleMesh unpack_mesh(std::span<const unsigned char> archive, const std::string& name) {

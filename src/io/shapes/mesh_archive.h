@@ -27,6 +27,9 @@ namespace palpate::geometry {
 /// [setup] The archive inside the library.
 [[nodiscard]] std::span<const unsigned char> built_in_meshes() noexcept;
 
+/// [setup] Whether an archive has a mesh of that name.
+[[nodiscard]] bool has_mesh(std::span<const unsigned char> archive, const std::string& name);
+
 /// [setup] One mesh of an archive [m]. @throws std::runtime_error when no mesh has that name.
 [[nodiscard]] TriangleMesh unpack_mesh(std::span<const unsigned char> archive, const std::string& name);
 

@@ -2,15 +2,12 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "io/system/cache_folder.h"
+#include "io/system/files.h"
 #include "io/system/temporary.h"
 #include "palpate/version.h"
 
@@ -63,9 +60,9 @@ std::array<char, 16> program_version() {
   return text;
 }
 
-bool write_at(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes) {
+bool write_whole(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = pwrite(descriptor, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const std::ptrdiff_t count = palpate::write_at(descriptor, bytes.data(), bytes.size(), offset);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return false;
     offset += static_cast<std::uint64_t>(count);
@@ -87,11 +84,12 @@ ArrayFileWriter::ArrayFileWriter(std::filesystem::path file, const ContentHash& 
 
 ArrayFileWriter::~ArrayFileWriter() {
   if (descriptor_ >= 0) close(descriptor_);
-  if (!temporary_.empty()) unlink(temporary_.c_str());
+  std::error_code ignored;
+  if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
 }
 
 void ArrayFileWriter::write(std::span<const std::byte> bytes) {
-  if (!failed_ && !write_at(descriptor_, written_, bytes)) failed_ = true;
+  if (!failed_ && !write_whole(descriptor_, written_, bytes)) failed_ = true;
   written_ += bytes.size();
 }
 
@@ -124,9 +122,11 @@ bool ArrayFileWriter::commit() {
   write(directory_);
   header.file_size = written_;
   header.header_checksum = checksum_of(header);
-  if (failed_ || !write_at(descriptor_, 0, bytes_of(header))) return false;
+  if (failed_ || !write_whole(descriptor_, 0, bytes_of(header))) return false;
   const bool closed = close(std::exchange(descriptor_, -1)) == 0;
-  if (!closed || std::rename(temporary_.c_str(), file_.c_str()) != 0) return false;
+  std::error_code error;
+  if (closed) std::filesystem::rename(temporary_, file_, error);
+  if (!closed || error) return false;
   temporary_.clear();
   return true;
 }
@@ -134,7 +134,7 @@ bool ArrayFileWriter::commit() {
 std::optional<ArrayFileReader> ArrayFileReader::open(const std::filesystem::path& file,
                                                      const ContentHash& key) {
   ArrayFileReader reader;
-  reader.descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  reader.descriptor_ = open_file(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (reader.descriptor_ < 0 || !reader.read_directory(key)) return std::nullopt;
   return reader;
 }
@@ -148,7 +148,7 @@ ArrayFileReader::ArrayFileReader(ArrayFileReader&& other) noexcept
 
 bool ArrayFileReader::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
   while (!bytes.empty()) {
-    const ssize_t count = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const std::ptrdiff_t count = palpate::read_at(descriptor_, bytes.data(), bytes.size(), offset);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return false;
     offset += static_cast<std::uint64_t>(count);
@@ -158,8 +158,8 @@ bool ArrayFileReader::read_at(std::uint64_t offset, std::span<std::byte> bytes) 
 }
 
 bool ArrayFileReader::read_directory(const ContentHash& key) {
-  struct stat facts {};
-  if (fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode) || !is_private(facts)) return false;
+  FileStatus facts{};
+  if (status_of(descriptor_, facts) != 0 || !S_ISREG(facts.st_mode) || !is_private(facts)) return false;
   const auto file_size = static_cast<std::uint64_t>(facts.st_size);
   Header header;
   if (!read_at(0, std::as_writable_bytes(std::span(&header, 1)))) return false;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <system_error>
 #include <vector>
 
-#include <unistd.h>
+#include "io/system/files.h"
 
 namespace palpate {
 namespace {
@@ -16,17 +15,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTemporaryLetters = 7;  // a dot and mkstemp's six letters
 constexpr std::chrono::hours kAbandoned{1};
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): at set-up, nothing writes it
-  return value == nullptr ? std::string() : std::string(value);
-}
-
 /// The folder that the environment variable `variable` names, else `in_home` in the home folder; empty if
-/// neither is set.
+/// neither is set. On Windows %LOCALAPPDATA%.
 fs::path user_folder(const char* variable, const char* in_home) {
-  const fs::path given = environment(variable);
+  if (const fs::path local = environment_path("LOCALAPPDATA"); kIsWindows && local.is_absolute()) {
+    return local / "palpate";
+  }
+  const fs::path given = environment_path(variable);
   if (given.is_absolute()) return given / "palpate";
-  const fs::path home = environment("HOME");
+  const fs::path home = environment_path("HOME");
   return home.is_absolute() ? home / in_home / "palpate" : fs::path();
 }
 
@@ -39,7 +36,7 @@ struct CachedFile {
 }  // namespace
 
 fs::path user_cache_folder() {
-  if (environment("PALPATE_CACHE") == "off") return {};
+  if (environment_path("PALPATE_CACHE") == "off") return {};
   return user_folder("XDG_CACHE_HOME", ".cache");
 }
 
@@ -47,23 +44,23 @@ fs::path user_state_folder() { return user_folder("XDG_STATE_HOME", ".local/stat
 
 fs::path user_config_folder() { return user_folder("XDG_CONFIG_HOME", ".config"); }
 
-bool is_private(const struct stat& facts) noexcept {
-  return facts.st_uid == geteuid() && (facts.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+bool is_private(const FileStatus& facts) noexcept {
+  return is_of_this_user(facts) && !is_open_to_others(facts);
 }
 
 std::string distrust_reason(const fs::path& folder) {
-  struct stat facts {};
-  if (::stat(folder.c_str(), &facts) != 0) return {};
+  FileStatus facts{};
+  if (status_of(folder, facts) != 0) return {};
   if (is_private(facts)) return {};
-  return folder.string() + (facts.st_uid != geteuid() ? ": belongs to another user"
-                                                      : ": other users may write to it (chmod go-w " +
-                                                            folder.string() + " corrects that)");
+  return folder.string() + (!is_of_this_user(facts) ? ": belongs to another user"
+                                                    : ": other users may write to it (chmod go-w " +
+                                                          folder.string() + " corrects that)");
 }
 
 bool make_private_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
-  (void)::mkdir(folder.c_str(), S_IRWXU);  // it may exist already
+  (void)make_folder(folder);  // it may exist already
   return fs::is_directory(folder, error) && distrust_reason(folder).empty();
 }
 

@@ -4,13 +4,13 @@
 #include <string>
 #include <string_view>
 
-#include <sys/stat.h>
+#include "io/system/files.h"
 
 namespace palpate {
 
 /// [setup] The folder for data that palpate can compute again: $XDG_CACHE_HOME/palpate if that is an absolute
-/// path, else $HOME/.cache/palpate. Empty if neither is set or PALPATE_CACHE is "off". The folder need not
-/// exist.
+/// path, else $HOME/.cache/palpate; on Windows %LOCALAPPDATA%\palpate. Empty if neither is set or
+/// PALPATE_CACHE is "off". The folder need not exist.
 [[nodiscard]] std::filesystem::path user_cache_folder();
 
 /// [setup] The folder for data that a user may want to examine later: $XDG_STATE_HOME/palpate if that is an
@@ -23,7 +23,7 @@ namespace palpate {
 
 /// [setup] Whether a file or folder belongs to this process's user and no other user may write to it, so that
 /// its content can be trusted. @param facts of stat()
-[[nodiscard]] bool is_private(const struct stat& facts) noexcept;
+[[nodiscard]] bool is_private(const FileStatus& facts) noexcept;
 
 /// [setup] The reason why the content of `folder` cannot be trusted, for a message; empty when it can, or the
 /// folder does not exist.

@@ -3,10 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
+#include "io/system/files.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -30,7 +27,7 @@ std::string size_text(std::uint64_t bytes) {
 InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
     : name_(file.string()), kind_(kind) {
   // Without O_NONBLOCK, opening a FIFO blocks until a writer opens it.
-  descriptor_ = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  descriptor_ = open_file(file, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (descriptor_ < 0) {
     const int why = errno;
     if (why == ENOENT || why == ENOTDIR) throw InputError(name_ + ": there is no such file");
@@ -48,8 +45,8 @@ InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
 InputFile::~InputFile() { ::close(descriptor_); }
 
 void InputFile::check() {
-  struct stat facts {};
-  if (::fstat(descriptor_, &facts) != 0) {
+  FileStatus facts{};
+  if (status_of(descriptor_, facts) != 0) {
     throw InputError(name_ + ": cannot be read: " + std::strerror(errno));
   }
   if (!S_ISREG(facts.st_mode)) {

@@ -5,8 +5,6 @@
 #include <fstream>
 #include <system_error>
 
-#include <sys/stat.h>
-
 #include "palpate/error.h"
 
 namespace palpate {
@@ -26,13 +24,11 @@ fs::path plain_path(const fs::path& file) {
 }
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
-  struct stat one {};
-  struct stat other {};
-  const bool one_there = ::stat(a.c_str(), &one) == 0;
-  const bool other_there = ::stat(b.c_str(), &other) == 0;
-  if (one_there != other_there) return false;
+  std::error_code error;
+  const bool one_there = fs::exists(a, error);
+  if (one_there != fs::exists(b, error)) return false;
   if (!one_there) return plain_path(a) == plain_path(b);
-  return S_ISREG(one.st_mode) && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+  return fs::is_regular_file(a, error) && fs::equivalent(a, b, error);
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 #include "io/system/temporary.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <string_view>
 #include <system_error>
 
-#include <fcntl.h>
-#include <sys/random.h>
+#include "io/system/files.h"
 
 namespace palpate {
 namespace {
@@ -17,7 +15,7 @@ constexpr std::size_t kLetters = 6;
 std::string random_letters() {
   constexpr std::string_view kAlphabet = "abcdefghijklmnopqrstuvwxyz234567";  // 5 bits a letter
   std::string letters(kLetters, '\0');
-  if (getrandom(letters.data(), letters.size(), 0) != static_cast<ssize_t>(letters.size())) return {};
+  if (!random_bytes(letters.data(), letters.size())) return {};
   for (char& letter : letters) letter = kAlphabet[static_cast<unsigned char>(letter) % kAlphabet.size()];
   return letters;
 }
@@ -31,7 +29,7 @@ int open_temporary_file(std::string& path, mode_t mode) {
     if (letters.empty()) return -1;
     const std::string name = path + letters;
     // O_EXCL: fails if the name exists, even as a link.
-    const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    const int descriptor = open_file(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0) path = name;
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
   }
@@ -39,8 +37,16 @@ int open_temporary_file(std::string& path, mode_t mode) {
 }
 
 std::filesystem::path make_temporary_folder(const std::filesystem::path& path) {
-  std::string name = path.string() + std::string(kLetters, 'X');  // mkdtemp replaces the Xs
-  return mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    const std::string letters = random_letters();
+    if (letters.empty()) return {};
+    std::filesystem::path folder = path;
+    folder += letters;
+    if (make_folder(folder) == 0) return folder;
+    if (errno != EEXIST) return {};
+  }
+  return {};
 }
 
 ScratchFolder::ScratchFolder(const std::string& name) {

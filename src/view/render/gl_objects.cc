@@ -1,11 +1,12 @@
 #include "view/render/gl_objects.h"
 
-#include <bit>
 #include <cstddef>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/core.h>
+
+#include "core/base/charconv.h"
 
 namespace palpate::render {
 namespace {
@@ -31,7 +32,7 @@ GLuint compile(GLenum kind, const std::string& source) {
 }
 
 // OpenGL expects buffer offsets as pointers.
-const void* offset(std::uintptr_t bytes) { return std::bit_cast<const void*>(bytes); }
+const void* offset(std::uintptr_t bytes) { return bit_cast<const void*>(bytes); }
 
 struct Layout {
   GLint format;

@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/charconv.h"
 #include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "palpate/error.h"
@@ -56,7 +57,7 @@ std::optional<double> number(std::string_view word) {
   if (const std::optional<double> value = parse_number(word)) return value;
   double value = 0.0;
   if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc::result_out_of_range || end != word.data() + word.size()) return std::nullopt;
   const bool is_small =
       word.find("e-") != std::string_view::npos || word.find("E-") != std::string_view::npos;

@@ -10,8 +10,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostSteps = 300'000'000;  // about 3 s; a step is a visit of a node
-constexpr std::size_t kTestSteps = 10;           // of a test of two triangles
+constexpr std::size_t kMostCrossingSteps = 300'000'000;  // about 3 s; a step is a visit of a node
+constexpr std::size_t kTestSteps = 10;                   // of a test of two triangles
 constexpr std::size_t kMostPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Smaller volumes, relative to the product of their lengths, are rounding errors.
@@ -70,6 +70,8 @@ class Search final {
         node.left = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back({{}, node.begin, middle, 0});
         nodes_.push_back({{}, middle, node.end, 0});
+      } else {
+        std::sort(order_.begin() + node.begin, order_.begin() + node.end);
       }
       nodes_[n] = node;
     }
@@ -83,7 +85,7 @@ class Search final {
       while (!open.empty()) {
         const Node& node = nodes_[open.back()];
         open.pop_back();
-        if (++steps_ > kMostSteps || found_.pairs.size() > kMostPairs) {
+        if (++steps_ > kMostCrossingSteps || found_.pairs.size() > kMostPairs) {
           found_.all = false;
           return;
         }

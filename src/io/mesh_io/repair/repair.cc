@@ -1,8 +1,6 @@
 #include "io/mesh_io/repair/repair.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
@@ -37,12 +35,7 @@ std::string triangles(std::size_t count) { return counted(count, "triangle", "tr
 
 /// In millimetres, with three significant digits.
 std::string millimetres(double metres) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), metres / kMillimetre,
-                                 std::chars_format::general, 3);
-  double rounded = 0.0;
-  (void)std::from_chars(digits.data(), end.ptr, rounded);
-  return shortest(rounded);
+  return shortest(parse_number(brief(metres / kMillimetre, 3)).value_or(0.0));
 }
 
 std::string position_text(const Vec3& p) {

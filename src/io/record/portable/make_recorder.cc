@@ -1,0 +1,15 @@
+// Recordings in a build without HDF5.
+#include "io/record/make_recorder.h"
+
+#include "io/record/csv_recorder.h"
+#include "palpate/error.h"
+
+namespace palpate::record {
+
+std::unique_ptr<RunRecorder> make_recorder(const std::filesystem::path& file, const scene::Scene& setup,
+                                           bool waits) {
+  if (file.extension() == ".csv") return std::make_unique<CsvRecorder>(file, setup, waits);
+  throw InputError(file.string() + ": this build of palpate has no HDF5, a recording must be a .csv file");
+}
+
+}  // namespace palpate::record

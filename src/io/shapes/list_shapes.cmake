@@ -1,0 +1,23 @@
+# Writes shapes.inc: the bytes of `archive` (mesh_archive.h) as numbers, without the meshes of PALPATE_SHAPES_WITHOUT.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${archive})
+file(READ ${archive} left HEX)
+string(HEX "${PALPATE_SHAPES_WITHOUT}" without)
+set(bytes "")
+while(left)
+  # The size of the packed mesh is in bytes 0, 2, 4 and 6, its name begins at byte 8 and ends with a zero.
+  string(SUBSTRING "${left}" 0 256 head)
+  string(REGEX REPLACE "^(..)..(..)..(..)..(..).*" "0x\\4\\3\\2\\1" size "${head}")
+  string(REGEX MATCH "^................(([1-9a-f].|.[1-9a-f])*)00" head "${head}")
+  string(LENGTH "${head}" length)
+  math(EXPR length "${length} + 2 * ${size}")
+  string(SUBSTRING "${left}" 0 ${length} entry)
+  string(SUBSTRING "${left}" ${length} -1 left)
+  if(NOT without OR NOT head MATCHES "${without}")
+    string(APPEND bytes "${entry}")
+  endif()
+endwhile()
+string(REGEX REPLACE "(................................)" "\\1\n" bytes "${bytes}")
+string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shapes.inc CONTENT "${bytes}" @ONLY)
+set_source_files_properties(portable/embedded_shapes.cc PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+  OBJECT_DEPENDS ${CMAKE_CURRENT_BINARY_DIR}/shapes.inc INCLUDE_DIRECTORIES ${CMAKE_CURRENT_BINARY_DIR})

@@ -1,0 +1,61 @@
+#pragma once
+// io/system/files.h for Windows, by mingw-w64's C library.
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <io.h>
+
+// Flags that Windows lacks, and its own: a file without conversion of line ends, which child programs do not
+// inherit.
+#define O_CLOEXEC (_O_NOINHERIT | _O_BINARY)
+#define O_NONBLOCK 0
+#define O_NOCTTY 0
+#define O_NOFOLLOW 0
+#define S_ISSOCK(mode) false
+
+namespace palpate {
+
+inline constexpr bool kIsWindows = true;
+using FileStatus = struct _stat64;
+
+inline int open_file(const std::filesystem::path& file, int flags, mode_t mode = 0) noexcept {
+  return ::_wopen(file.c_str(), flags, mode);
+}
+inline int status_of(const std::filesystem::path& file, FileStatus& status) noexcept {
+  return ::_wstat64(file.c_str(), &status);
+}
+inline int status_of(int descriptor, FileStatus& status) noexcept { return ::_fstat64(descriptor, &status); }
+
+inline constexpr std::size_t kMostBytesAtOnce = std::size_t{1} << 30;
+inline std::ptrdiff_t read_at(int descriptor, void* bytes, std::size_t count, std::uint64_t offset) noexcept {
+  if (::_lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0) return -1;
+  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+}
+inline std::ptrdiff_t write_at(int descriptor, const void* bytes, std::size_t count,
+                               std::uint64_t offset) noexcept {
+  if (::_lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0) return -1;
+  return ::_write(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+}
+// Windows has no such rights in a file's status; a user's folders are closed to other users.
+inline int make_folder(const std::filesystem::path& folder) noexcept { return ::_wmkdir(folder.c_str()); }
+inline bool is_of_this_user(const FileStatus& /*status*/) noexcept { return true; }
+inline bool is_open_to_others(const FileStatus& /*status*/) noexcept { return false; }
+
+inline std::filesystem::path environment_path(const char* name) {
+  const wchar_t* value = ::_wgetenv(std::filesystem::path(name).c_str());
+  return value == nullptr ? std::filesystem::path() : std::filesystem::path(value);
+}
+inline bool random_bytes(char* bytes, std::size_t count) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned value = 0;
+    if (::rand_s(&value) != 0) return false;
+    bytes[i] = static_cast<char>(value);
+  }
+  return true;
+}
+
+}  // namespace palpate
