@@ -105,6 +105,7 @@ export class Controls {
     byId('finish').textContent = 'End the search';
     byId('marks').textContent = '0';
     byId('fault').hidden = true;
+    byId('depth').disabled = true;  // until lever()
     this.#hint('demo');
   }
   #hint(mode, task) {
@@ -125,7 +126,7 @@ export class Controls {
   }
   begun(mode) {
     this.#hint(mode, this.task);
-    byId('depth').disabled = true;  // until lever()
+    byId('depth').disabled = true;
   }
 
   tissue({name, values}) {

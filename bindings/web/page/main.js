@@ -175,7 +175,7 @@ const hear = {
   },
   frame(message) {
     state.asked = false;
-    if (!message.result) return;
+    if (!message.result || !state.opened) return;  // of the scene before
     history.add(message.rows);
     Object.assign(state, {snapshot: message.snapshot, result: message.result, stale: true, replot: true});
     if (state.freshLever) {

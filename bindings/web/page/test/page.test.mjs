@@ -12,7 +12,7 @@ const {chromium} = createRequire(import.meta.url)('playwright-core');
 const FLAGS = ['--headless', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const TYPES = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm'};
-const LONG = 30000;  // ms: software OpenGL on a busy machine
+const LONG = 90000;  // ms: software OpenGL on a busy machine
 let server, browser, url;
 const outside = [], errors = [];
 
@@ -47,6 +47,7 @@ async function opened({width = 1000, height = 640, touch = false} = {}) {
   page.on('pageerror', error => errors.push(error.message));
   await page.goto(url);
   await page.locator('#message').waitFor({state: 'hidden'});
+  await page.locator('#depth:enabled').waitFor();
   return page;
 }
 
@@ -54,14 +55,27 @@ const text = (page, selector) => page.locator(selector).textContent();
 const until = (page, test, ...all) => page.waitForFunction(test, ...all);
 const pressing = page => until(page, () => /^Pressing, [3-9]\.|^Pressing, \d\d/.test(document.getElementById('state').textContent));
 
+/** Chooses an exercise, and waits until its demonstration runs. */
+async function choose(page, task) {
+  await page.locator(`label:has([value=${task}])`).click();
+  await page.locator('#depth:disabled').waitFor();
+  await page.locator('#depth:enabled').waitFor();
+  await page.locator('#message').waitFor({state: 'hidden'});
+}
+
 /** Takes the tool, and lowers it by the lever until it presses. */
 async function press(page) {
   await page.locator('#picture').click({position: {x: 60, y: 100}});
-  await until(page, () => /Drag|Press until/.test(document.getElementById('hint').textContent));
+  await until(page, () => /^Drag|^Press until/.test(document.getElementById('hint').textContent));
   await page.locator('#depth:enabled').waitFor();  // the first distance sets its ends
   const depth = await page.evaluate(() => document.getElementById('depth').max - 14);
   await page.locator('#depth').fill(String(depth));
   await pressing(page);
+}
+
+/** Turns the wheel by notches of 1 mm; positive presses. */
+async function wheel(page, notches) {
+  for (let i = 0; i < Math.abs(notches); i++) await page.mouse.wheel(0, -100 * Math.sign(notches));
 }
 
 /** Number of pixels of a plot that show the colour of its curve. */
@@ -96,26 +110,25 @@ test('a drag and the lever press the gallbladder, and the plot shows the force',
   assert.ok(before > 10, `${before} pixels of the force`);
   const {x, y, width, height} = await page.locator('#picture').boundingBox();
   await page.mouse.move(x + width / 2, y + height / 2);
-  await page.mouse.wheel(0, -500);  // away from the user: 5 mm deeper
+  await wheel(page, 3);  // away from the user: 3 mm deeper
   await until(page, depth => parseFloat(document.getElementById('depth_now').textContent) > depth + 2, parseFloat(await text(page, '#depth_now')));
   await page.mouse.down();
   await page.mouse.move(x + width / 2 - 30, y + height / 2, {steps: 5});
   await page.mouse.up();
-  await page.mouse.wheel(0, 4000);  // lifts
+  await wheel(page, -40);
   await until(page, () => /from the tissue/.test(document.getElementById('state').textContent));
   await page.close();
 });
 
 test('closed jaws pull the heart', async () => {
   const page = await opened();
-  await page.locator('label:has([value=pull])').click();
-  await page.locator('#message').waitFor({state: 'hidden'});
+  await choose(page, 'pull');
   await press(page);
   await page.locator('#jaws').click();
   assert.equal(await page.locator('#jaws').getAttribute('aria-pressed'), 'true');
   await page.waitForTimeout(600);
   await page.locator('#picture').hover({position: {x: 60, y: 100}});
-  await page.mouse.wheel(0, 1500);
+  await wheel(page, -16);
   await until(page, () => /^Pulling, stretched [3-9]\./.test(document.getElementById('state').textContent));
   assert.ok(parseFloat(await text(page, '#force_now')) > 0.05);
   await page.close();
@@ -123,8 +136,7 @@ test('closed jaws pull the heart', async () => {
 
 test('marks are counted, and the end of a search shows its score', async () => {
   const page = await opened();
-  await page.locator('label:has([value=palpate])').click();
-  await page.locator('#message').waitFor({state: 'hidden'});
+  await choose(page, 'palpate');
   await press(page);
   await until(page, () => /times the uniform/.test(document.getElementById('ratio').textContent));
   await page.keyboard.press('m');
