@@ -106,6 +106,7 @@ export class Controls {
     byId('marks').textContent = '0';
     byId('fault').hidden = true;
     byId('depth').disabled = true;  // until lever()
+    delete document.body.dataset.ready;
     this.#hint('demo');
   }
   #hint(mode, task) {
@@ -142,6 +143,7 @@ export class Controls {
   lever(distance) {
     const input = byId('depth');
     [input.min, input.max, input.value, input.disabled] = [-15, Math.ceil(1e3 * Math.max(0, distance) + 20), 0, false];
+    document.body.dataset.ready = this.task;
   }
 
   frame({mode, result, felt, fault}, task) {

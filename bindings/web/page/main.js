@@ -87,13 +87,18 @@ function show(text) {
   state.view = state.palpate.view(canvas, state.sim);
   if (byId('map').checked) state.view.showDisplacement(MAP_RANGE);
   state.snapshot = null;
+  firstView(false);
   draw();
   say('');
   requestAnimationFrame(() => performance.mark('first picture'));
 }
 
 function firstView(closeUp) {
-  state.view?.frame(closeUp);
+  if (!state.view) return;
+  state.view.frame(closeUp);
+  // From above the view already fits the picture's width, and moves back once more for a narrow picture.
+  const narrow = picture.clientWidth / picture.clientHeight / (4 / 3);
+  if (!closeUp && state.task === 'palpate' && narrow < 1) state.view.zoom(1.1 * narrow);
   state.stale = true;
 }
 

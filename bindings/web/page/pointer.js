@@ -104,8 +104,10 @@ export function listen(stage, picture, page) {
   });
   document.addEventListener('keydown', event => {
     const command = page.commands[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    const typing = event.target.closest?.('input, select, button, summary');
-    if (!command || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+    // A focused control keeps the keys that it uses itself.
+    const {target} = event, control = target.closest?.('input, select, button, summary');
+    const keeps = control && (target.type === 'range' ? event.key === 'Home' : target.matches('[type=text], select') || event.key.length > 1 || event.key === ' ');
+    if (!command || keeps || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     if (!event.repeat) command();
   });
