@@ -70,4 +70,23 @@ render::Camera OrbitCamera::camera() const {
   return {target_ + distance_ * to_eye(), target_, world_P_ * Vec3::UnitZ(), vertical_view_deg_};
 }
 
+ToolPlane plane_across(const Vec3& axis_W, const OrbitCamera& camera) {
+  const auto flat = [&axis_W](const Vec3& v) { return Vec3(v - v.dot(axis_W) * axis_W); };
+  Vec3 right = flat(camera.right());
+  if (right.norm() < 0.2) right = flat(camera.up());
+  right.normalize();
+  Vec3 away = flat(camera.up());
+  if (away.norm() < 0.2) away = flat(camera.up().cross(camera.right()));
+  away -= away.dot(right) * right;
+  return {right, away.normalized()};
+}
+
+render::Camera tilted(render::Camera from_above) {
+  constexpr double kTilt = 0.61;  // rad
+  const double distance = (from_above.eye - from_above.target).norm();
+  from_above.eye = from_above.target + distance * Vec3(0.0, -std::sin(kTilt), std::cos(kTilt));
+  from_above.up = Vec3::UnitZ();
+  return from_above;
+}
+
 }  // namespace palpate::app

@@ -42,4 +42,16 @@ class OrbitCamera final {
   double vertical_view_deg_ = 28.0;
 };
 
+/// The plane across a tool's axis: the camera's right and up in it, as unit vectors in the world frame. A
+/// pointer moves a tool in it.
+struct ToolPlane {
+  Vec3 right;
+  Vec3 away;
+};
+/// [any] @param axis_W unit vector
+[[nodiscard]] ToolPlane plane_across(const Vec3& axis_W, const OrbitCamera& camera);
+
+/// [any] The view from above, tilted by 35 degrees so that depth is seen; y stays upwards.
+[[nodiscard]] render::Camera tilted(render::Camera from_above);
+
 }  // namespace palpate::app

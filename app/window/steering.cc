@@ -8,23 +8,6 @@ namespace {
 
 constexpr double kDeadZone = 0.15;  // fraction of a stick's range
 
-/// Plane across the tool axis. `right` and `away` are the camera's right and up in it.
-struct Plane {
-  Vec3 right;
-  Vec3 away;
-};
-
-Plane plane_across(const Vec3& axis_W, const OrbitCamera& camera) {
-  const auto flat = [&axis_W](const Vec3& v) { return Vec3(v - v.dot(axis_W) * axis_W); };
-  Vec3 right = flat(camera.right());
-  if (right.norm() < 0.2) right = flat(camera.up());
-  right.normalize();
-  Vec3 away = flat(camera.up());
-  if (away.norm() < 0.2) away = flat(camera.up().cross(camera.right()));
-  away -= away.dot(right) * right;
-  return {right, away.normalized()};
-}
-
 double axis_of(SDL_GameController* controller, SDL_GameControllerAxis axis) {
   const double value = SDL_GameControllerGetAxis(controller, axis) / 32767.0;
   const double beyond = std::max(0.0, std::abs(value) - kDeadZone) / (1.0 - kDeadZone);
@@ -65,7 +48,7 @@ void Steering::drop() {
 void Steering::mouse_moved(double right, double up, const OrbitCamera& camera, bool fine) {
   if (mice_.empty()) return;
   Mouse& mouse = mice_[chosen_];
-  const Plane plane = plane_across(mouse.axis_W, camera);
+  const ToolPlane plane = plane_across(mouse.axis_W, camera);
   const double far = gain_ * camera.height_at_target() * (fine ? kFine : 1.0);
   const Vec3 way_W = far * (right * plane.right + up * plane.away);
   mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
@@ -145,7 +128,7 @@ void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const Or
   input.gripper = pad.rest;
   input.buttons = pressed_;
   if (controller != nullptr) {
-    const Plane plane = plane_across(pad.axis_W, camera);
+    const ToolPlane plane = plane_across(pad.axis_W, camera);
     const Vec3 way_W = axis_of(controller, SDL_CONTROLLER_AXIS_LEFTX) * plane.right -
                        axis_of(controller, SDL_CONTROLLER_AXIS_LEFTY) * plane.away +
                        axis_of(controller, SDL_CONTROLLER_AXIS_RIGHTY) * pad.axis_W;

@@ -42,15 +42,6 @@ std::string advice_on(haptics::Fault fault) {
   return {};
 }
 
-/// The view from above, tilted by 35 degrees so that depth is seen; y stays upwards.
-render::Camera oblique(render::Camera camera) {
-  constexpr double kTilt = 0.61;  // rad
-  const double distance = (camera.eye - camera.target).norm();
-  camera.eye = camera.target + distance * Vec3(0.0, -std::sin(kTilt), std::cos(kTilt));
-  camera.up = Vec3::UnitZ();
-  return camera;
-}
-
 }  // namespace
 
 Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
@@ -158,7 +149,7 @@ void Window::draw_picture() {
     const contact::ToolResult& result = shown_.results[0];
     const double aspect = static_cast<double>(place.width) / place.height;
     camera_.look_as(search_ != nullptr
-                        ? oblique(render::frame_from_above(subject(), shown_, aspect))
+                        ? tilted(render::frame_from_above(subject(), shown_, aspect))
                         : render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
                     aspect);
     camera_set_ = true;

@@ -54,6 +54,10 @@ struct palpate_simulation {
   [[nodiscard]] std::mutex& tissue_callers() noexcept { return tissue_callers_; }
   /// [setup] Resets the state to that before tick 0.
   void restart();
+  /// [setup] Writes all rows so far to the recording, if record_waits.
+  void flush_recording() {
+    if (recorder_) recorder_->flush();
+  }
   /// [setup] Closes the recording. @throws InputError if rows are missing from it
   void finish_recording();
   /// [any]

@@ -84,6 +84,12 @@ void CsvRecorder::on_row(const haptics::TickRow& row) noexcept {
   }
 }
 
+void CsvRecorder::flush() {
+  if (!waits_) return;  // its thread writes
+  drain();
+  out_.flush();
+}
+
 void CsvRecorder::finish(const haptics::LoopReport& /*report*/) {
   stop_thread();
   drain();

@@ -26,6 +26,7 @@ class CsvRecorder final : public RunRecorder {
 
   void on_update(const haptics::ParameterUpdate& update) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
+  void flush() override;
   void finish(const haptics::LoopReport& report) override;
 
  private:

@@ -11,6 +11,8 @@ namespace palpate::record {
 /// Records a run to a file.
 class RunRecorder : public haptics::TickObserver {
  public:
+  /// [setup] Writes all rows so far, where the ticking thread writes the file.
+  virtual void flush() {}
   /// [setup] Writes the remaining rows and closes the file. @throws InputError naming the file when writing
   /// failed (disk full) or rows were lost.
   virtual void finish(const haptics::LoopReport& report) = 0;

@@ -20,8 +20,8 @@ class GlContext final {
   void release() noexcept;
 
  private:
-  void* window_ = nullptr;   // SDL_Window
-  void* context_ = nullptr;  // SDL_GLContext
+  [[maybe_unused]] void* window_ = nullptr;   // SDL_Window
+  [[maybe_unused]] void* context_ = nullptr;  // SDL_GLContext
 };
 
 }  // namespace palpate::render

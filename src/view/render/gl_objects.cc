@@ -1,11 +1,12 @@
 #include "view/render/gl_objects.h"
 
-#include <bit>
 #include <cstddef>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/core.h>
+
+#include "core/base/charconv.h"
 
 namespace palpate::render {
 namespace {
@@ -31,24 +32,25 @@ GLuint compile(GLenum kind, const std::string& source) {
 }
 
 // OpenGL expects buffer offsets as pointers.
-const void* offset(std::uintptr_t bytes) { return std::bit_cast<const void*>(bytes); }
+const void* offset(std::uintptr_t bytes) { return bit_cast<const void*>(bytes); }
 
 struct Layout {
   GLint format;
   GLenum order;
+  GLenum type;
 };
 
 Layout layout_of(Target::Kind kind) {
   switch (kind) {
     case Target::Kind::kDepth:
     case Target::Kind::kShadow:
-      return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT};
+      return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
     case Target::Kind::kGrey:
-      return {GL_RG16F, GL_RG};
+      return {GL_RG16F, GL_RG, GL_FLOAT};
     case Target::Kind::kMoments:
-      return {GL_RG32F, GL_RG};
+      return {GL_RG32F, GL_RG, GL_FLOAT};
     default:
-      return {GL_RGBA8, GL_RGBA};
+      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
   }
 }
 
@@ -188,19 +190,14 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     glGenTextures(1, &texture_);
     glBindTexture(GL_TEXTURE_2D, texture_);
     const Layout layout = layout_of(kind);
-    glTexImage2D(GL_TEXTURE_2D, 0, layout.format, width, height, 0, layout.order, GL_FLOAT, nullptr);
-    const GLint filter = kind == Kind::kShadow || kind == Kind::kMoments ? GL_LINEAR : GL_NEAREST;
+    glTexImage2D(GL_TEXTURE_2D, 0, layout.format, width, height, 0, layout.order, layout.type, nullptr);
+    const GLint filter = kind == Kind::kShadow ? GL_LINEAR : GL_NEAREST;
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     if (kind == Kind::kShadow) {
       glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      // Parts of a large organ outside the shadow map are lit.
-      constexpr GLfloat kFarthest[4] = {1.0F, 1.0F, 1.0F, 1.0F};
-      glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-      glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-      glTexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, kFarthest);
     }
     glFramebufferTexture2D(GL_FRAMEBUFFER, depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
                            texture_, 0);
@@ -211,7 +208,8 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
       glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, renderbuffers_[0]);
     }
     if (depth) {
-      glDrawBuffer(GL_NONE);
+      constexpr GLenum kNoColour = GL_NONE;
+      glDrawBuffers(1, &kNoColour);
       glReadBuffer(GL_NONE);
     }
   }

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <epoxy/gl.h>
 
 #include "core/deform/deformed_surface.h"
+#include "view/render/opengl.h"
 
 namespace palpate::render {
 

@@ -4,13 +4,13 @@
 #include <optional>
 #include <utility>
 
-#include <epoxy/gl.h>
 #include <fmt/core.h>
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
 #include "view/render/gl_context.h"
+#include "view/render/opengl.h"
 #include "view/render/organ_picture.h"
 #include "view/render/painter.h"
 #include "view/render/surface_map.h"
@@ -130,7 +130,7 @@ struct OffscreenRenderer::Impl {
       painter.set_quality(quality);
       painter.draw(camera, region);
     }
-    glFinish();
+    finish_drawing();
     annotated_before = annotated_before || painter.annotated();
   }
 
@@ -146,7 +146,7 @@ struct OffscreenRenderer::Impl {
     update_ms = static_cast<double>(thread_cpu_ns() - computed) * 1e-6;
     painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
     if (!choice) return;
-    glFinish();
+    finish_drawing();
     choice->add(static_cast<double>(monotonic_ns() - start) * 1e-6);
     painter.set_quality(choice->now());
   }
@@ -293,7 +293,7 @@ double OffscreenRenderer::update_ms() const { return impl_->update_ms; }
 
 void OffscreenRenderer::finish() {
   const Current current(context_.get());
-  glFinish();
+  finish_drawing();
 }
 
 std::string OffscreenRenderer::driver() const { return impl_->driver; }

@@ -193,11 +193,11 @@ void Painter::draw_scene(const Program& program) const {
 void Painter::draw_shadow(const View& view) {
   still_->shadow.bind();
   glClear(GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_DEPTH_CLAMP);
+  clamp_depths(true);
   still_->depth.use();
   still_->depth.set("projection", view.light);
   draw_scene(still_->depth);
-  glDisable(GL_DEPTH_CLAMP);
+  clamp_depths(false);
 }
 
 void Painter::draw_occlusion(const View& view) {
@@ -310,12 +310,9 @@ void Painter::draw_materials(const View& view, bool each_sample) {
   set_studio(steel, view);
   steel.set("map_range", 0.0F);
   glDisable(GL_CULL_FACE);  // meshes of instruments may be open
-  if (each_sample) {
-    glEnable(GL_SAMPLE_SHADING);
-    glMinSampleShading(1.0F);
-  }
+  if (each_sample) shade_samples(true);
   draw_tools(steel);
-  if (each_sample) glDisable(GL_SAMPLE_SHADING);
+  if (each_sample) shade_samples(false);
   glEnable(GL_CULL_FACE);
 }
 
@@ -330,7 +327,7 @@ void Painter::draw_still(const View& view) {
   background_.use();
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
-  draw_materials(view, epoxy_gl_version() >= 40);  // per-sample shading, because fine teeth glitter otherwise
+  draw_materials(view, true);  // per-sample shading, because fine teeth glitter otherwise
   still_->picture.resolve_to(resolved_);
 }
 
@@ -338,13 +335,13 @@ void Painter::draw_soft_shadow(const View& view) {
   live_->shadow.bind();
   glClearColor(1.0F, 1.0F, 0.0F, 0.0F);
   glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
-  glEnable(GL_DEPTH_CLAMP);
+  clamp_depths(true);
   glDisable(GL_CULL_FACE);
   live_->moments.use();
   live_->moments.set("projection", view.light);
   draw_tools(live_->moments);
   glEnable(GL_CULL_FACE);
-  glDisable(GL_DEPTH_CLAMP);
+  clamp_depths(false);
 
   glDisable(GL_DEPTH_TEST);
   live_->soften.use();
@@ -402,7 +399,7 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
   const View view(camera, static_cast<double>(width_) / height_, region);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);  // the inside of an organ is never drawn
-  glEnable(GL_MULTISAMPLE);
+  enable_multisampling();
   if (quality_ == Quality::kFull) {
     draw_still(view);
   } else {
@@ -412,13 +409,14 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
 
 Image read_pixels(int width, int height) {
   Image image{width, height, {}};
-  const std::size_t row = static_cast<std::size_t>(image.width) * 3;
+  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
   std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, bottom_up.data());
-  image.rgb.reserve(bottom_up.size());
-  for (auto line = bottom_up.end(); line != bottom_up.begin(); line -= static_cast<std::ptrdiff_t>(row))
-    image.rgb.insert(image.rgb.end(), line - static_cast<std::ptrdiff_t>(row), line);
+  glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.data());
+  image.rgb.resize(bottom_up.size() / 4 * 3);
+  auto to = image.rgb.begin();
+  for (std::size_t y = static_cast<std::size_t>(image.height); y-- > 0;) {
+    for (std::size_t at = y * row; at < (y + 1) * row; at += 4) to = std::copy_n(&bottom_up[at], 3, to);
+  }
   return image;
 }
 

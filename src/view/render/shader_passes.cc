@@ -67,7 +67,12 @@ std::string position_vertex() {
 layout(location = 0) in vec3 position;
 uniform mat4 projection;
 uniform mat4 model;
-void main() { gl_Position = projection * (model * vec4(position, 1.0)); }
+void main() {
+  gl_Position = projection * (model * vec4(position, 1.0));
+#ifdef GL_ES  // it has no depth clamp
+  gl_Position.z = clamp(gl_Position.z, -gl_Position.w, gl_Position.w);
+#endif
+}
 )";
 }
 

@@ -3,7 +3,14 @@
 /// GLSL code shared by several shaders. Internal to render.
 namespace palpate::render::shaders {
 
+#ifdef __EMSCRIPTEN__
+inline const char* const kVersion =
+    "#version 300 es\n"
+    "precision highp float;\nprecision highp int;\n"
+    "precision highp sampler2D;\nprecision highp sampler2DShadow;\n";
+#else
 inline const char* const kVersion = "#version 330 core\n";
+#endif
 
 // Filmic tone curve (Narkowicz 2015), sRGB transfer function and a dither of one step against banding.
 inline const char* const kFinish = R"(

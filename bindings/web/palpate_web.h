@@ -1,0 +1,74 @@
+#pragma once
+// What palpate.js calls besides palpate.h: reading structs, snapshots, a hand that follows a pointer, and
+// pictures by WebGL2. Conventions as in palpate.h. Vectors are x y z [m], in the world frame.
+#include "bindings/c/palpate.h"
+
+extern "C" {
+
+/// The structs of palpate.h that palpate.js reads and writes, as JSON: {"palpate_sample": {"size": 96,
+/// "fields": [["position", "f64", OFFSET, COUNT], ...]}, ...}. Valid forever.
+const char* palpate_web_layout(void);
+
+/// Number of bytes of a snapshot.
+size_t palpate_web_snapshot_size(void);
+/// Copies the state after the newest tick. @param capacity palpate_web_snapshot_size()
+palpate_status palpate_web_snapshot(palpate_simulation* simulation, void* bytes, size_t capacity);
+
+/// Writes all ticks so far to the recording's file.
+palpate_status palpate_web_flush_recording(palpate_simulation* simulation);
+
+/// A hand that follows a pointer (run/devices/target_follower.h), from the start of the scripted motion.
+struct palpate_web_follower;
+palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_t hand,
+                                         palpate_web_follower** follower);
+void palpate_web_follower_close(palpate_web_follower* follower);
+/// Position of the handle, unit direction of the tool and opening of the jaws at the start: 7 numbers.
+void palpate_web_follower_start(const palpate_web_follower* follower, double start[7]);
+/// One tick towards a target.
+palpate_status palpate_web_follower_advance(palpate_web_follower* follower, const double target[3],
+                                            double gripper, palpate_sample* sample);
+/// Moves a target to the nearest point that the hand can reach.
+void palpate_web_follower_reach(const palpate_web_follower* follower, double target[3]);
+
+/// Pictures of a simulation. At every call the canvas's WebGL2 context is current; the simulation outlives
+/// the view.
+struct palpate_web_view;
+palpate_status palpate_web_view_open(palpate_simulation* simulation, int32_t width, int32_t height,
+                                     palpate_web_view** view);
+void palpate_web_view_close(palpate_web_view* view);
+/// Draws a snapshot to the canvas, whose size is width x height pixels.
+palpate_status palpate_web_view_draw(palpate_web_view* view, const void* bytes, size_t size, int32_t width,
+                                     int32_t height);
+/// Eye, target, up, vertical angle of view [deg]: 10 numbers.
+void palpate_web_view_camera(const palpate_web_view* view, double camera[10]);
+palpate_status palpate_web_view_set_camera(palpate_web_view* view, const double camera[10]);
+void palpate_web_view_orbit(palpate_web_view* view, double right, double up);
+void palpate_web_view_pan(palpate_web_view* view, double right, double up);
+void palpate_web_view_zoom(palpate_web_view* view, double factor);
+/// Frames the whole organ, or the contact of the first hand in the last drawn state.
+palpate_status palpate_web_view_frame(palpate_web_view* view, int32_t close_up);
+/// Motion of a hand's tool across its axis for a motion by fractions of the picture's height.
+palpate_status palpate_web_view_steer(const palpate_web_view* view, uint32_t hand, double right, double up,
+                                      double way[3]);
+/// Line of sight through a point of the picture (0 .. 1 from its upper left corner): origin and unit
+/// direction, 6 numbers.
+void palpate_web_view_ray(const palpate_web_view* view, double x, double y, double ray[6]);
+/// The first point of the rest surface on that line, in the world frame and in the organ frame: 6 numbers.
+/// @return 1: there is one; 0: none
+int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, double point[6]);
+/// Colours by displacement up to `range` [m]; 0: natural colours.
+palpate_status palpate_web_view_show_displacement(palpate_web_view* view, double range);
+/// @param inclusions centre (organ frame), radius [m], stiffness ratio: 5 numbers each
+palpate_status palpate_web_view_show_inclusions(palpate_web_view* view, const double* inclusions,
+                                                size_t count);
+/// @param marks point of the surface (organ frame) and render::SurfaceMark::Kind: 4 numbers each
+palpate_status palpate_web_view_show_marks(palpate_web_view* view, const double* marks, size_t count);
+/// @param quality 0 full, 1 balanced, 2 fast, -1 adapts to the time that pictures take
+palpate_status palpate_web_view_set_quality(palpate_web_view* view, int32_t quality);
+int32_t palpate_web_view_quality(const palpate_web_view* view);
+/// Name of the graphics driver. Valid as long as the view.
+const char* palpate_web_view_driver(const palpate_web_view* view);
+
+/// Bytes of the heap in use.
+size_t palpate_web_memory_in_use(void);
+}

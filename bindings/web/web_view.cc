@@ -1,0 +1,299 @@
+// Functions of palpate_web.h for pictures on a canvas.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/offscreen.h"
+
+#include "app/window/orbit_camera.h"
+#include "app/window/resolution_choice.h"
+#include "bindings/c/errors.h"
+#include "bindings/c/simulation.h"
+#include "bindings/web/palpate_web.h"
+
+using palpate::InputError;
+using palpate::Pose;
+using palpate::Vec3;
+using palpate::c_interface::guarded;
+using palpate::c_interface::UseError;
+using palpate::haptics::Snapshot;
+using palpate::render::Quality;
+
+namespace {
+
+palpate::render::Subject subject_of(const palpate::scene::Scene& setup) {
+  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
+          palpate::scene::visible_inclusions(setup.inclusions)};
+}
+
+/// Copies a snapshot that came from another instance. @throws UseError for other bytes
+void copy_snapshot(const void* bytes, std::size_t size, Snapshot& snapshot) {
+  if (size != sizeof snapshot) {
+    throw UseError("snapshot: has " + std::to_string(size) + " bytes, must have " +
+                   std::to_string(sizeof snapshot) + "; take it from snapshot() of the same version");
+  }
+  std::memcpy(static_cast<void*>(&snapshot), bytes, size);
+  bool valid = snapshot.hands <= Snapshot::kMaxHands;
+  for (const palpate::contact::ToolResult& result : snapshot.results) {
+    valid = valid && result.view_count >= 0 && result.view_count <= palpate::contact::kMaxViews;
+  }
+  if (!valid) throw UseError("snapshot: its bytes are damaged");
+}
+
+// The renderer's first pictures, which prepare its shaders, are small.
+constexpr int kFirstWidth = 60;
+constexpr int kFirstHeight = 44;
+
+struct Ray {
+  Vec3 origin;
+  Vec3 direction;  // unit
+};
+
+Ray ray_through(const palpate::render::Camera& camera, double aspect, double x, double y) {
+  const Vec3 back = (camera.eye - camera.target).normalized();
+  const Vec3 right = camera.up.cross(back).normalized();
+  const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
+  const Vec3 direction =
+      (2.0 * x - 1.0) * aspect * half * right + (1.0 - 2.0 * y) * half * back.cross(right) - back;
+  return {camera.eye, direction.normalized()};
+}
+
+/// Distance along the ray to a triangle's front; infinite: it does not meet it.
+double distance_to(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Vec3 ab = b - a;
+  const Vec3 ac = c - a;
+  const Vec3 q = ray.direction.cross(ac);
+  const double determinant = ab.dot(q);
+  if (!(determinant > 0.0)) return kNone;
+  const Vec3 s = ray.origin - a;
+  const double u = s.dot(q);
+  const Vec3 r = s.cross(ab);
+  const double v = ray.direction.dot(r);
+  if (u < 0.0 || v < 0.0 || u + v > determinant) return kNone;
+  const double distance = ac.dot(r) / determinant;
+  return distance > 0.0 ? distance : kNone;
+}
+
+}  // namespace
+
+/// The renderer, its camera, and the choice of quality and resolution as in the program's window.
+struct palpate_web_view {
+ public:
+  palpate_web_view(palpate_simulation& shown_simulation, int wide, int high)
+      : simulation(shown_simulation),
+        width(wide),
+        height(high),
+        renderer(subject_of(simulation.setup()), kFirstWidth, kFirstHeight,
+                 palpate::render::OffscreenRenderer::InCurrentContext{}),
+        driver(renderer.driver()),
+        shown(simulation.newest_snapshot()) {
+    frame(false);
+  }
+
+  [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
+
+  void frame(bool close_up) {
+    const palpate::render::Subject subject = subject_of(simulation.setup());
+    const palpate::contact::ToolResult& result = shown.results[0];
+    const bool contact = result.view_count > 0;
+    if (!close_up && simulation.setup().task == palpate::scene::Task::kPalpate) {
+      camera.look_as(palpate::app::tilted(palpate::render::frame_from_above(subject, shown, aspect())),
+                     aspect());
+    } else {
+      camera.look_as(
+          palpate::render::frame_contact(subject, shown, contact ? result.contact_W : result.nearest_W,
+                                         contact ? result.normal_W : result.away_W, close_up),
+          aspect());
+    }
+  }
+
+  void draw() {
+    const auto start = std::chrono::steady_clock::now();
+    const double share = resolution.now();
+    const int wide = std::max(1, static_cast<int>(std::lround(share * width)));
+    const int high = std::max(1, static_cast<int>(std::lround(share * height)));
+    if (wide != drawn_width || high != drawn_height) renderer.resize(wide, high);
+    drawn_width = wide;
+    drawn_height = high;
+    renderer.draw_and_keep(shown, camera.camera());
+    renderer.show_at(0, 0, width, height);
+    if (!adapts) return;
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    (void)resolution.add(took, renderer.quality() != Quality::kFast);
+    renderer.limit_quality(resolution.all() ? Quality::kBalanced : Quality::kFast);
+  }
+
+  void set_quality(int quality) {
+    adapts = quality < 0;
+    if (adapts) {
+      renderer.adapt_to_time();
+    } else {
+      resolution.raise_to_all();
+      renderer.hold_quality(static_cast<Quality>(quality));
+    }
+  }
+
+  palpate_simulation& simulation;
+  int width;  // of the canvas, pixels
+  int height;
+  palpate::render::OffscreenRenderer renderer;
+  std::string driver;
+  Snapshot shown;
+  palpate::app::OrbitCamera camera;
+  palpate::app::ResolutionChoice resolution;
+  int drawn_width = kFirstWidth;
+  int drawn_height = kFirstHeight;
+  bool adapts = true;
+};
+
+extern "C" {
+
+palpate_status palpate_web_view_open(palpate_simulation* simulation, int32_t width, int32_t height,
+                                     palpate_web_view** view) {
+  return guarded([&] { *view = std::make_unique<palpate_web_view>(*simulation, width, height).release(); });
+}
+
+void palpate_web_view_close(palpate_web_view* view) { std::unique_ptr<palpate_web_view>{view}.reset(); }
+
+palpate_status palpate_web_view_draw(palpate_web_view* view, const void* bytes, size_t size, int32_t width,
+                                     int32_t height) {
+  return guarded([&] {
+    if (bytes == nullptr) {
+      view->shown = view->simulation.newest_snapshot();
+    } else {
+      copy_snapshot(bytes, size, view->shown);
+    }
+    view->width = width;
+    view->height = height;
+    view->draw();
+  });
+}
+
+void palpate_web_view_camera(const palpate_web_view* view, double camera[10]) {
+  const palpate::render::Camera now = view->camera.camera();
+  for (int i = 0; i < 3; ++i) {
+    camera[i] = now.eye[i];
+    camera[3 + i] = now.target[i];
+    camera[6 + i] = now.up[i];
+  }
+  camera[9] = now.vertical_view_deg;
+}
+
+palpate_status palpate_web_view_set_camera(palpate_web_view* view, const double camera[10]) {
+  return guarded([&] {
+    const palpate::render::Camera wanted{Vec3(camera), Vec3(camera + 3), Vec3(camera + 6), camera[9]};
+    const Vec3 back = wanted.eye - wanted.target;
+    if (!(back.norm() > 0.0) || !back.allFinite() || !(wanted.up.cross(back).norm() > 0.0) ||
+        !wanted.up.allFinite()) {
+      throw InputError("camera: eye, target and up must be finite, and up not along the line of sight");
+    }
+    if (!(wanted.vertical_view_deg >= 1.0 && wanted.vertical_view_deg <= 120.0)) {
+      throw palpate::ParameterError("camera.verticalViewDeg", wanted.vertical_view_deg, "1 to 120");
+    }
+    view->camera.look_exactly_as(
+        {wanted.eye, wanted.target, wanted.up.normalized(), wanted.vertical_view_deg});
+  });
+}
+
+void palpate_web_view_orbit(palpate_web_view* view, double right, double up) {
+  view->camera.orbit(right, up);
+}
+void palpate_web_view_pan(palpate_web_view* view, double right, double up) { view->camera.pan(right, up); }
+void palpate_web_view_zoom(palpate_web_view* view, double factor) { view->camera.zoom(factor); }
+
+palpate_status palpate_web_view_frame(palpate_web_view* view, int32_t close_up) {
+  return guarded([&] { view->frame(close_up != 0); });
+}
+
+palpate_status palpate_web_view_steer(const palpate_web_view* view, uint32_t hand, double right, double up,
+                                      double way[3]) {
+  return guarded([&] {
+    if (hand >= view->simulation.hands()) throw UseError("hand: must be less than info.hands");
+    const Vec3 axis_W = view->shown.tools[hand].pose_W.rotation * Vec3::UnitZ();
+    const palpate::app::ToolPlane plane = palpate::app::plane_across(axis_W, view->camera);
+    const Vec3 moved = view->camera.height_at_target() * (right * plane.right + up * plane.away);
+    for (int i = 0; i < 3; ++i) way[i] = moved[i];
+  });
+}
+
+void palpate_web_view_ray(const palpate_web_view* view, double x, double y, double ray[6]) {
+  const Ray found = ray_through(view->camera.camera(), view->aspect(), x, y);
+  for (int i = 0; i < 3; ++i) {
+    ray[i] = found.origin[i];
+    ray[3 + i] = found.direction[i];
+  }
+}
+
+int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, double point[6]) {
+  const Ray ray_W = ray_through(view->camera.camera(), view->aspect(), x, y);
+  const Pose to_organ = view->shown.organ_W.inverse();
+  const Ray ray_S{to_organ * ray_W.origin, to_organ.rotation * ray_W.direction};
+  const palpate::geometry::TriangleMesh& organ = view->simulation.setup().organ;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const palpate::geometry::Triangle& triangle : organ.triangles) {
+    const auto corner = [&](int i) { return organ.vertices[static_cast<std::size_t>(triangle[i])]; };
+    nearest = std::min(nearest, distance_to(ray_S, corner(0), corner(1), corner(2)));
+  }
+  if (!std::isfinite(nearest)) return 0;
+  const Vec3 point_W = ray_W.origin + nearest * ray_W.direction;
+  const Vec3 point_S = ray_S.origin + nearest * ray_S.direction;
+  for (int i = 0; i < 3; ++i) {
+    point[i] = point_W[i];
+    point[3 + i] = point_S[i];
+  }
+  return 1;
+}
+
+palpate_status palpate_web_view_show_displacement(palpate_web_view* view, double range) {
+  return guarded([&] {
+    if (!(range >= 0.0) || !std::isfinite(range)) throw palpate::ParameterError("range", range, ">= 0 (m)");
+    view->renderer.set_map_range(range);
+  });
+}
+
+palpate_status palpate_web_view_show_inclusions(palpate_web_view* view, const double* inclusions,
+                                                size_t count) {
+  return guarded([&] {
+    if (count > palpate::model::kMaxInclusions) {
+      throw UseError("inclusions: must be at most " + std::to_string(palpate::model::kMaxInclusions));
+    }
+    std::vector<palpate::model::Inclusion> all(count);
+    for (palpate::model::Inclusion& inclusion : all) {
+      inclusion.centre_S = Vec3(inclusions);
+      inclusion.radius = inclusions[3];
+      inclusion.ratio = inclusions[4];
+      inclusions += 5;
+    }
+    view->renderer.show_inclusions(std::move(all));
+  });
+}
+
+palpate_status palpate_web_view_show_marks(palpate_web_view* view, const double* marks, size_t count) {
+  return guarded([&] {
+    std::vector<palpate::render::SurfaceMark> all(count);
+    for (palpate::render::SurfaceMark& mark : all) {
+      mark = {Vec3(marks), static_cast<palpate::render::SurfaceMark::Kind>(static_cast<int>(marks[3]))};
+      marks += 4;
+    }
+    view->renderer.show_marks(all);
+  });
+}
+
+palpate_status palpate_web_view_set_quality(palpate_web_view* view, int32_t quality) {
+  return guarded([&] { view->set_quality(quality); });
+}
+
+int32_t palpate_web_view_quality(const palpate_web_view* view) {
+  return static_cast<int32_t>(view->renderer.quality());
+}
+
+const char* palpate_web_view_driver(const palpate_web_view* view) { return view->driver.c_str(); }
+}
