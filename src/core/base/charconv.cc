@@ -17,7 +17,7 @@ namespace {
 
 bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
 
-/// The end of a decimal number's text; `first` if there is none.
+/// The end of a decimal number's text; `first` without a number.
 const char* end_of_number(const char* first, const char* last) noexcept {
   const auto skip_digits = [last](const char* at) { return std::find_if_not(at, last, is_digit); };
   const char* const begin = first != last && *first == '-' ? first + 1 : first;
