@@ -28,6 +28,9 @@ inline int status_of(const std::filesystem::path& file, FileStatus& status) noex
   return ::stat(file.c_str(), &status);
 }
 inline int status_of(int descriptor, FileStatus& status) noexcept { return ::fstat(descriptor, &status); }
+inline std::ptrdiff_t read_next(int descriptor, void* bytes, std::size_t count) noexcept {
+  return ::read(descriptor, bytes, count);
+}
 inline std::ptrdiff_t read_at(int descriptor, void* bytes, std::size_t count, std::uint64_t offset) noexcept {
   return ::pread(descriptor, bytes, count, static_cast<off_t>(offset));
 }

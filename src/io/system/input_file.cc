@@ -61,7 +61,7 @@ void InputFile::check() {
 
 std::size_t InputFile::read(std::span<char> bytes) {
   for (;;) {
-    const ssize_t count = ::read(descriptor_, bytes.data(), bytes.size());
+    const std::ptrdiff_t count = read_next(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw InputError(name_ + ": cannot be read to its end: " + std::strerror(errno));
     taken_ += static_cast<std::uint64_t>(count);

@@ -31,9 +31,12 @@ inline int status_of(const std::filesystem::path& file, FileStatus& status) noex
 inline int status_of(int descriptor, FileStatus& status) noexcept { return ::_fstat64(descriptor, &status); }
 
 inline constexpr std::size_t kMostBytesAtOnce = std::size_t{1} << 30;
+inline std::ptrdiff_t read_next(int descriptor, void* bytes, std::size_t count) noexcept {
+  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+}
 inline std::ptrdiff_t read_at(int descriptor, void* bytes, std::size_t count, std::uint64_t offset) noexcept {
   if (::_lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0) return -1;
-  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+  return read_next(descriptor, bytes, count);
 }
 inline std::ptrdiff_t write_at(int descriptor, const void* bytes, std::size_t count,
                                std::uint64_t offset) noexcept {
