@@ -82,8 +82,8 @@ test('the browser draws without an error', () => {
 for (const quality of ['full', 'balanced', 'fast']) {
   test(`a picture in quality ${quality} shows tissue, steel and background`, () => {
     const {tissue, steel, background} = picture(quality).shares;
-    assert.ok(tissue > 0.1 && tissue < 0.9, `tissue ${tissue}`);
-    assert.ok(steel > 0.002, `steel ${steel}`);
+    assert.ok(tissue > 0.3 && tissue < 0.8, `tissue ${tissue}`);
+    assert.ok(steel > 0.002 && steel < 0.2, `steel ${steel}`);
     assert.ok(background > 0.1, `background ${background}`);
   });
 }
@@ -93,8 +93,9 @@ test('the qualities show the same picture', () => {
   assert.ok(report.differences.fast < 0.05, `fast ${report.differences.fast}`);
 });
 
-test('a view draws the state of another instance', () => {
-  assert.equal(report.differences.otherInstance, 0);
+test('a view draws the state of a snapshot', () => {
+  const {snapshot, atRest} = report.differences;
+  assert.ok(snapshot < 0.1 * atRest, `${snapshot} and ${atRest}`);  // 0 but for triangles that it split
 });
 
 test('the displacement map colours the indentation', () => {
