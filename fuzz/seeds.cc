@@ -419,7 +419,8 @@ void add_the_rest(const Seeds& seeds) {
   const std::string transform(transforms.bytes().begin(), transforms.bytes().end());
   seeds.add("igtl_message", "whole", transform);
   seeds.add("igtl_message", "version1", std::string(1, '\0') + transform.substr(58));
-  seeds.add("igtl_message", "version2", std::string("\1\0\14", 3) + std::string(10, '\0') + transform.substr(58));
+  seeds.add("igtl_message", "version2",
+            std::string("\1\0\14", 3) + std::string(10, '\0') + transform.substr(58));
   int message = 0;
   for (const char* text : kLiveMessages) seeds.add("live_message", std::to_string(++message), text);
   record::record_sample(seeds.place("recording", "no_tick"), 0, 1);

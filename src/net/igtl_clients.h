@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "net/igtl_messages.h"
 #include "io/igtl/igtl_socket.h"
+#include "net/igtl_messages.h"
 
 namespace palpate::net {
 

@@ -7,6 +7,7 @@ import {EXERCISES, sceneText, TOLERANCE} from './scenes.js';
 import {scoreOf, surfacePoint} from './search.js';
 import {clamp, rotatedBack, sub} from './vectors.js';
 
+const PULL_ROOM = 1.2;         // factor of the distance, for the tissue that a pull lifts
 const MAP_RANGE = 10e-3;       // m
 const SLOW_FRAME = 40, FAST_FRAME = 24;  // ms between pictures: the resolution falls, or rises
 const LEAST_SCALE = 0.4;       // of the display's pixels per side
@@ -99,6 +100,7 @@ function firstView(closeUp) {
   // From above the view already fits the picture's width, and moves back once more for a narrow picture.
   const narrow = picture.clientWidth / picture.clientHeight / (4 / 3);
   if (!closeUp && state.task === 'palpate' && narrow < 1) state.view.zoom(1.1 * narrow);
+  if (!closeUp && state.task === 'pull') state.view.zoom(PULL_ROOM);
   state.stale = true;
 }
 

@@ -31,7 +31,7 @@ export function sceneText(task, seed, haply) {
     '[organ]', `mesh = "${organ}"`, '[tool]', `mesh = "${tool}"`];
   // Without a grip the handle's orientation is the identity, and the instrument would point up.
   if (haply && !haply.grip) lines.push('mount = { rotation_deg = [180, 0, 0] }');
-  if (haply) lines.push('[device]', 'kind = "haply"', 'fit = true');
+  if (haply) lines.push('[device]', 'kind = "haply"');
   if (task === 'palpate') {
     lines.push('[search]', `lumps = ${LUMPS}`, 'preset = "nodule"', 'radius_mm = 6', 'depth_mm = 9',
       `tolerance_mm = ${1e3 * TOLERANCE}`);

@@ -5,7 +5,7 @@
 import {HaplyError, HaplyLink} from './haply.js';
 import {loadPalpate} from './palpate/palpate.js';
 import {EXERCISES, NOISE, sceneText, TISSUE_SLIDERS} from './scenes.js';
-import {norm} from './vectors.js';
+import {add, norm, sub} from './vectors.js';
 
 const BATCH = 4;            // ms between batches; browsers allow no shorter timer
 const LONGEST_BATCH = 25;   // ms of simulated time; time beyond it is dropped and reported
@@ -19,6 +19,7 @@ const LEAST_DEPTH = 1e-3;   // m, of a felt stiffness
 const ZERO = [0, 0, 0];
 
 let palpate, sim, law, follower, results, scene, settings, link;
+let anchor = ZERO;  // m, from the Inverse3 to the tool: the arm is at the path's start when the scene begins
 let mode = 'demo', target = ZERO, gripper = 0, buttons = 0;
 let clock = 0, lastBatch = 0, tick = 0, epoch = 0, paused = false;
 let fresh = false, sentForce = false;  // of the Inverse3: a sample came since the beginning; the last force was not zero
@@ -201,6 +202,7 @@ function sampleOfMode(stalled) {
   if (mode === 'demo') return sim.scriptedSample(0, Math.min(tick, sim.info.scriptedTicks - 1));
   if (mode === 'pointer') return {...follower.advance(target, gripper), buttons};
   const sample = link.sample();
+  sample.position = add(sample.position, anchor);
   return stalled && !sample.fault ? {...sample, fault: FAULT_STALLED_LOOP} : sample;
 }
 
@@ -217,6 +219,7 @@ function exchange() {
   if (mode !== 'haply') return;
   if (!fresh) {
     fresh = true;
+    anchor = sub(follower.start, link.newest.position);
     clock = lastBatch = performance.now();
   }
   advance();

@@ -16,7 +16,8 @@ constexpr DeviceKind kKinds[] = {
     {"touch", DevicePath::kName, true, false, false},
     // A hand: behind the client may be an arm that displays the force.
     {"igtl", DevicePath::kClient, true, true, false},
-    // A hand: the program that publishes the poses may read them from an arm that displays the published force.
+    // A hand: the program that publishes the poses may read them from an arm that displays the published
+    // force.
     {"ros", DevicePath::kAddress, true, true, false},
     {"host", DevicePath::kToolPath, true, true, false},
 };

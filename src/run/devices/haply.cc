@@ -79,9 +79,7 @@ haptics::DeviceState HaplyDevice::read(std::uint64_t /*tick*/, double /*time*/) 
   return state;
 }
 
-bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept {
-  return forces_.write(command_D);
-}
+bool HaplyDevice::write(const haptics::ForceCommand& command_D) noexcept { return forces_.write(command_D); }
 
 void HaplyDevice::stop() noexcept { forces_.stop(); }
 
