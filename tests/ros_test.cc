@@ -181,7 +181,8 @@ TEST_F(RosTopics, PoseAndWrenchWithOneStampAreThoseOfOneRecordedRow) {
   for (std::uint32_t hand = 0; hand < 2; ++hand) {
     std::size_t pairs = 0;
     double strongest = 0.0;
-    for (const auto& [stamp, message] : run_->hands[hand].messages) {
+    for (const auto& [stamp, stamped] : run_->hands[hand].messages) {
+      const PoseAndWrench& message = stamped;
       if (!message.pose || !message.wrench) continue;  // lost on a busy machine
       ++pairs;
       strongest = std::max(strongest, std::abs(message.wrench->force.z));
