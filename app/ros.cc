@@ -162,7 +162,10 @@ void add_ros(CLI::App& program, int& exit_code) {
       "stamped with "
       "the\nwall time of the tick. Poses that are received are in the device's frame (the world's without a "
       "base).\n"
-      "Without --network-interface only programs on this machine see it. ROS_DOMAIN_ID is respected.\n"
+      "Without --network-interface only programs on this machine see it. A ROS 2 on this machine must use "
+      "the\n"
+      "loopback interface, too: ROS_LOCALHOST_ONLY=1, or CYCLONEDDS_URI from Iron on. ROS_DOMAIN_ID is "
+      "respected.\n"
       "Tested against CycloneDDS 0.10.2 alone; it was never run with ROS 2 itself.\n"
       "Exit: 0 done, 2 bad input, 3 a fault was latched (even if it was reset),\n"
       "      4 more than --max-missed deadlines missed");

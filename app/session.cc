@@ -14,6 +14,7 @@
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "run/devices/ros.h"
+#include "run/ros/ros_node.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -86,7 +87,7 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
 void report_awaited_topics(const scene::Scene& setup) {
   for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
     const scene::DeviceSetup& device = setup.devices[hand];
-    if (device.kind != "ros") continue;
+    if (device.kind != "ros" || !ros::has_plugin()) continue;
     report_message("device ros: the run begins when a program publishes poses to " +
                    (device.path.empty() ? devices::default_ros_topic(hand) : device.path));
   }
