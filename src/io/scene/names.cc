@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/system/path_text.h"
 #include "palpate/read_mesh.h"
 #include "palpate/scene.h"
 
@@ -13,7 +14,7 @@ bool is_path(std::string_view text) {
   static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
                                                                ".dae",  ".vtp", ".vtu"};
   if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(text)) return true;
-  std::string ending = std::filesystem::path(text).extension().string();
+  std::string ending = to_text(to_path(text).extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
