@@ -6,6 +6,7 @@
 #include "io/scene/make_world.h"
 #include "io/scene/organ_cache.h"
 #include "io/system/cache_folder.h"
+#include "io/system/path_text.h"
 #include "palpate/scene.h"
 #include "palpate/scripted_device.h"
 #include "palpate/tool_path.h"
@@ -22,9 +23,10 @@ scene::Overrides request_of(const palpate_options& options) {
   if (options.scene_file != nullptr && options.scene_text != nullptr) {
     throw UseError("palpate_options: scene_file and scene_text are both given, must be at most one");
   }
-  if (options.scene_file != nullptr) request.scene = options.scene_file;
+  if (options.scene_file != nullptr) request.scene = to_path(options.scene_file);
   if (options.scene_text != nullptr) {
-    request.scene_text = {options.scene_text, options.scene_folder == nullptr ? "" : options.scene_folder};
+    request.scene_text = {options.scene_text,
+                          to_path(options.scene_folder == nullptr ? "" : options.scene_folder)};
   }
   if (options.task != nullptr) request.task = options.task;
   return request;
@@ -46,8 +48,8 @@ std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& setup, std:
   if (device.kind == "replay") return devices::open_device(setup, hand);
   const bool has_path =
       !device.path.empty() && scene::find_device_kind(device.kind)->path == scene::DevicePath::kToolPath;
-  const scene::ToolPath path =
-      has_path ? scene::read_tool_path(device.path, device.interpolation) : scene::default_path(setup, hand);
+  const scene::ToolPath path = has_path ? scene::read_tool_path(to_path(device.path), device.interpolation)
+                                        : scene::default_path(setup, hand);
   return std::make_unique<devices::ScriptedDevice>(path.faster(device.path_speed));
 }
 

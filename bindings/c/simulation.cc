@@ -7,6 +7,7 @@
 
 #include "core/haptics/prepared_update.h"
 #include "io/system/clock.h"
+#include "io/system/path_text.h"
 #include "palpate/surface.h"
 
 #include "bindings/c/float_environment.h"
@@ -81,7 +82,8 @@ palpate_simulation::palpate_simulation(palpate::c_interface::Loaded loaded, cons
       deformer_(palpate::c_interface::visible_surface(setup_, options.surface_edge)) {
   updates_.emplace(world_, setup_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   if (options.record_file != nullptr) {
-    recorder_ = palpate::record::make_recorder(options.record_file, setup_, options.record_waits != 0);
+    recorder_ = palpate::record::make_recorder(palpate::to_path(options.record_file), setup_,
+                                               options.record_waits != 0);
   }
   publish();
   vertices_ = deformer_.rest().vertices;

@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "io/mesh_io/formats/formats.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 
@@ -41,7 +42,7 @@ std::vector<std::string> mesh_file_extensions() {
 }
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
+  std::string ending = to_text(path.extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Reader& reader : kReaders) {
@@ -56,11 +57,11 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   InputFile input(path, kMeshInput);
   const std::optional<MeshFormat> format = mesh_format(path);
   if (!format) {
-    throw InputError(fmt::format("{}: unknown file name extension \"{}\": must be one of {}", path.string(),
-                                 path.extension().string(), joined(mesh_file_extensions())));
+    throw InputError(fmt::format("{}: unknown file name extension \"{}\": must be one of {}", to_text(path),
+                                 to_text(path.extension()), joined(mesh_file_extensions())));
   }
   MeshFile file{path, *format, input.read_rest()};
-  if (file.bytes.empty()) throw InputError(path.string() + ": empty");
+  if (file.bytes.empty()) throw InputError(to_text(path) + ": empty");
   return file;
 }
 

@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "io/mesh_io/mesh_file.h"
 #include "io/mesh_io/repair/repair_surface.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -97,17 +98,17 @@ std::string unit_hint(double size) {
 
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   const MeshFile file = open_mesh_file(path);
-  if (!unit) throw InputError(path.string() + ": its unit is missing: must be mm, cm, m or in");
+  if (!unit) throw InputError(to_text(path) + ": its unit is missing: must be mm, cm, m or in");
   ImportedMesh imported = import_mesh(file);
   if (imported.mesh.triangles.empty()) {
-    throw InputError(path.string() + ": no triangles" +
+    throw InputError(to_text(path) + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
   }
   const std::size_t vertices = imported.mesh.vertices.size();
   Merged merged = merge_equal_vertices(std::move(imported.mesh));
   report_merged(file, vertices, merged, imported.repairs);
   if (merged.mesh.triangles.empty()) {
-    throw InputError(fmt::format("{}: no triangles ({})", path.string(), joined(imported.repairs)));
+    throw InputError(fmt::format("{}: no triangles ({})", to_text(path), joined(imported.repairs)));
   }
   for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
   LoadedMesh loaded{std::move(merged.mesh), {}};

@@ -10,6 +10,7 @@
 #include "core/base/text.h"
 #include "io/record/csv_rows.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -38,7 +39,7 @@ CsvRecorder::CsvRecorder(std::filesystem::path file, const scene::Scene& setup, 
   out_.open(file_, std::ios::binary);
   out_ << csv_header();
   if (!out_) {
-    throw InputError(file_.string() + ": the recording cannot be made: " + std::strerror(errno));
+    throw InputError(to_text(file_) + ": the recording cannot be made: " + std::strerror(errno));
   }
   if (waits_) return;
   try {
@@ -50,7 +51,7 @@ CsvRecorder::CsvRecorder(std::filesystem::path file, const scene::Scene& setup, 
       }
     });
   } catch (const std::system_error&) {
-    throw InputError(file_.string() + ": this system has no threads, a recording needs record_waits = 1");
+    throw InputError(to_text(file_) + ": this system has no threads, a recording needs record_waits = 1");
   }
 }
 
@@ -92,13 +93,13 @@ void CsvRecorder::finish(const haptics::LoopReport& /*report*/) {
     if (!out_) failure_ = errno == 0 ? EIO : errno;
   }
   if (failure_ != 0) {
-    throw InputError(file_.string() + ": the recording is cut off: " + std::strerror(failure_));
+    throw InputError(to_text(file_) + ": the recording is cut off: " + std::strerror(failure_));
   }
   std::vector<haptics::ParameterUpdate> updates;
   for (haptics::ParameterUpdate update; updates_.pop(update);) updates.push_back(update);
   if (!updates.empty()) write_output(changes_csv_path(file_), changes_csv(updates));
   if (const std::uint64_t lost = rows_lost_.load(std::memory_order_relaxed); lost > 0) {
-    throw InputError(file_.string() + ": the disk could not keep up, " + counted(lost, "row", "rows") +
+    throw InputError(to_text(file_) + ": the disk could not keep up, " + counted(lost, "row", "rows") +
                      " are missing from the recording");
   }
 }

@@ -8,6 +8,7 @@
 #include "core/base/charconv.h"
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
+#include "io/system/path_text.h"
 
 namespace palpate::record {
 namespace {
@@ -112,7 +113,7 @@ std::string changes_csv(std::span<const haptics::ParameterUpdate> changes) {
 }
 
 std::filesystem::path changes_csv_path(const std::filesystem::path& csv) {
-  return csv.parent_path() / (csv.stem().string() + "-changes.csv");
+  return csv.parent_path() / to_path(to_text(csv.stem()) + "-changes.csv");
 }
 
 }  // namespace palpate::record

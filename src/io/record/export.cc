@@ -7,6 +7,7 @@
 
 #include "io/record/csv_rows.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr std::size_t kBlockRows = 4096;
 
 [[noreturn]] void refuse(const std::filesystem::path& file) {
-  throw InputError(file.string() + ": cannot be written: " + std::strerror(errno));
+  throw InputError(to_text(file) + ": cannot be written: " + std::strerror(errno));
 }
 
 void write_all(std::ofstream& out, const Recording& recording, const Progress& progress) {

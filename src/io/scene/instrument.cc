@@ -7,6 +7,7 @@
 
 #include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
+#include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
@@ -29,7 +30,7 @@ geometry::Tool make_sphere(const LocatedString& mesh) {
 geometry::ToolPart read_part(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
                              MeshNotes& notes) {
   geometry::ToolPart part;
-  part.name = std::filesystem::path(mesh.value).stem().string();
+  part.name = to_text(to_path(mesh.value).stem());
   geometry::LoadedMesh loaded = read_part_source(mesh, unit, notes);
   if (!loaded.findings.closed) {
     notes.remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");

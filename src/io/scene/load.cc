@@ -17,6 +17,7 @@
 #include "io/scene/scene_keys.h"
 #include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -129,7 +130,7 @@ void require_below(const std::filesystem::path& folder, const LocatedString& fil
   const std::filesystem::path inside =
       error ? root : std::filesystem::weakly_canonical(file.file(), error).lexically_relative(root);
   if (error || inside.empty() || *inside.begin() == "..")
-    file.fail("must be a file below " + folder.string());
+    file.fail("must be a file below " + to_text(folder));
 }
 
 /// Requires all files that the scene names to be inside the folder of the request.
@@ -158,7 +159,7 @@ SceneFile describe(const Overrides& request) {
   SceneFile scene;
   if (request.scene || request.scene_text) {
     if (request.scene && !request.files_below.empty()) {
-      require_below(request.files_below, LocatedString{request.scene->string(), "scene", {}});
+      require_below(request.files_below, LocatedString{to_text(*request.scene), "scene", {}});
     }
     scene = request.scene
                 ? read_scene_file(*request.scene, request.settings)
@@ -181,7 +182,7 @@ SceneFile describe(const Overrides& request) {
                      alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
   if (!request.scene && !request.scene_text) {
-    scene.name = std::filesystem::path(scene.organ->value).stem().string() + " " + to_string(scene.task);
+    scene.name = to_text(to_path(scene.organ->value).stem()) + " " + to_string(scene.task);
   }
   return scene;
 }
@@ -215,7 +216,7 @@ void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) 
       throw InputError(
           fmt::format("{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the "
                       "organ's frame",
-                      scene.stiffness_map->file().string(), map.name_of(i), brief(distance / kMillimetre, 3),
+                      to_text(scene.stiffness_map->file()), map.name_of(i), brief(distance / kMillimetre, 3),
                       brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
     }
     setup.stiffness = std::move(map.points);
@@ -229,7 +230,7 @@ void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) 
 model::TissueParameters find_tissue(const SceneFile& scene) {
   if (scene.tissue) {
     try {
-      return load_tissue(is_path(scene.tissue->value) ? scene.tissue->file().string() : scene.tissue->value);
+      return load_tissue(is_path(scene.tissue->value) ? to_text(scene.tissue->file()) : scene.tissue->value);
     } catch (const InputError& error) {
       throw InputError(scene.tissue->where + ": " + error.what());
     }
@@ -256,7 +257,7 @@ void check_tool_path(const LocatedString& path, const std::filesystem::path& fil
   try {
     const ToolPath read = read_tool_path(file);
     if (task == Task::kPull && !read.has_gripper()) {
-      throw InputError(file.string() + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
+      throw InputError(to_text(file) + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
     }
   } catch (const InputError& error) {
     throw InputError(path.where + ": " + error.what());
@@ -290,7 +291,7 @@ std::string check_device_path(const DeviceTable& device, const DeviceKind& kind,
   if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
   if (std::filesystem::is_directory(file, status)) device.path->fail("is a folder, must be a file");
   if (kind.path == DevicePath::kToolPath) check_tool_path(*device.path, file, task);
-  return file.string();
+  return to_text(file);
 }
 
 void load_hands(const SceneFile& scene, Scene& setup, MeshNotes& notes) {

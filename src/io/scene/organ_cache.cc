@@ -10,6 +10,7 @@
 
 #include "core/base/index.h"
 #include "io/system/cache_folder.h"
+#include "io/system/path_text.h"
 
 namespace palpate::scene {
 namespace {
@@ -42,7 +43,7 @@ class OrganCache final {
     const fs::path file = file_of(key);
     std::error_code error;
     if (!fs::exists(file, error)) {
-      report("the cache does not have this organ: " + file.string());
+      report("the cache does not have this organ: " + to_text(file));
       return std::nullopt;
     }
     const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
@@ -51,10 +52,10 @@ class OrganCache final {
     if (!arrays) {
       report(
           "the cached organ is damaged, of another version or open to other users, and is computed again: " +
-          file.string());
+          to_text(file));
       return std::nullopt;
     }
-    report("prepared organ taken from the cache: " + file.string());
+    report("prepared organ taken from the cache: " + to_text(file));
     fs::last_write_time(file, fs::file_time_type::clock::now(),
                         error);  // the least recently used files are removed first
     return arrays;
@@ -63,12 +64,12 @@ class OrganCache final {
   void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
     const ContentHash key = contact::organ_key(organ, reference_radius);
     if (!make_private_folder(folder_)) {
-      report("the prepared organ could not be kept in " + folder_.string());
+      report("the prepared organ could not be kept in " + to_text(folder_));
       return;
     }
     ArrayFileWriter writer(file_of(key), key);
     put(arrays, writer);
-    if (!writer.commit()) report("the prepared organ could not be kept as " + file_of(key).string());
+    if (!writer.commit()) report("the prepared organ could not be kept as " + to_text(file_of(key)));
     trim_cache(folder_, kEnding, kMostCached);
   }
 

@@ -9,6 +9,7 @@
 #include "io/scene/search.h"
 #include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
@@ -25,7 +26,7 @@ struct LocatedString {
   bool by_flag = false;          // from the command line or a caller's argument, not from a scene file
 
   /// [setup] The value as a path.
-  [[nodiscard]] std::filesystem::path file() const { return folder / value; }
+  [[nodiscard]] std::filesystem::path file() const { return folder / to_path(value); }
   /// [setup] @throws InputError "where = "value": want", always.
   [[noreturn]] void fail(const std::string& want) const;
 };

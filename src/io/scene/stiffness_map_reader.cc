@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "io/mesh_io/formats/ply_vertices.h"
 #include "io/system/csv_table.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::scene {
@@ -41,7 +42,7 @@ StiffnessMapFile read_csv(const std::filesystem::path& file) {
 
 void require_no_factors(const std::filesystem::path& file, const StiffnessMapOptions& options) {
   if (!options.factor_at_black && !options.factor_at_white) return;
-  throw InputError(fmt::format("{}: has factors, not colours: leave out {}", file.string(),
+  throw InputError(fmt::format("{}: has factors, not colours: leave out {}", to_text(file),
                                options.factor_at_black ? "factor_at_black" : "factor_at_white"));
 }
 
@@ -61,7 +62,7 @@ class VertexFactor final {
     for (std::size_t c = 0; c < 3; ++c) {
       colours_[c] = vertices.find(names[c]);
       if (colours_[c] == nullptr) {
-        throw InputError(file.string() +
+        throw InputError(to_text(file) +
                          ": element vertex must have the property factor or quality, or the colours red, "
                          "green and blue");
       }
@@ -69,12 +70,12 @@ class VertexFactor final {
       const geometry::NumberType type = colours_[c]->type;
       if (type != kUint8 && type != kFloat && type != kDouble) {
         throw InputError(
-            fmt::format("{}: property {} must be uchar, or float from 0 to 1", file.string(), names[c]));
+            fmt::format("{}: property {} must be uchar, or float from 0 to 1", to_text(file), names[c]));
       }
     }
     if (!options.factor_at_black || !options.factor_at_white) {
       throw InputError(
-          fmt::format("{}: has colours: needs factor_at_black and factor_at_white", file.string()));
+          fmt::format("{}: has colours: needs factor_at_black and factor_at_white", to_text(file)));
     }
     black_ = *options.factor_at_black;
     white_ = *options.factor_at_white;
@@ -112,13 +113,13 @@ StiffnessMapFile read_ply(const std::filesystem::path& file, const StiffnessMapO
   StiffnessMapFile map;
   map.item = "vertex";
   map.count = vertices.points.size();
-  if (map.count == 0) throw InputError(file.string() + ": has no vertices");
+  if (map.count == 0) throw InputError(to_text(file) + ": has no vertices");
   for (std::size_t v = 0; v < map.count; ++v) {
     try {
       map.points.push_back({vertices.points[v] * metres_per(options.unit), factor_of(v)});
       model::validate(map.points.back(), factor_of.field());
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}: vertex {}: {}", file.string(), v + 1, error.what()));
+      throw InputError(fmt::format("{}: vertex {}: {}", to_text(file), v + 1, error.what()));
     }
   }
   if (map.count <= model::kMaxStiffnessPoints) return map;
@@ -127,7 +128,7 @@ StiffnessMapFile read_ply(const std::filesystem::path& file, const StiffnessMapO
   }
   map.points.resize(model::kMaxStiffnessPoints);
   map.remarks.push_back(fmt::format("{}: of its {} vertices, {} at even steps are used for the stiffness map",
-                                    file.string(), map.count, map.points.size()));
+                                    to_text(file), map.count, map.points.size()));
   return map;
 }
 

@@ -6,6 +6,7 @@
 #include "core/model/tissue_fields.h"
 #include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
@@ -111,7 +112,7 @@ model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
   root.allow_only({"tissue"});
   const std::optional<TomlTable> table = root.table("tissue");
   if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
-  model::TissueParameters tissue = read_parameters(*table, file.stem().string());
+  model::TissueParameters tissue = read_parameters(*table, to_text(file.stem()));
   try {
     model::validate(tissue);
   } catch (const ParameterError& error) {
@@ -151,7 +152,7 @@ std::string to_toml(const model::TissueParameters& tissue) {
 }
 
 model::TissueParameters load_tissue(const std::string& name_or_file) {
-  if (is_path(name_or_file)) return read_tissue_file(name_or_file);
+  if (is_path(name_or_file)) return read_tissue_file(to_path(name_or_file));
   return model::tissue_preset(name_or_file);
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "io/scene/names.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 
 namespace palpate::scene {
 namespace {
@@ -74,7 +75,7 @@ std::string Range::to_string() const {
 }
 
 TomlFile read_toml(const std::filesystem::path& file) {
-  return parse_toml(InputFile(file, kTomlInput).read_rest(), file.string());
+  return parse_toml(InputFile(file, kTomlInput).read_rest(), to_text(file));
 }
 
 TomlFile parse_toml(const std::string& text, const std::string& name) {

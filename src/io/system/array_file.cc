@@ -8,6 +8,7 @@
 
 #include "io/system/cache_folder.h"
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/version.h"
 
@@ -74,7 +75,7 @@ bool write_whole(int descriptor, std::uint64_t offset, std::span<const std::byte
 }  // namespace
 
 ArrayFileWriter::ArrayFileWriter(std::filesystem::path file, const ContentHash& key)
-    : file_(std::move(file)), temporary_(file_.string() + "."), key_(key), written_(kFirstArray) {
+    : file_(std::move(file)), temporary_(to_text(file_) + "."), key_(key), written_(kFirstArray) {
   descriptor_ = open_temporary_file(temporary_);
   if (descriptor_ < 0) {
     temporary_.clear();
@@ -85,7 +86,7 @@ ArrayFileWriter::ArrayFileWriter(std::filesystem::path file, const ContentHash& 
 ArrayFileWriter::~ArrayFileWriter() {
   if (descriptor_ >= 0) close(descriptor_);
   std::error_code ignored;
-  if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  if (!temporary_.empty()) std::filesystem::remove(to_path(temporary_), ignored);
 }
 
 void ArrayFileWriter::write(std::span<const std::byte> bytes) {
@@ -125,7 +126,7 @@ bool ArrayFileWriter::commit() {
   if (failed_ || !write_whole(descriptor_, 0, bytes_of(header))) return false;
   const bool closed = close(std::exchange(descriptor_, -1)) == 0;
   std::error_code error;
-  if (closed) std::filesystem::rename(temporary_, file_, error);
+  if (closed) std::filesystem::rename(to_path(temporary_), file_, error);
   if (!closed || error) return false;
   temporary_.clear();
   return true;

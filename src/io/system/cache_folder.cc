@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 
 namespace palpate {
 namespace {
@@ -52,9 +53,9 @@ std::string distrust_reason(const fs::path& folder) {
   FileStatus facts{};
   if (status_of(folder, facts) != 0) return {};
   if (is_private(facts)) return {};
-  return folder.string() + (!is_of_this_user(facts) ? ": belongs to another user"
+  return to_text(folder) + (!is_of_this_user(facts) ? ": belongs to another user"
                                                     : ": other users may write to it (chmod go-w " +
-                                                          folder.string() + " corrects that)");
+                                                          to_text(folder) + " corrects that)");
 }
 
 bool make_private_folder(const fs::path& folder) {
@@ -72,7 +73,7 @@ void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t m
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code of_this;
     if (!entry->is_regular_file(of_this) || entry->is_symlink(of_this)) continue;
-    const std::string name = entry->path().filename().string();
+    const std::string name = to_text(entry->path().filename());
     const CachedFile file{entry->path(), entry->file_size(of_this), entry->last_write_time(of_this)};
     if (of_this) continue;
     if (name.size() > kTemporaryLetters &&

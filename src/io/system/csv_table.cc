@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -34,7 +35,7 @@ std::string required_names(const std::vector<CsvColumn>& columns) {
 }  // namespace
 
 CsvTable::CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns, double largest)
-    : file_(file.string()),
+    : file_(to_text(file)),
       in_(file, kCsvInput),
       columns_(std::move(columns)),
       largest_(largest),

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -25,7 +26,7 @@ std::string size_text(std::uint64_t bytes) {
 }  // namespace
 
 InputFile::InputFile(const std::filesystem::path& file, const InputKind& kind)
-    : name_(file.string()), kind_(kind) {
+    : name_(to_text(file)), kind_(kind) {
   // Without O_NONBLOCK, opening a FIFO blocks until a writer opens it.
   descriptor_ = open_file(file, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
   if (descriptor_ < 0) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -13,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string shown(const NamedFile& file) {
-  return (file.flag.empty() ? "" : file.flag + " ") + file.path.string();
+  return (file.flag.empty() ? "" : file.flag + " ") + to_text(file.path);
 }
 
 /// The absolute path without links; the file need not exist.
@@ -55,7 +56,7 @@ fs::path link_target(const fs::path& file) {
   std::error_code error;
   for (int i = 0; fs::is_symlink(target, error); ++i) {
     const fs::path next = fs::read_symlink(target, error);
-    if (error || i == kMostLinks) throw InputError(file.string() + ": is a link that leads nowhere");
+    if (error || i == kMostLinks) throw InputError(to_text(file) + ": is a link that leads nowhere");
     target = target.parent_path() / next;  // replaces all if `next` is absolute
   }
   return target;
@@ -69,7 +70,7 @@ bool is_special_file(const fs::path& file) {
 
 bool may_have_files_beside(const fs::path& file) {
   std::error_code error;
-  const std::string folder = fs::absolute(file, error).lexically_normal().parent_path().string();
+  const std::string folder = to_text(fs::absolute(file, error).lexically_normal().parent_path());
   return !is_special_file(file) && folder != "/dev" && folder != "/dev/fd" && !folder.starts_with("/proc");
 }
 

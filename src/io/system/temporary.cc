@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 
 namespace palpate {
 namespace {
@@ -29,7 +30,7 @@ int open_temporary_file(std::string& path, mode_t mode) {
     if (letters.empty()) return -1;
     const std::string name = path + letters;
     // O_EXCL: fails if the name exists, even as a link.
-    const int descriptor = open_file(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    const int descriptor = open_file(to_path(name), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
     if (descriptor >= 0) path = name;
     if (descriptor >= 0 || errno != EEXIST) return descriptor;
   }
@@ -42,7 +43,7 @@ std::filesystem::path make_temporary_folder(const std::filesystem::path& path) {
     const std::string letters = random_letters();
     if (letters.empty()) return {};
     std::filesystem::path folder = path;
-    folder += letters;
+    folder += to_path(letters);
     if (make_folder(folder) == 0) return folder;
     if (errno != EEXIST) return {};
   }

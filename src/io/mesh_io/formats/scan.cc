@@ -11,6 +11,7 @@
 #include "core/base/charconv.h"
 #include "core/base/infinity.h"
 #include "core/base/text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -84,7 +85,7 @@ void MeshScan::refuse_at(std::size_t place, const std::string& words) const {
       ++line;
     at = "line " + std::to_string(line);
   }
-  throw InputError(fmt::format("{}, {}: {}", file_.path.string(), at, one_line(words)));
+  throw InputError(fmt::format("{}, {}: {}", to_text(file_.path), at, one_line(words)));
 }
 
 void MeshScan::refuse_index(std::int64_t index, std::size_t vertices, int first, std::size_t place) const {

@@ -4,6 +4,7 @@
 
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/scan.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -74,11 +75,11 @@ ImportedMesh read_stl(const MeshFile& file) {
   if (is_text && MeshScan(file).word() == "solid") return read_text(file);
   if (bytes.size() < kHeader) {
     throw InputError(fmt::format("{}: truncated: a binary STL has at least 84 bytes, this has {}",
-                                 file.path.string(), bytes.size()));
+                                 to_text(file.path), bytes.size()));
   }
   throw InputError(
       fmt::format("{}: truncated or damaged: a binary STL of {} triangles has {} bytes, this has {}",
-                  file.path.string(), declared, kHeader + kTriangle * declared, bytes.size()));
+                  to_text(file.path), declared, kHeader + kTriangle * declared, bytes.size()));
 }
 
 }  // namespace palpate::geometry

@@ -1,13 +1,14 @@
 // Formats that are read by assimp, in a build without it.
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/gltf_check.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
 
 [[noreturn]] ImportedMesh refuse_format(const MeshFile& file, const char* format) {
-  throw InputError(file.path.string() + ": this build of palpate does not read " + format +
+  throw InputError(to_text(file.path) + ": this build of palpate does not read " + format +
                    ", must be .stl, .obj, .ply, .off, .vtk or .msh");
 }
 

@@ -2,6 +2,7 @@
 #include "io/record/make_recorder.h"
 
 #include "io/record/csv_recorder.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -9,7 +10,7 @@ namespace palpate::record {
 std::unique_ptr<RunRecorder> make_recorder(const std::filesystem::path& file, const scene::Scene& setup,
                                            bool waits) {
   if (file.extension() == ".csv") return std::make_unique<CsvRecorder>(file, setup, waits);
-  throw InputError(file.string() + ": this build of palpate has no HDF5, a recording must be a .csv file");
+  throw InputError(to_text(file) + ": this build of palpate has no HDF5, a recording must be a .csv file");
 }
 
 }  // namespace palpate::record
