@@ -13,7 +13,7 @@ bool is_path(std::string_view text) {
   // Extensions of other files, and of formats without a reader: the error message then names the file.
   static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
                                                                ".dae",  ".vtp", ".vtu"};
-  if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(text)) return true;
+  if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(to_path(text))) return true;
   std::string ending = to_text(to_path(text).extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });

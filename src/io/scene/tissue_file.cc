@@ -152,7 +152,7 @@ std::string to_toml(const model::TissueParameters& tissue) {
 }
 
 model::TissueParameters load_tissue(const std::string& name_or_file) {
-  if (is_path(name_or_file)) return read_tissue_file(name_or_file);
+  if (is_path(name_or_file)) return read_tissue_file(to_path(name_or_file));
   return model::tissue_preset(name_or_file);
 }
 
