@@ -5,6 +5,7 @@ const NOTCH = 1e-3;          // m along the tool axis per notch of the wheel
 const FINE = 0.2;            // factor while Shift is held
 const MAX_DISTANCE = 0.15;   // m, of the target from the start, as the follower's
 const WHEEL_NOTCH = 100;     // CSS pixels of a notch
+const MOST_NOTCHES = 20;     // of one event; a slow page gets several turns of the wheel as one
 const KEY_STEP = 0.015;      // fraction of the picture's height per key press
 const KEY_TURN = 0.06, TURN = 0.008;  // rad per key press and per CSS pixel
 const NEARER = 0.88;         // factor of the distance per notch
@@ -87,7 +88,7 @@ export function listen(stage, picture, page) {
   }
   picture.addEventListener('wheel', event => {
     event.preventDefault();
-    const notches = -clamp(event.deltaY / (event.deltaMode === 0 ? WHEEL_NOTCH : 3), -3, 3);
+    const notches = -clamp(event.deltaY / (event.deltaMode === 0 ? WHEEL_NOTCH : 3), -MOST_NOTCHES, MOST_NOTCHES);
     if (event.ctrlKey) zoom(NEARER ** notches); else press(notches * NOTCH, event.shiftKey);
   }, {passive: false});
 
