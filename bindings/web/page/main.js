@@ -99,7 +99,7 @@ function firstView(closeUp) {
   state.view.frame(closeUp);
   // From above the view already fits the picture's width, and moves back once more for a narrow picture.
   const narrow = picture.clientWidth / picture.clientHeight / (4 / 3);
-  if (!closeUp && state.task === 'palpate' && narrow < 1) state.view.zoom(1.1 * narrow);
+  if (!closeUp && state.task === 'palpate' && narrow < 1) state.view.zoom(1.3 * narrow);
   if (!closeUp && state.task === 'pull') state.view.zoom(PULL_ROOM);
   state.stale = true;
 }

@@ -16,13 +16,15 @@ const ROW = 6;              // numbers of a row: time, phase, depth, force at th
 const CAPACITY = 4096;      // rows between two frames
 const REPORT = 1000;        // ms between reports of the pace
 const LEAST_DEPTH = 1e-3;   // m, of a felt stiffness
+const FRESH = 3e-3, LATE = 8e-3;  // s, ages of an Inverse3's sample; over 5 ms is a fault
 const ZERO = [0, 0, 0];
 
 let palpate, sim, law, follower, results, scene, settings, link;
 let anchor = ZERO;  // m, from the Inverse3 to the tool: the arm is at the path's start when the scene begins
 let mode = 'demo', target = ZERO, gripper = 0, buttons = 0;
 let clock = 0, lastBatch = 0, tick = 0, epoch = 0, paused = false;
-let fresh = false, sentForce = false;  // of the Inverse3: a sample came since the beginning; the last force was not zero
+// Of the Inverse3: a sample came since the beginning; the last force was not zero; a sample is overdue.
+let fresh = false, sentForce = false, late = false;
 let count = 0;
 const rows = new Float64Array(ROW * CAPACITY);
 let simulated = 0, dropped = 0, busy = 0;  // ms since the last report
@@ -36,7 +38,7 @@ const handlers = {
   frame(input) {
     // Input for an earlier beginning does not count.
     if (input.epoch === epoch) [target, gripper, buttons] = [input.target, input.gripper, input.buttons];
-    advance();
+    if (mode !== 'haply') advance();
     postFrame();
   },
   /** The pointer takes over from the script, from the start of the path. */
@@ -157,7 +159,7 @@ function setLaw(name) {
 }
 
 function loop() {
-  advance();
+  if (mode === 'haply') watch(); else advance();
   setTimeout(loop, BATCH);
 }
 
@@ -214,7 +216,7 @@ function passForce() {
   link.send(force);
 }
 
-/** After a sample of the Inverse3: the next tick and its force, now or as soon as the tick is due. */
+/** The ticks of an Inverse3 follow its samples: those that are due, and a command, which asks for the next sample. */
 function exchange() {
   if (mode !== 'haply') return;
   if (!fresh) {
@@ -222,8 +224,22 @@ function exchange() {
     anchor = sub(follower.start, link.newest.position);
     clock = lastBatch = performance.now();
   }
+  late = false;
   advance();
-  if (!link.awaits) setTimeout(advance, 1);
+  if (!link.awaits) setTimeout(askAgain, 1);  // no tick was due
+}
+
+function askAgain() {
+  if (mode !== 'haply' || link.awaits) return;
+  if (link.sample().age < FRESH) advance();
+  if (!link.awaits) link.send(results ? results[0].deviceForce : ZERO);
+}
+
+/** Without samples the ticks go on, and latch a fault. A sample that waits behind this timer comes first. */
+function watch() {
+  if (!fresh || (link.connected && link.sample().age < LATE)) return;
+  if (late || !link.connected) advance();
+  late = true;
 }
 
 function postHaply({address, arm, grip, trouble, connected}) {
