@@ -67,8 +67,10 @@ int write_scientific(std::array<char, 32>& text, double value) noexcept {
   }
   char* const exponent = std::find(text.data(), text.data() + length, 'e');
   char* end = exponent;
-  while (end[-1] == '0') --end;
-  if (end[-1] == '.') --end;
+  if (std::find(text.data(), exponent, '.') != exponent) {
+    while (end[-1] == '0') --end;
+    if (end[-1] == '.') --end;
+  }
   std::copy(exponent, text.data() + length + 1, end);
   return length - static_cast<int>(exponent - end);
 }
