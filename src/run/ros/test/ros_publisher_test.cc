@@ -84,7 +84,7 @@ TEST(RosPublisher, ARateThatDoesNotDivideTheLoopsIsNotExceeded) {
   EXPECT_EQ(RosPublisher(node, {}, 100.0, 1000.0).every(), 1u) << "not more than there are";
 }
 
-TEST(RosPublisher, PublishesANewFaultAtOnceAndEachHandsOwn) {
+TEST(RosPublisher, PublishesANewFaultOfItsHandAtOnce) {
   using haptics::Fault;
   FakeNode node;
   RosPublisher publisher(node, {probe(), probe()}, 1000.0, 1.0);
