@@ -50,10 +50,17 @@ std::vector<Sample> samples_of(const geometry::TriangleMesh& mesh) {
 }
 
 /// Orders points so that neighbours are adjacent: halves along the longest side of the bounding box, down to
-/// one cluster, whose points are in order of their index (docs/decisions/0026-one-order-everywhere.md).
+/// one cluster. Its outermost points come first, so that a search for the deepest point soon leaves out most
+/// (by index, a tick in contact took 16 % more instructions); equal ones by index
+/// (docs/decisions/0026-one-order-everywhere.md).
 void order(const std::vector<Sample>& samples, std::span<std::uint32_t> indices) {
   if (indices.size() <= kClusterSize) {
     std::sort(indices.begin(), indices.end());
+    Vec3 normal = Vec3::Zero();
+    for (const std::uint32_t i : indices) normal += samples[i].normal;
+    std::stable_sort(indices.begin(), indices.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return samples[a].point.dot(normal) > samples[b].point.dot(normal);
+    });
     return;
   }
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
