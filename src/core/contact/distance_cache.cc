@@ -151,17 +151,21 @@ void DistanceCache::query_crossed(std::size_t i) noexcept {
   const geometry::NearestPoint now = query(i);
   if (was_inside || entry_count_ == kMaxEntries) return;
   const bool went_in = now.distance < kInside;
-  const Vec3 end = point_S(i);
-  const Vec3 start = previous_S_ * points_->point(i);
   // Outside before and after: it can have been inside only if the path is long enough to reach the surface
   // and return.
   const double way_in = std::max(0.0, before - kInside) + now.distance - kInside;
-  if (!went_in && way_in > (end - start).norm()) return;
-  if (const auto entry = surface_->first_entry(start, end)) {
-    entries_[entry_count_++] = {static_cast<std::uint32_t>(i), {entry->point, entry->triangle}};
+  if (!went_in && way_in > (point_S(i) - previous_S_ * points_->point(i)).norm()) return;
+  if (const auto entry = entry_of(i)) {
+    entries_[entry_count_++] = {static_cast<std::uint32_t>(i), *entry};
   } else if (went_in) {
     entries_[entry_count_++] = {static_cast<std::uint32_t>(i), {now.point, now.triangle}};
   }
+}
+
+std::optional<SurfacePoint> DistanceCache::entry_of(std::size_t point) const noexcept {
+  const auto entry = surface_->first_entry(previous_S_ * points_->point(point), point_S(point));
+  if (!entry) return std::nullopt;
+  return SurfacePoint{entry->point, entry->triangle};
 }
 
 /// Queries the points of a cluster that may have crossed the surface.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -90,6 +91,9 @@ class DistanceCache final {
     return {entries_.data(), entry_count_};
   }
   static constexpr std::size_t kMaxEntries = 64;
+
+  /// [rt] Where a point entered the organ in this tick, on a straight path; none if it did not.
+  [[nodiscard]] std::optional<SurfacePoint> entry_of(std::size_t point) const noexcept;
 
   [[nodiscard]] bool has_pose() const noexcept { return placed_; }
   /// [rt] The part's frame in the organ's, in this tick.

@@ -116,7 +116,11 @@ class ContactStarter final {
       const std::size_t deepest =
           point_nearest_to(points_, part_.distances.placed_S().inverse_transform(patch.centroid));
       const geometry::NearestPoint nearest = part_.distances.query(deepest);
-      if (nearest.distance < kInside) try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
+      if (nearest.distance < kInside) {
+        try_at(deepest, {nearest.point, nearest.triangle}, redirections - 1);
+      } else if (const auto entry = part_.distances.entry_of(deepest)) {  // it passed through
+        try_at(deepest, *entry, redirections - 1);
+      }
       return;
     }
     Proxy contact(at, normal, patch);

@@ -232,14 +232,20 @@ TEST(Press, OverEdgesAndCornersTheForceHasNoSteps) {
   }
 }
 
-TEST(Press, AFastToolDoesNotPassThrough) {
-  Rig rig(block(Vec3(60e-3, 60e-3, 2e-3), 0.1), one_part_tool(geometry::make_ball(3e-3, 1280)),
-          plain_tissue());
-  rig.tick(place(Vec3(0, 0, 8e-3)));
-  const ToolResult& result = rig.tick(place(Vec3(0, 0, -7e-3)));  // completely below the plate, 15 m/s
-  EXPECT_EQ(result.phase, Phase::kPress);
-  EXPECT_NEAR(result.depth, 10e-3, 0.1e-3);
-  EXPECT_GT(result.force_W.z(), 0.0);
+TEST(Press, AFastToolDoesNotPassThroughInAnyOrientation) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> part;
+  for (int i = 0; i < 30; ++i) {
+    const Quat turned =
+        i == 0 ? Quat::Identity() : Quat(part(random), part(random), part(random), part(random)).normalized();
+    Rig rig(block(Vec3(60e-3, 60e-3, 2e-3), 0.1), one_part_tool(geometry::make_ball(3e-3, 1280)),
+            plain_tissue());
+    rig.tick({turned, Vec3(0, 0, 8e-3)});
+    const ToolResult& result = rig.tick({turned, Vec3(0, 0, -7e-3)});  // completely below the plate, 15 m/s
+    EXPECT_EQ(result.phase, Phase::kPress) << i;
+    EXPECT_NEAR(result.depth, 10e-3, 0.1e-3) << i;
+    EXPECT_GT(result.force_W.z(), 0.0) << i;
+  }
 }
 
 TEST(Press, StartedOrPlacedInsideThereIsNoForceUntilItHasBeenOutside) {
