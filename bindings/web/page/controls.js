@@ -166,8 +166,8 @@ export class Controls {
     byId('slow').textContent = `Slower than real time: ${Math.round(100 * share)} %`;
     byId('tick').textContent = `${tickMicroseconds.toFixed(1)} \u00b5s in the mean`;
   }
-  frames(rate, canvas) {
-    byId('frames').textContent = `${rate.toFixed(0)} frames/s, ${canvas.width} \u00d7 ${canvas.height}`;
+  frames(rate) {
+    byId('frames').textContent = `${rate.toFixed(0)} per second`;
   }
 
   jaws(closed) {

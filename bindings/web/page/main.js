@@ -9,8 +9,8 @@ import {clamp, rotatedBack, sub} from './vectors.js';
 
 const PULL_ROOM = 1.2;         // factor of the distance, for the tissue that a pull lifts
 const MAP_RANGE = 10e-3;       // m
-const SLOW_FRAME = 40, FAST_FRAME = 24;  // ms between pictures: the resolution falls, or rises
-const LEAST_SCALE = 0.4;       // of the display's pixels per side
+const PLOT_PERIOD = 40;        // ms
+const WORDS_PERIOD = 100;      // ms, of numbers that people read
 const SLOW_SHARE = 0.95;       // of real time
 const LONGEST_RECORDING = 120; // s
 const NO_WEBGL = 'This page draws with WebGL 2, which this browser does not offer. Switch on hardware acceleration in the ' +
@@ -20,7 +20,7 @@ const state = {
   palpate: null, sim: null, view: null, canvas: null, organ: null, snapshot: null, result: null,
   task: 'press', seed: 7, text: '', mode: 'demo', opened: false, asked: false, stale: true, replot: true,
   inclusions: [], marks: [], ended: false, law: null, recording: false,
-  scale: 1, mean: 16, last: 0, shown: 0, since: 0,
+  shown: 0, since: 0, plotted: 0, told: 0,
 };
 const history = new History(), steering = new Steering();
 const worker = new Worker('worker.js', {type: 'module'});
@@ -105,7 +105,7 @@ function firstView(closeUp) {
 }
 
 function resize() {
-  const ratio = state.scale * (devicePixelRatio || 1);
+  const ratio = devicePixelRatio || 1;
   const [w, h] = [picture.clientWidth, picture.clientHeight].map(side => clamp(Math.round(side * ratio), 1, 4096));
   if (!state.canvas || (state.canvas.width === w && state.canvas.height === h)) return;
   [state.canvas.width, state.canvas.height] = [w, h];
@@ -191,7 +191,11 @@ const hear = {
     }
     // Pseudo-haptics, as in the program's window: over stiff places the pointer moves the tool less (docs/lumps.md).
     steering.gain = state.task === 'palpate' && message.felt ? clamp(message.felt ** -3, 0.25, 1) : 1;
-    controls.frame(message, state.task);
+    const now = performance.now();
+    if (message.fault || now - state.told >= WORDS_PERIOD) {
+      state.told = now;
+      controls.frame(message, state.task);
+    }
     if (message.pace) controls.pace(message.pace, SLOW_SHARE);
     if (state.recording && message.result.time > LONGEST_RECORDING) record();
   },
@@ -206,18 +210,11 @@ worker.onerror = event => say(`The simulation stopped: ${event.message}. Load th
 
 // ---- Pictures
 
-/** Lowers the resolution while pictures take long, and raises it again. */
-function adaptResolution(now) {
-  const passed = now - state.last;
-  state.last = now;
-  if (passed > 500) return;
-  state.mean += 0.08 * (passed - state.mean);
+function count(now) {
   state.shown++;
   if (now - state.since < 1000) return;
-  controls.frames(state.shown * 1000 / (now - state.since), state.canvas);
+  controls.frames(state.shown * 1000 / (now - state.since));
   [state.shown, state.since] = [0, now];
-  if (state.mean > SLOW_FRAME) state.scale = Math.max(LEAST_SCALE, 0.85 * state.scale);
-  else if (state.mean < FAST_FRAME && state.scale < 1) state.scale = Math.min(1, 1.08 * state.scale);
 }
 
 function animate(now) {
@@ -227,14 +224,14 @@ function animate(now) {
     send('frame', steering.input);
   }
   if (!state.view) return;
-  adaptResolution(now);
+  count(now);
   resize();
   if (state.stale) draw();
-  if (state.replot) plot();
+  if (state.replot && now - state.plotted >= PLOT_PERIOD) plot(now);
 }
 
-function plot() {
-  state.replot = false;
+function plot(now) {
+  Object.assign(state, {replot: false, plotted: now});
   const colours = controls.colours();
   drawStrip(byId('force_plot'), history, {column: 'force', factor: 1, least: 0.5, colour: colours.force}, colours);
   drawStrip(byId('depth_plot'), history, {column: 'depth', factor: 1e3, least: 5, colour: colours.depth, unitX: 's'}, colours);

@@ -57,7 +57,7 @@ class Axes {
     const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-    const c = this.c = canvas.getContext('2d');
+    const c = this.c = canvas.getContext('2d', {willReadFrequently: true});  // drawn by the processor: faster with OpenGL in software
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.clearRect(0, 0, width, height);
     [this.left, this.right, this.top, this.bottom] = [LEFT, width - RIGHT, TOP, height - (unitX ? BOTTOM : 4)];

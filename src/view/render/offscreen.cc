@@ -134,7 +134,7 @@ struct OffscreenRenderer::Impl {
     annotated_before = annotated_before || painter.annotated();
   }
 
-  // After a change of values or marks: the first ones need shaders of their own.
+  // After a change of values, marks or inclusions: the first ones need shaders of their own.
   void prepare_annotations() {
     if (choice && painter.annotated() && !annotated_before) draw_each_quality();
   }
@@ -162,7 +162,7 @@ struct OffscreenRenderer::Impl {
   std::string driver;
   double update_ms = 0.0;
   std::optional<QualityChoice> choice;
-  bool annotated_before = false;  // draw_each_quality() has drawn with values or marks
+  bool annotated_before = false;  // draw_each_quality() has drawn with values, marks or inclusions
 };
 
 // Makes the renderer's own context, if any, current during a call.
@@ -264,7 +264,9 @@ void OffscreenRenderer::show_marks(const std::vector<SurfaceMark>& marks) {
 }
 
 void OffscreenRenderer::show_inclusions(std::vector<model::Inclusion> inclusions) {
+  const Current current(context_.get());
   impl_->painter.show_inclusions(std::move(inclusions));
+  impl_->prepare_annotations();
 }
 
 void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }

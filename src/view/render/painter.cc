@@ -138,7 +138,7 @@ struct Painter::Materials {
 
   Program tissue;
   Program steel;
-  std::unique_ptr<Program> annotated;  // tissue with a map of values and marks; created at its first use
+  std::unique_ptr<Program> annotated;  // tissue with values, marks, inclusions; created at its first use
 };
 
 Painter::Painter(const TissueAppearance& look, int width, int height, Quality quality)
@@ -157,6 +157,7 @@ void Painter::set_quality(Quality quality) {
   quality_ = quality;
   if (!materials()) materials() = std::make_unique<Materials>(quality);
   if (quality == Quality::kFull) {
+    finished_ = &resolved_;
     live_.reset();
     if (!still_) still_ = std::make_unique<Still>(width_, height_);
   } else {
@@ -300,8 +301,8 @@ void Painter::draw_materials(const View& view, bool each_sample) {
   tissue.set("vessel_share", look_.vessel_share);
   tissue.set("map_range", values_shown_ ? 0.0F : static_cast<float>(map_range_));
   tissue.set("model", matrix_of(organ_.pose_W));
-  set_inclusions(tissue);
   if (annotated()) {
+    set_inclusions(tissue);
     tissue.set("values_shown", values_shown_ ? 1.0F : 0.0F);
     set_marks(tissue, view);
   }
@@ -382,7 +383,7 @@ void Painter::draw_live(const View& view) {
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
   if (quality_ == Quality::kFast) {
-    drawn.resolve_to(resolved_);
+    finished_ = &drawn;
     return;
   }
   glDisable(GL_DEPTH_TEST);
@@ -396,6 +397,7 @@ void Painter::draw_live(const View& view) {
 }
 
 void Painter::draw(const Camera& camera, const LitRegion& region) {
+  finished_ = &resolved_;
   const View view(camera, static_cast<double>(width_) / height_, region);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);  // the inside of an organ is never drawn
@@ -421,7 +423,7 @@ Image read_pixels(int width, int height) {
 }
 
 Image Painter::read() const {
-  resolved_.bind();
+  finished_->bind();
   return read_pixels(width_, height_);
 }
 

@@ -49,8 +49,10 @@ class Painter final {
   void show_values(bool shown) noexcept { values_shown_ = shown; }
   /// Marks drawn on the organ's surface, at most kMaxMarks.
   void show_marks(std::vector<PlacedMark> marks) { marks_ = std::move(marks); }
-  /// Whether values or marks are shown. The first picture with them in each quality takes long.
-  [[nodiscard]] bool annotated() const noexcept { return values_shown_ || !marks_.empty(); }
+  /// Whether values, marks or inclusions are shown. The first picture with them in each quality takes long.
+  [[nodiscard]] bool annotated() const noexcept {
+    return values_shown_ || !marks_.empty() || !inclusions_.empty();
+  }
   /// The inclusions to draw inside the organ, at most model::kMaxInclusions; organ frame.
   void show_inclusions(std::vector<model::Inclusion> inclusions) { inclusions_ = std::move(inclusions); }
   /// Switches the studio lamps; initially on.
@@ -66,7 +68,7 @@ class Painter final {
   [[nodiscard]] Image read() const;
 
   /// Copies the kept picture, scaled, to a rectangle of the window's framebuffer [pixels, y up].
-  void show_at(int x, int y, int width, int height) const { resolved_.show_at(x, y, width, height); }
+  void show_at(int x, int y, int width, int height) const { finished_->show_at(x, y, width, height); }
   /// Sets the size of all further pictures.
   void resize(int width, int height);
 
@@ -108,6 +110,7 @@ class Painter final {
   std::unique_ptr<Still> still_;
   std::unique_ptr<Live> live_;
   Target resolved_;
+  const Target* finished_ = &resolved_;  // the newest picture
 };
 
 }  // namespace palpate::render

@@ -177,12 +177,13 @@ float vessels() {
   return clamp(lines, 0.0, 1.0) * vessel_share;
 }
 
+uniform mat4 model;
+
+#ifdef ANNOTATED
 uniform int inclusion_count;
 uniform vec3 inclusion_centre[8];  // m, world frame
 uniform float inclusion_radius[8];
 uniform float inclusion_soft[8];  // 1: softer than the tissue
-
-uniform mat4 model;
 
 // The colour of the tissue with the inclusions that the view through this point meets: lit spheres in
 // translucent tissue, with soft edges, fainter the deeper they are. The tissue's rest position takes the place
@@ -205,7 +206,6 @@ vec3 with_inclusions(vec3 albedo, vec3 v) {
   return albedo;
 }
 
-#ifdef ANNOTATED
 in vec2 map_at;
 
 // The finished colour, or the map's where values are known: as in the legend, without gloss, slightly darker
@@ -252,6 +252,7 @@ vec3 with_marks(vec3 finished) {
 }
 vec3 annotated(vec3 finished, vec3 light) { return with_marks(with_values(finished, light)); }
 #else
+vec3 with_inclusions(vec3 albedo, vec3 v) { return albedo; }
 vec3 annotated(vec3 finished, vec3 light) { return finished; }
 #endif
 
