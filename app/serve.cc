@@ -1,11 +1,16 @@
 // `palpate serve`: serves the live interface, by which other programs watch and control runs
 // (docs/live-interface.md).
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -40,9 +45,40 @@ struct ServeFlags {
   bool wait = false;
 };
 
-std::string read_page(const fs::path& file) try {
-  return InputFile(file, kPageInput).read_rest();
-} catch (const InputError& error) {
+// Media types by file name extension. Files with other extensions are not sent.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kPageTypes = {
+    {{".html", "text/html; charset=utf-8"},
+     {".js", "text/javascript; charset=utf-8"},
+     {".css", "text/css; charset=utf-8"},
+     {".wasm", "application/wasm"},
+     {".txt", "text/plain; charset=utf-8"},
+     {".svg", "image/svg+xml"},
+     {".png", "image/png"}}};
+constexpr std::size_t kMostPageFiles = 100;
+
+/// The files of a page by their path at the server: an HTML file, or those of a folder with an index.html.
+/// They are read once, so that a request opens no file. @throws InputError
+std::map<std::string, net::PageFile> read_page(const fs::path& page) try {
+  std::error_code error;
+  if (!fs::is_directory(page, error)) {
+    return {{"/", {std::string(kPageTypes[0].second), InputFile(page, kPageInput).read_rest()}}};
+  }
+  std::map<std::string, net::PageFile> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(page)) {
+    const auto type = std::find_if(kPageTypes.begin(), kPageTypes.end(), [&](const auto& known) {
+      return entry.path().extension() == known.first;
+    });
+    if (type == kPageTypes.end() || entry.is_symlink() || !entry.is_regular_file()) continue;
+    if (files.size() == kMostPageFiles) {
+      throw InputError(fmt::format("{}: has more than {} files", page.string(), kMostPageFiles));
+    }
+    const std::string path = "/" + entry.path().lexically_relative(page).generic_string();
+    files[path == "/index.html" ? "/" : path] = {std::string(type->second),
+                                                 InputFile(entry.path(), kPageInput).read_rest()};
+  }
+  if (files.count("/") == 0) throw InputError(page.string() + ": this folder has no index.html");
+  return files;
+} catch (const std::exception& error) {
   throw InputError(std::string("--page ") + error.what());
 }
 
@@ -139,7 +175,8 @@ void add_serve_flags(CLI::App& command, ServeFlags& flags) {
           "allow pages of this origin to connect, e.g. http://localhost:8000; repeat the flag for more")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--page", flags.page, "HTML file that the server sends to browsers");
+  command.add_option("--page", flags.page,
+                     "HTML file, or folder with index.html, that the server sends to browsers");
   command.add_option("--scenes", flags.runs.scenes,
                      "clients may load files in this folder and its subfolders");
   command.add_flag("--wait", flags.wait, "do not begin a run until a client sends start");

@@ -62,17 +62,18 @@ HttpResponse plain_answer(http::status status, const std::string& words) {
   return response;
 }
 
-/// Answers with the page. The headers allow the page to connect to its own server alone, and forbid frames
+/// Answers with a file of the page. The headers allow the page to use its own server alone, and forbid frames
 /// around it.
-HttpResponse page_answer(const std::string& page) {
+HttpResponse page_answer(const PageFile& file) {
   HttpResponse response(http::status::ok, 11);
-  response.set(http::field::content_type, "text/html; charset=utf-8");
+  response.set(http::field::content_type, file.type);
   response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-               "connect-src 'self' ws:; frame-ancestors 'none'");
+               "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self'; "
+               "style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self' ws:; "
+               "frame-ancestors 'none'");
   response.set("X-Content-Type-Options", "nosniff");
   response.set(http::field::cache_control, "no-store");
-  response.body() = page;
+  response.body() = file.bytes;
   return response;
 }
 
@@ -221,11 +222,15 @@ class LiveServer::Server final : public ConnectionHandler {
   }
 
   std::optional<HttpResponse> refusal_for(const LiveConnection& from, const HttpRequest& request) const {
+    const bool upgrade = websocket::is_upgrade(request);
+    if (!upgrade && request.method() == http::verb::get) {
+      const auto file = options_.page.find({request.target().data(), request.target().size()});
+      if (file != options_.page.end()) return page_answer(file->second);
+    }
     if (request.target() != "/") {
       return plain_answer(http::status::not_found, "There is nothing here; the live interface is at /.");
     }
-    if (!websocket::is_upgrade(request)) {
-      if (request.method() == http::verb::get && !options_.page.empty()) return page_answer(options_.page);
+    if (!upgrade) {
       return plain_answer(http::status::upgrade_required,
                           "This is palpate's live interface, which speaks WebSocket.");
     }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,12 +49,18 @@ class RunService {
   virtual std::vector<Event> poll(std::size_t clients) = 0;
 };
 
+/// A file for browsers.
+struct PageFile {
+  std::string type;  // media type
+  std::string bytes;
+};
+
 struct LiveOptions {
   std::string address = "127.0.0.1";              // numeric; "localhost" means 127.0.0.1
   std::uint16_t port = 0;                         // 0: the system chooses
   std::string token;                              // required in the hello of a client; empty: none
   std::vector<std::string> origins;               // allowed origins of web pages, besides the server's own
-  std::string page;                               // HTML for browsers; empty: none
+  std::map<std::string, PageFile> page;           // files for browsers by their path: "/", "/a/b.js"
   std::function<void(const std::string&)> log{};  // gets one line for a refused connection: who and why
 };
 

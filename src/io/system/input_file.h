@@ -20,7 +20,7 @@ inline constexpr InputKind kRecordingInput{"a palpate recording", std::uint64_t{
 inline constexpr InputKind kPictureInput{"a PNG or JPEG picture", std::uint64_t{256} << 20};
 inline constexpr InputKind kTaskRecordInput{"a record of finished tasks", std::uint64_t{1} << 30};
 inline constexpr InputKind kTokenInput{"a file with a token in its first line", std::uint64_t{4} << 10};
-inline constexpr InputKind kPageInput{"an HTML file", std::uint64_t{4} << 20};
+inline constexpr InputKind kPageInput{"a file for browsers", std::uint64_t{4} << 20};
 
 /// A regular file, opened for reading. FIFOs, devices, sockets and folders are rejected without blocking. The
 /// check is made on the opened file, so nobody can replace it in between.

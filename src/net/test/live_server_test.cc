@@ -154,22 +154,28 @@ TEST_F(Served, OnlyThePathOfTheInterfaceIsThere) {
   EXPECT_EQ(test::LiveClient(port(), {"", "/other"}).status(), 404U);
 }
 
-TEST_F(Served, ABrowserGetsThePageAndNothingElse) {
+TEST_F(Served, ABrowserGetsTheFilesOfThePageAndNothingElse) {
   LiveOptions options;
-  options.page = "<title>a page</title>";
+  options.page = {{"/", {"text/html", "<title>a page</title>"}}, {"/a/b.wasm", {"application/wasm", "code"}}};
   serve(options);
-  boost::asio::io_context context;
-  boost::beast::tcp_stream stream(context);
-  stream.connect({boost::asio::ip::make_address("127.0.0.1"), port()});
   namespace http = boost::beast::http;
-  http::request<http::empty_body> request(http::verb::get, "/", 11);
-  http::write(stream, request);
-  boost::beast::flat_buffer buffer;
-  http::response<http::string_body> response;
-  http::read(stream, buffer, response);
-  EXPECT_EQ(response.result_int(), 200U);
-  EXPECT_EQ(response.body(), options.page);
-  EXPECT_THAT(std::string(response["Content-Security-Policy"]), HasSubstr("frame-ancestors 'none'"));
+  const auto got = [&](const std::string& target) {
+    boost::asio::io_context context;
+    boost::beast::tcp_stream stream(context);
+    stream.connect({boost::asio::ip::make_address("127.0.0.1"), port()});
+    http::write(stream, http::request<http::empty_body>(http::verb::get, target, 11));
+    boost::beast::flat_buffer buffer;
+    http::response<http::string_body> response;
+    http::read(stream, buffer, response);
+    return response;
+  };
+  EXPECT_EQ(got("/").body(), "<title>a page</title>");
+  EXPECT_EQ(got("/a/b.wasm").body(), "code");
+  EXPECT_EQ(got("/a/b.wasm")[http::field::content_type], "application/wasm");
+  EXPECT_THAT(std::string(got("/")["Content-Security-Policy"]), HasSubstr("frame-ancestors 'none'"));
+  for (const char* other : {"/a", "/a/", "/a/../a/b.wasm", "/../etc/passwd", "//a/b.wasm", "/a/b.wasm?x"}) {
+    EXPECT_EQ(got(other).result_int(), 404U) << other;
+  }
 }
 
 TEST_F(Served, ThereIsAnEndOfClientsAndRoomAgainWhenOneGoes) {
