@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "core/haptics/simulation.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/names.h"
@@ -129,6 +131,8 @@ void ServedRuns::begin_first(fs::path recording) {
 ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net::ClientRef& client) {
   if (std::holds_alternative<net::GetScene>(command)) return describe();
   if (const auto* ask = std::get_if<net::GetSurface>(&command)) return surface(ask->at_rest);
+  if (const auto* ask = std::get_if<net::GetTool>(&command)) return tool(ask->hand);
+  if (std::holds_alternative<net::GetPicture>(command)) return picture();
   if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, client);
   if (std::holds_alternative<net::Start>(command)) return start(client);
   if (std::holds_alternative<net::Stop>(command)) return stop(client);
@@ -189,16 +193,38 @@ ServedRuns::Answer ServedRuns::surface(bool at_rest) {
     whole.update(surface_->at_rest());
     return Json{{"surface", whole}};
   }
-  if (run_ != nullptr) (void)run_->snapshots().refresh();
-  if (run_ == nullptr || run_->snapshots().value().hands == 0)
-    throw LiveError("state", "surface: nothing has been played yet");
-  const haptics::Snapshot& snapshot = run_->snapshots().value();
+  const haptics::Snapshot& snapshot = newest_snapshot("surface");
   if (const std::int64_t now = monotonic_ns(); now >= moved_ns_) {
     moved_ns_ = now + kBetween;
     moved_ = {{"run", runs_}, {"tick", snapshot.tick}};
     moved_.update(surface_->moved(snapshot.reach, deform::indentations_of(snapshot.hand_results())));
   }
   return Json{{"surface", moved_}};
+}
+
+const haptics::Snapshot& ServedRuns::newest_snapshot(const std::string& command) {
+  if (run_ != nullptr) (void)run_->snapshots().refresh();
+  if (run_ == nullptr || run_->snapshots().value().hands == 0)
+    throw LiveError("state", command + ": nothing has been played yet");
+  return run_->snapshots().value();
+}
+
+ServedRuns::Answer ServedRuns::tool(std::uint32_t hand) const {
+  const std::vector<geometry::Tool>& tools = setup().tools;
+  if (hand >= tools.size()) {
+    throw LiveError("refused",
+                    fmt::format("hand = {}: must be less than {}, the number of hands", hand, tools.size()),
+                    "hand");
+  }
+  Json json{{"run", runs_}, {"hand", hand}};
+  json.update(net::tool_json(tools[hand]));
+  return Json{{"tool", json}};
+}
+
+ServedRuns::Answer ServedRuns::picture() {
+  Json json{{"run", runs_}};
+  json.update(net::picture_json(newest_snapshot("picture")));
+  return Json{{"picture", json}};
 }
 
 bool ServedRuns::is_loading() const noexcept {

@@ -64,6 +64,10 @@ class ServedRuns final : public net::RunService {
   [[nodiscard]] const scene::Scene& setup() const;
   Answer describe() const;
   Answer surface(bool at_rest);
+  Answer tool(std::uint32_t hand) const;
+  Answer picture();
+  /// @throws LiveError before the first tick
+  const haptics::Snapshot& newest_snapshot(const std::string& command);
   Answer load(const net::Load& wanted, const net::ClientRef& client);
   Answer start(const net::ClientRef& client);
   Answer stop(const net::ClientRef& client);

@@ -212,6 +212,33 @@ TEST(Serve, TheSurfaceIsSentOnceAtRestAndThenWhereItHasMoved) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
+TEST(Serve, APictureHasTheContactsOfTheNewestTickAndAToolItsMesh) {
+  const Folder folder;
+  Serve serve(folder, {"--tool", "sphere:5", "--wait", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  client.greet();
+  EXPECT_GT(client.ask(R"({"do": "tool"})")["tool"]["parts"].at(0)["triangles"].size(), 100U);
+  const json refused = client.ask(R"({"do": "tool", "hand": 1})")["error"];
+  EXPECT_EQ(refused["code"], "refused");
+  EXPECT_EQ(refused["field"], "hand");
+  EXPECT_EQ(client.ask(R"({"do": "picture"})")["error"]["code"], "state") << "nothing was played";
+  client.ask(R"({"do": "start"})");
+  json picture;
+  double deepest = 0.0;
+  for (int i = 0; i < 3000 && deepest < 5e-3; ++i) {
+    std::this_thread::sleep_for(20ms);
+    picture = client.ask(R"({"do": "picture"})")["picture"];
+    if (!picture.is_object()) continue;
+    for (const json& contact : picture["hands"].at(0)["contacts"]) {
+      deepest = std::max(deepest, contact["depth_m"].get<double>());
+    }
+  }
+  EXPECT_GE(deepest, 5e-3) << picture;
+  EXPECT_EQ(picture["run"], 1);
+  EXPECT_NEAR(picture["hands"][0]["contacts"][0]["tip_radius_m"].get<double>(), 5e-3, 1e-12);
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, AnOrganThatIsTooFineToBeSentIsToldSoAndPlayed) {
   const Folder folder;
   Serve serve(folder, {"--organ", "gallbladder-30k", "--tool", "sphere:5", "--wait"});
@@ -432,6 +459,7 @@ TEST(Serve, WhoMayConnectIsSaidByFlagsAndBadOnesAreRefusedBeforeAnythingIsPlayed
   has(refusal({"--port", "70000"}), "--port = 70000");
   has(refusal({"--scenes", "none"}), "--scenes none");
   has(refusal({"--page", "none.html"}), "--page none.html");
+  has(refusal({"--page", "."}), "this folder has no index.html");
   has(refusal({"--device", "mouse"}), "device mouse");
   has(refusal({"--record", "none/run.h5"}), "--record none/run.h5");
   has(refusal({"--organ", "lung"}), "lung");

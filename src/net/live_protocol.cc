@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "palpate/tick_observer.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
 
@@ -295,6 +296,14 @@ Stream read_stream(Members& root) {
   return {rate};
 }
 
+GetTool read_tool(Members& root) {
+  const double hand = root.number("hand").value_or(0.0);
+  if (!(hand >= 0.0 && hand < haptics::Snapshot::kMaxHands) || hand != std::floor(hand)) {
+    throw LiveError("field", "hand = " + shortest(hand) + ": must be the number of a hand, from 0", "hand");
+  }
+  return {static_cast<std::uint32_t>(hand)};
+}
+
 Load read_load(Members& root) {
   Load load;
   load.scene = root.text("scene", kLongestText);
@@ -328,6 +337,8 @@ const std::map<std::string, Reader>& readers() {
       {"scene", [](Members&) { return LiveCommand(GetScene{}); }},
       {"surface",
        [](Members& root) { return LiveCommand(GetSurface{root.flag("at_rest").value_or(false)}); }},
+      {"tool", [](Members& root) { return LiveCommand(read_tool(root)); }},
+      {"picture", [](Members&) { return LiveCommand(GetPicture{}); }},
       {"stream", [](Members& root) { return LiveCommand(read_stream(root)); }},
       {"load", [](Members& root) { return LiveCommand(read_load(root)); }},
       {"start", [](Members&) { return LiveCommand(Start{}); }},

@@ -72,6 +72,10 @@ struct GetScene {};
 struct GetSurface {
   bool at_rest = false;  // the organ at rest; else only the moved vertices
 };
+struct GetTool {
+  std::uint32_t hand = 0;
+};
+struct GetPicture {};
 struct Stream {
   double rate_Hz = 0.0;  // 0: ends the stream
 };
@@ -102,8 +106,8 @@ struct SetInclusion {
 };
 struct ResetFaults {};
 
-using LiveCommand = std::variant<Hello, GetVersion, GetState, GetScene, GetSurface, Stream, Load, Start, Stop,
-                                 SetTissue, SetNoise, SetInclusion, ResetFaults>;
+using LiveCommand = std::variant<Hello, GetVersion, GetState, GetScene, GetSurface, GetTool, GetPicture,
+                                 Stream, Load, Start, Stop, SetTissue, SetNoise, SetInclusion, ResetFaults>;
 
 /// The message that an answer belongs to.
 struct LiveReference {

@@ -1,7 +1,10 @@
 #include "net/live_surface.h"
 
 #include <cmath>
-#include <string>
+#include <cstddef>
+#include <numbers>
+#include <span>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -14,11 +17,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+void check_triangles(const char* what, std::size_t triangles) {
+  if (triangles <= LiveSurface::kMaxTriangles) return;
+  throw LiveError("refused", fmt::format("{} has {} triangles, must have at most {} to be sent", what,
+                                         triangles, LiveSurface::kMaxTriangles));
+}
+
 const geometry::TriangleMesh& checked(const geometry::TriangleMesh& organ) {
-  if (organ.triangles.size() <= LiveSurface::kMaxTriangles) return organ;
-  throw LiveError("refused",
-                  fmt::format("surface: the organ has {} triangles, must have at most {} to be sent",
-                              organ.triangles.size(), LiveSurface::kMaxTriangles));
+  check_triangles("surface: the organ", organ.triangles.size());
+  return organ;
 }
 
 void append(Json& list, const Vec3& point) {
@@ -28,19 +35,24 @@ void append(Json& list, const Vec3& point) {
   }
 }
 
-}  // namespace
-
-LiveSurface::LiveSurface(const geometry::TriangleMesh& organ) : deformer_(checked(organ)) {}
-
-Json LiveSurface::at_rest() const {
+Json mesh_json(const geometry::TriangleMesh& mesh) {
   Json vertices = Json::array();
   Json triangles = Json::array();
-  for (const Vec3& vertex : deformer_.rest().vertices) append(vertices, vertex);
-  for (const auto& triangle : deformer_.rest().triangles) {
+  for (const Vec3& vertex : mesh.vertices) append(vertices, vertex);
+  for (const geometry::Triangle& triangle : mesh.triangles) {
     for (const auto corner : triangle) triangles.push_back(corner);
   }
   return {{"vertices_mm", vertices}, {"triangles", triangles}};
 }
+
+Json list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+Json list(const Quat& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+}  // namespace
+
+LiveSurface::LiveSurface(const geometry::TriangleMesh& organ) : deformer_(checked(organ)) {}
+
+Json LiveSurface::at_rest() const { return mesh_json(deformer_.rest()); }
 
 Json LiveSurface::moved(const model::FalloffRatios& reach,
                         const std::vector<deform::Indentation>& indentations) {
@@ -53,6 +65,49 @@ Json LiveSurface::moved(const model::FalloffRatios& reach,
     append(vertices, vertices_[i]);
   }
   return {{"moved", moved}, {"vertices_mm", vertices}};
+}
+
+Json tool_json(const geometry::Tool& tool) {
+  std::size_t triangles = 0;
+  for (const geometry::ToolPart& part : tool.parts) triangles += part.mesh.triangles.size();
+  check_triangles("tool: the instrument", triangles);
+  Json parts = Json::array();
+  for (const geometry::ToolPart& part : tool.parts) {
+    Json json = mesh_json(part.mesh);
+    if (part.is_jaw) {
+      json["pivot_mm"] = list(part.pivot / kMillimetre);
+      json["axis"] = list(part.axis);
+      json["open_deg"] = part.open_angle * 180.0 / std::numbers::pi;
+    }
+    parts.push_back(std::move(json));
+  }
+  return {{"name", tool.name}, {"parts", parts}};
+}
+
+Json picture_json(const haptics::Snapshot& snapshot) {
+  Json hands = Json::array();
+  for (std::size_t hand = 0; hand < snapshot.hand_results().size(); ++hand) {
+    const contact::ToolInput& tool = snapshot.tools[hand];
+    const contact::ToolResult& result = snapshot.results[hand];
+    Json contacts = Json::array();
+    for (const contact::ContactView& view :
+         std::span(result.views).first(static_cast<std::size_t>(result.view_count))) {
+      contacts.push_back({{"point_m", list(view.point_S)},
+                          {"direction", list(view.direction_S)},
+                          {"depth_m", view.depth},
+                          {"tip_radius_m", view.tip_radius},
+                          {"half_width_m", view.half_width},
+                          {"pull", view.pull}});
+    }
+    hands.push_back({{"tool_m", list(tool.pose_W.position)},
+                     {"tool_wxyz", list(tool.pose_W.rotation)},
+                     {"gripper", tool.gripper},
+                     {"contacts", contacts}});
+  }
+  return {{"tick", snapshot.tick},
+          {"organ_m", list(snapshot.organ_W.position)},
+          {"organ_wxyz", list(snapshot.organ_W.rotation)},
+          {"hands", hands}};
 }
 
 }  // namespace palpate::net

@@ -5,6 +5,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "palpate/surface.h"
+#include "palpate/tick_observer.h"
+#include "palpate/tool.h"
 
 namespace palpate::net {
 
@@ -28,5 +30,12 @@ class LiveSurface final {
   deform::SurfaceDeformer deformer_;
   std::vector<Vec3> vertices_;
 };
+
+/// {"parts": [...]}: the meshes of an instrument in the handle's frame, and how its jaws turn. [setup]
+/// @throws LiveError when it has more triangles than LiveSurface::kMaxTriangles.
+[[nodiscard]] nlohmann::ordered_json tool_json(const geometry::Tool& tool);
+
+/// Poses, jaws and contacts of a tick, from which a client draws the picture. [any]
+[[nodiscard]] nlohmann::ordered_json picture_json(const haptics::Snapshot& snapshot);
 
 }  // namespace palpate::net

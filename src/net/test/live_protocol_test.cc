@@ -66,6 +66,9 @@ TEST(LiveProtocol, EveryCommandIsReadWithItsFields) {
   (void)read_as<GetVersion>(R"({"do": "version"})");
   (void)read_as<GetState>(R"({"do": "state"})");
   (void)read_as<GetScene>(R"({"do": "scene"})");
+  EXPECT_EQ(read_as<GetTool>(R"({"do": "tool"})").hand, 0U);
+  EXPECT_EQ(read_as<GetTool>(R"({"do": "tool", "hand": 1})").hand, 1U);
+  (void)read_as<GetPicture>(R"({"do": "picture"})");
   EXPECT_FALSE(read_as<GetSurface>(R"({"do": "surface"})").at_rest);
   EXPECT_TRUE(read_as<GetSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
   (void)read_as<Start>(R"({"do": "start"})");
@@ -125,6 +128,8 @@ TEST(LiveProtocol, AnUnknownFieldIsToldWithTheNearestOne) {
 
 TEST(LiveProtocol, AValueOfAnotherTypeIsToldWithWhatWouldBeRight) {
   expect_refusal(R"({"do": "stream"})", "field", "rate_Hz", "missing");
+  expect_refusal(R"({"do": "tool", "hand": 0.5})", "field", "hand", "number of a hand");
+  expect_refusal(R"({"do": "tool", "hand": 4})", "field", "hand", "number of a hand");
   expect_refusal(R"({"do": "stream", "rate_Hz": "50"})", "field", "rate_Hz",
                  "rate_Hz = \"50\": must be a finite number");
   expect_refusal(R"({"do": "stream", "rate_Hz": null})", "field", "rate_Hz", "finite number");

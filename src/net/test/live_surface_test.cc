@@ -65,5 +65,68 @@ TEST(LiveSurface, AnOrganThatIsTooFineIsRefusedWithItsSize) {
   }
 }
 
+TEST(LiveTool, HasTheMeshOfEachPartAndHowJawsTurn) {
+  const geometry::Tool tool = geometry::make_tool("straight-forceps");
+  const auto json = tool_json(tool);
+  ASSERT_EQ(json["parts"].size(), tool.parts.size());
+  std::size_t jaws = 0;
+  for (std::size_t i = 0; i < tool.parts.size(); ++i) {
+    const auto& part = json["parts"][i];
+    EXPECT_EQ(part["triangles"].size(), 3 * tool.parts[i].mesh.triangles.size());
+    EXPECT_NEAR(part["vertices_mm"][2].get<double>(), 1e3 * tool.parts[i].mesh.vertices[0].z(), 5.01e-4);
+    EXPECT_EQ(part.contains("open_deg"), tool.parts[i].is_jaw);
+    if (!tool.parts[i].is_jaw) continue;
+    ++jaws;
+    EXPECT_NEAR(part["open_deg"].get<double>(), tool.parts[i].open_angle * 180.0 / 3.141592653589793, 1e-9);
+    EXPECT_NEAR(part["pivot_mm"][2].get<double>(), 1e3 * tool.parts[i].pivot.z(), 1e-9);
+  }
+  EXPECT_EQ(jaws, 2U);
+}
+
+TEST(LiveTool, ThatIsTooFineIsRefusedWithItsSize) {
+  geometry::Tool tool;
+  tool.parts.resize(2);
+  for (geometry::ToolPart& part : tool.parts) part.mesh = geometry::make_ball(0.03, 15'000);
+  try {
+    (void)tool_json(tool);
+    FAIL() << "it was taken";
+  } catch (const LiveError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("must have at most 20000"));
+  }
+}
+
+TEST(LivePicture, HasThePosesAndContactsOfEveryHand) {
+  haptics::Snapshot snapshot;
+  snapshot.tick = 7;
+  snapshot.hands = 2;
+  snapshot.organ_W.position = Vec3(0.01, 0.02, 0.03);
+  snapshot.tools[1].pose_W = {Quat(0.0, 1.0, 0.0, 0.0), Vec3(0.1, 0.2, 0.3)};
+  snapshot.tools[1].gripper = 0.25;
+  snapshot.results[1].view_count = 1;
+  contact::ContactView& view = snapshot.results[1].views[0];
+  view.point_S = Vec3(1e-3, 2e-3, 3e-3);
+  view.direction_S = Vec3(0.0, 0.0, -1.0);
+  view.depth = 4e-3;
+  view.tip_radius = 5e-3;
+  view.half_width = 6e-3;
+  view.pull = true;
+  const auto json = picture_json(snapshot);
+  EXPECT_EQ(json["tick"], 7);
+  EXPECT_EQ(json["organ_m"][1], 0.02);
+  EXPECT_TRUE(json["hands"][0]["contacts"].empty());
+  const auto& hand = json["hands"][1];
+  EXPECT_EQ(hand["tool_m"][2], 0.3);
+  EXPECT_EQ(hand["tool_wxyz"][1], 1.0);
+  EXPECT_EQ(hand["gripper"], 0.25);
+  ASSERT_EQ(hand["contacts"].size(), 1U);
+  const auto& contact = hand["contacts"][0];
+  EXPECT_EQ(contact["point_m"][0], 1e-3);
+  EXPECT_EQ(contact["direction"][2], -1.0);
+  EXPECT_EQ(contact["depth_m"], 4e-3);
+  EXPECT_EQ(contact["tip_radius_m"], 5e-3);
+  EXPECT_EQ(contact["half_width_m"], 6e-3);
+  EXPECT_EQ(contact["pull"], true);
+}
+
 }  // namespace
 }  // namespace palpate::net
