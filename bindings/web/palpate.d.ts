@@ -274,6 +274,30 @@ export interface Mark {
   kind: 'found' | 'false' | 'lump';
 }
 
+/** Poses and contacts that another program computed, such as `palpate serve` (`picture`). */
+export interface PictureState {
+  /** m, world frame */
+  organ: {position: Vector; orientation: Quaternion};
+  /** One per instrument of the scene. */
+  hands: {
+    position: Vector;
+    orientation: Quaternion;
+    /** 0 closed .. 1 open */
+    gripper: number;
+    /** Organ frame, m */
+    contacts: {
+      point: Vector;
+      /** Unit, displacement of the surface */
+      direction: Vector;
+      depth: number;
+      tipRadius: number;
+      /** Of the tool there; 0: no bound */
+      halfWidth: number;
+      pull: boolean;
+    }[];
+  }[];
+}
+
 /** Draws a simulation to a canvas by WebGL2, as the program's window does. */
 export interface View {
   /**
@@ -281,6 +305,8 @@ export interface View {
    * @param snapshot Simulation.snapshot(); default: the newest tick of the view's own simulation
    */
   draw(snapshot?: Uint8Array): void;
+  /** Draws organ and instruments of the scene in this state. */
+  drawState(state: PictureState): void;
   /** The camera of the next picture. Initially it shows the whole organ and the tool tip. */
   camera: Camera;
   /** Turns the camera about its target [rad]. */

@@ -610,6 +610,23 @@ class View {
     this.#memory.check(core._palpate_web_view_draw(view, this.#snapshot, snapshot.length, width, height));
   }
 
+  drawState({organ, hands}) {
+    const view = this.#view;
+    const {core} = this.#memory;
+    const {width, height} = this.#canvas;
+    const pose = ({position, orientation}) =>
+        [...vector(position, 'position'), ...vector(orientation, 'orientation', 4)];
+    const numbers = [...pose(organ), ...hands.flatMap(({contacts, gripper, ...hand}) => [
+      ...pose(hand), gripper, contacts.length, ...contacts.flatMap((contact) => [
+        ...vector(contact.point, 'point'), ...vector(contact.direction, 'direction'), contact.depth, contact.tipRadius,
+        contact.halfWidth, contact.pull ? 1 : 0,
+      ])])];
+    this.#memory.borrow(8 * numbers.length, (at) => {
+      this.#memory.setNumbers(at, numbers);
+      this.#memory.check(core._palpate_web_view_draw_state(view, at, numbers.length, width, height));
+    });
+  }
+
   get camera() {
     this.#memory.core._palpate_web_view_camera(this.#view, this.#numbers);
     const all = this.#memory.numbers(this.#numbers, 10);

@@ -39,6 +39,11 @@ void palpate_web_view_close(palpate_web_view* view);
 /// Draws a snapshot to the canvas, whose size is width x height pixels.
 palpate_status palpate_web_view_draw(palpate_web_view* view, const void* bytes, size_t size, int32_t width,
                                      int32_t height);
+/// Draws poses and contacts as numbers: position and orientation (w x y z) of the organ, then those of each
+/// hand, its gripper and its number of contacts. Each contact has a point and direction (organ frame), depth,
+/// tip radius, half-width, and 1 for a pull.
+palpate_status palpate_web_view_draw_state(palpate_web_view* view, const double* numbers, size_t count,
+                                           int32_t width, int32_t height);
 /// Eye, target, up, vertical angle of view [deg]: 10 numbers.
 void palpate_web_view_camera(const palpate_web_view* view, double camera[10]);
 palpate_status palpate_web_view_set_camera(palpate_web_view* view, const double camera[10]);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,72 @@ void copy_snapshot(const void* bytes, std::size_t size, Snapshot& snapshot) {
     valid = valid && result.view_count >= 0 && result.view_count <= palpate::contact::kMaxViews;
   }
   if (!valid) throw UseError("snapshot: its bytes are damaged");
+}
+
+/// Reads the numbers of palpate_web_view_draw_state().
+class StateReader final {
+ public:
+  explicit StateReader(std::span<const double> numbers) : left_(numbers) {}
+
+  [[nodiscard]] bool at_end() const noexcept { return left_.empty(); }
+  double number() {
+    if (left_.empty()) throw UseError("state: too few numbers");
+    const double value = left_.front();
+    if (!std::isfinite(value)) throw UseError("state: every number must be finite");
+    left_ = left_.subspan(1);
+    return value;
+  }
+  Vec3 vector() {
+    const double x = number();
+    const double y = number();
+    return {x, y, number()};
+  }
+  Pose pose() {
+    const Vec3 position = vector();
+    const double w = number();
+    const Vec3 axis = vector();
+    const palpate::Quat rotation(w, axis.x(), axis.y(), axis.z());
+    if (!(rotation.norm() > 0.5)) throw UseError("state: every orientation must be a unit quaternion");
+    return {rotation.normalized(), position};
+  }
+
+ private:
+  std::span<const double> left_;
+};
+
+/// The vertex of the organ nearest to a point.
+Vec3 nearest_vertex(const palpate::geometry::TriangleMesh& organ, const Vec3& point_S) {
+  return *std::min_element(organ.vertices.begin(), organ.vertices.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - point_S).squaredNorm() < (b - point_S).squaredNorm();
+  });
+}
+
+void read_hand(StateReader& numbers, const Pose& organ_W, const palpate::geometry::TriangleMesh& organ,
+               palpate::contact::ToolInput& tool, palpate::contact::ToolResult& result) {
+  tool.pose_W = numbers.pose();
+  tool.gripper = numbers.number();
+  const double contacts = numbers.number();
+  if (!(contacts >= 0.0 && contacts <= palpate::contact::kMaxViews)) {
+    throw UseError("state: a hand must have at most " + std::to_string(palpate::contact::kMaxViews) +
+                   " contacts");
+  }
+  result.view_count = static_cast<int>(contacts);
+  for (palpate::contact::ContactView& view :
+       std::span(result.views).first(static_cast<std::size_t>(result.view_count))) {
+    view = {};
+    view.point_S = numbers.vector();
+    view.direction_S = numbers.vector();
+    view.depth = numbers.number();
+    view.tip_radius = numbers.number();
+    view.half_width = numbers.number();
+    view.pull = numbers.number() != 0.0;
+    result.contact_W = organ_W * view.point_S;
+    result.normal_W = (view.pull ? 1.0 : -1.0) * (organ_W.rotation * view.direction_S);
+  }
+  if (result.view_count > 0) return;
+  const Vec3& tool_W = tool.pose_W.position;
+  result.nearest_W = organ_W * nearest_vertex(organ, organ_W.inverse() * tool_W);
+  result.away_W = (tool_W - result.nearest_W).normalized();
 }
 
 // The renderer's first pictures, which prepare its shaders, are small.
@@ -171,6 +238,24 @@ palpate_status palpate_web_view_draw(palpate_web_view* view, const void* bytes, 
     } else {
       copy_snapshot(bytes, size, view->shown);
     }
+    view->width = width;
+    view->height = height;
+    view->draw();
+  });
+}
+
+palpate_status palpate_web_view_draw_state(palpate_web_view* view, const double* numbers, size_t count,
+                                           int32_t width, int32_t height) {
+  return guarded([&] {
+    Snapshot snapshot = view->shown;
+    StateReader reader({numbers, count});
+    snapshot.organ_W = reader.pose();
+    for (std::uint32_t hand = 0; hand < snapshot.hands; ++hand) {
+      read_hand(reader, snapshot.organ_W, view->simulation.setup().organ, snapshot.tools[hand],
+                snapshot.results[hand]);
+    }
+    if (!reader.at_end()) throw UseError("state: must have one hand per instrument of the scene");
+    view->shown = snapshot;
     view->width = width;
     view->height = height;
     view->draw();

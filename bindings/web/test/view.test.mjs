@@ -93,6 +93,12 @@ test('the qualities show the same picture', () => {
   assert.ok(report.differences.fast < 0.05, `fast ${report.differences.fast}`);
 });
 
+test('a view draws poses and contacts from elsewhere', () => {
+  const {state, atRest} = report.states;
+  assert.ok(atRest > 0.002 && state < 0.05 * atRest, `${state} and ${atRest}`);
+  for (const words of report.refusals) assert.match(words, /^state: (must have one hand|too few numbers|every number)/);
+});
+
 test('a view draws the state of a snapshot', () => {
   const {snapshot, atRest} = report.differences;
   assert.ok(snapshot < 0.1 * atRest, `${snapshot} and ${atRest}`);  // 0 but for triangles that it split
