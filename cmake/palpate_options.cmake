@@ -34,7 +34,7 @@ if(PALPATE_FUZZ)
 endif()
 
 option(PALPATE_CORE_ONLY "Build src/core alone: it needs Eigen and the standard library" OFF)
-option(PALPATE_PORTABLE "Build the C interface for another system: presets web, windows and aarch64" OFF)
+option(PALPATE_PORTABLE "Build the C interface for another system: presets linux, web, windows and aarch64" OFF)
 if(PALPATE_PORTABLE)
   include(palpate_portable)
 else()

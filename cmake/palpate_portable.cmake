@@ -1,4 +1,4 @@
-# The portable build (presets web, windows, aarch64): the simulation behind the C interface, without threads, HDF5, assimp,
+# The portable build (presets linux, web, windows, aarch64): the simulation behind the C interface, without threads, HDF5, assimp,
 # zlib, TBB and devices other than scripted ones. It links no library of this machine. Of its libraries it takes the headers,
 # in a folder of their own so that the compiler sees no other header of /usr/include.
 set(PALPATE_HEADERS /usr/include CACHE PATH "Folder of eigen3/, fmt/, toml++/ and stb/")
