@@ -95,7 +95,7 @@ def test_a_ticked_simulation_takes_a_change_at_the_next_tick(tmp_path):
 
 
 def test_a_stiffness_map_comes_from_an_array_or_a_file(tmp_path):
-    organ = palpate.make_organ('liver')
+    organ = palpate.make_organ('gallbladder')
     top = organ.vertices[organ.vertices[:, 2].argmax()]
     double = strongest(stiffness_map=[[*top, 2.0]])
     assert double == pytest.approx(2.0 * strongest(), rel=0.02)

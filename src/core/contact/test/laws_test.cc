@@ -18,7 +18,7 @@ const model::RelaxationTerms kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
 struct Bench {
   explicit Bench(const model::TissueParameters& tissue)
       : world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {one_part_tool(geometry::make_ball(kLawRadius, 320))},
-              tissue, kLawPeriod),
+              tissue, kLawPeriod, prepared_once()),
         state(world) {
     at(Vec3(0, 0, kLawRadius + 5e-3), 1.0);
   }

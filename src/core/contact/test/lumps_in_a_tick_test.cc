@@ -29,7 +29,7 @@ class Palpation {
  public:
   explicit Palpation(const model::TissueVariation& variation, model::TissueParameters tissue = plain_tissue())
       : world_(block(kBlock, 0.1), {one_part_tool(geometry::make_ball(kTickBall, 1280))}, tissue, kTickPeriod,
-               {}, variation),
+               prepared_once(), variation),
         state_(world_) {
     at(Vec3(0, 0, 5e-3));
   }

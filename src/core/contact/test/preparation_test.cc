@@ -241,7 +241,7 @@ Within deviation_within(const TriangleMesh& organ) {
 }
 
 TEST(AveragedNormals, InsideATriangleAreNearlyThoseOfTheRuleThere) {
-  for (const char* name : {"gallbladder", "heart", "liver"}) {
+  for (const char* name : {"gallbladder", "heart"}) {
     const Within within = deviation_within(geometry::make_organ(name));
     EXPECT_LT(within.found, 0.1) << name;
     EXPECT_LT(within.found, 0.7 * within.straight) << name;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/contact/test/prepared_once.h"
 #include "palpate/mesh.h"
 
 namespace palpate::contact::test {
@@ -60,7 +61,7 @@ class Rig final {
  public:
   Rig(const geometry::TriangleMesh& organ, const geometry::Tool& tool, const model::TissueParameters& tissue,
       double rate_Hz = 1000.0)
-      : world_(organ, {tool}, tissue, 1.0 / rate_Hz), state_(world_), rate_Hz_(rate_Hz) {}
+      : world_(organ, {tool}, tissue, 1.0 / rate_Hz, prepared_once()), state_(world_), rate_Hz_(rate_Hz) {}
 
   const ToolResult& tick(const Pose& pose, double gripper = 0.0) {
     pose_ = pose;

@@ -81,15 +81,15 @@ TEST(DiscBvh, VisitsEveryTriangleAlongASegment) {
   std::mt19937 random(5);
   for (const TriangleMesh& mesh : meshes()) {
     const DiscBvh tree(mesh);
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < 40; ++i) {
       const Vec3 a = near_to(mesh, random, 2e-3);
       const Vec3 b = near_to(mesh, random, 2e-3);
       std::set<std::int32_t> visited;
       tree.each_along(a, b, 1e-9, [&](std::int32_t slot) {
         visited.insert(tree.triangle_of()[static_cast<std::size_t>(slot)]);
       });
-      for (int k = 0; k <= 200; ++k) {
-        const Vec3 p = a + (k / 200.0) * (b - a);
+      for (int k = 0; k <= 100; ++k) {
+        const Vec3 p = a + (k / 100.0) * (b - a);
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
           if (squared_distance(mesh, t, p) > 1e-18) continue;
           EXPECT_TRUE(visited.contains(static_cast<std::int32_t>(t)));

@@ -3,30 +3,17 @@
 #include <atomic>
 #include <cstring>
 #include <functional>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/contact/organ_arrays.h"
+#include "core/contact/test/prepared_once.h"
 #include "core/haptics/simulation.h"
 #include "palpate/mesh.h"
-#include "palpate/preparation.h"
 #include "palpate/tick_observer.h"
 
 namespace palpate::haptics::test {
 
 inline constexpr double kBallRadius = 3e-3;  // m
-
-/// Prepares the block below once per program; all tests use it with one tissue.
-inline contact::Preparation prepared_once() {
-  static std::optional<contact::OrganArrays> kept;
-  contact::Preparation how;
-  how.load = [](const geometry::TriangleMesh&, double) { return kept; };
-  how.store = [](const geometry::TriangleMesh&, double, const contact::OrganArrays& arrays) {
-    kept = arrays;
-  };
-  return how;
-}
 
 /// A 60 x 60 x 40 mm block whose top is at z = 0, with a 3 mm ball in each hand.
 inline SimulationWorld block_and_balls(
@@ -36,7 +23,7 @@ inline SimulationWorld block_and_balls(
   const geometry::TriangleMesh block = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
   const std::vector<geometry::Tool> tools(hands, ball);
   SimulationWorld world{
-      .contact = contact::World(block, tools, tissue, 1.0 / rate_Hz, prepared_once()),
+      .contact = contact::World(block, tools, tissue, 1.0 / rate_Hz, contact::test::prepared_once()),
       .noise = noise::TouchNoise(noise, rate_Hz),
       .limits = {20.0, 5000.0 / rate_Hz, 0.2, 50.0 / rate_Hz, 1.0 / rate_Hz},
       .mappings = std::vector<WorkspaceMapping>(hands),

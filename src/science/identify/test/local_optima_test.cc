@@ -40,7 +40,7 @@ TEST(LocalOptima, ThoseOfTwoSpringsWithoutNoiseAreTheSprings) {
 
 // The layers that generated the curve, with their offset fitted: the best law must not fit clearly worse.
 TEST(LocalOptima, OfRandomSpringsAreNoWorseThanTheSprings) {
-  for (std::uint32_t number = 0; number < 40; ++number) {
+  for (std::uint32_t number = 0; number < 20; ++number) {
     const Springs of = random_springs(number);
     const Specimen specimen = springs(of, number);
     const LocalOptima optima = find_local_optima(make_problem(Settings{}, 0, {make_part(specimen)}));
