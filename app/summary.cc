@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "palpate/tool_contact.h"
 #include "run/session/run_quantities.h"
 
 namespace palpate::app {
@@ -17,18 +18,6 @@ namespace palpate::app {
 using session::RunResult;
 
 namespace {
-
-const char* phase_name(std::uint32_t phase) {
-  switch (static_cast<contact::Phase>(phase)) {
-    case contact::Phase::kPress:
-      return "press";
-    case contact::Phase::kPull:
-      return "pull";
-    case contact::Phase::kApproach:
-      break;
-  }
-  return "approach";
-}
 
 nlohmann::ordered_json igtl_json(const std::optional<net::IgtlStatistics>& tally) {
   if (!tally) return nullptr;
@@ -51,7 +40,7 @@ void print_phases(std::ostream& out, const session::RunStatistics& seen, bool se
     const session::PhaseSpan& span = seen.phases[i];
     out << "  ";
     if (several_hands) out << "hand " << span.hand << "  ";
-    out << std::left << std::setw(10) << phase_name(span.phase) << std::right << std::fixed
+    out << std::left << std::setw(10) << contact::kPhaseNames.at(span.phase) << std::right << std::fixed
         << std::setprecision(3) << span.from << " to " << span.to << " s\n"
         << std::defaultfloat;
   }
@@ -153,8 +142,10 @@ nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& fil
   };
   nlohmann::ordered_json phases = nlohmann::ordered_json::array();
   for (const session::PhaseSpan& span : run.statistics.phases) {
-    phases.push_back(
-        {{"hand", span.hand}, {"phase", phase_name(span.phase)}, {"from_s", span.from}, {"to_s", span.to}});
+    phases.push_back({{"hand", span.hand},
+                      {"phase", contact::kPhaseNames.at(span.phase)},
+                      {"from_s", span.from},
+                      {"to_s", span.to}});
   }
   nlohmann::ordered_json json = {{"scene", run.scene},
                                  {"rate_Hz", run.rate_Hz},

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -13,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/record/recorder.h"
 #include "palpate/scene.h"
 
+#include "tests/broken_hand.h"
 #include "tests/program.h"
 
 namespace palpate::tests {
@@ -265,26 +264,9 @@ TEST(NoiseCommand, PrintsTheSameSamplesForTheSameSeedWithTheStatedSpread) {
   EXPECT_NEAR(std::sqrt(sum_of_squares / 20000.0), 5e-3, 1e-4);  // K/(d + d0); four standard errors
 }
 
-/// Records a hand at rest whose sample of one tick is NaN.
-void record_broken_hand(const std::string& file, std::uint64_t broken_tick) {
-  const scene::Scene setup = scene::load({});
-  record::Recorder recorder(file, setup, true);
-  recorder.on_start(1);
-  for (std::uint64_t tick = 0; tick < 200; ++tick) {
-    haptics::TickRow row;
-    row.tick = tick;
-    row.time = 1e-3 * static_cast<double>(tick);
-    row.device = {0.0, 0.0, 0.2};
-    row.device_q = {1.0, 0.0, 0.0, 0.0};
-    if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
-    recorder.on_row(row);
-  }
-  recorder.finish({});
-}
-
 TEST(RunCommand, ABrokenSampleLatchesZeroForceAndExitsThreeWithTheCauseRecorded) {
   const Folder folder;
-  record_broken_hand(folder / "broken.h5", 100);
+  record_broken_hand(folder / "broken.h5", 200, 100);
   const Outcome outcome =
       run(folder, {"run", "--device", "replay:broken.h5", "--offline", "--headless", "--record", "run.h5"});
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;

@@ -3,7 +3,6 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -11,10 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "io/record/recorder.h"
 #include "palpate/recording.h"
-#include "palpate/scene.h"
 
+#include "tests/broken_hand.h"
 #include "tests/program.h"
 
 namespace palpate::tests {
@@ -22,26 +20,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Records a hand at rest above the gallbladder for `ticks` ticks. Its sample `broken_tick` is NaN.
-void record_broken_hand_in_real_time(const std::string& file, std::uint64_t ticks,
-                                     std::uint64_t broken_tick) {
-  record::Recorder recorder(file, scene::load(scene::Overrides{}), true);
-  recorder.on_start(1);
-  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-    haptics::TickRow row;
-    row.tick = tick;
-    row.time = 1e-3 * static_cast<double>(tick);
-    row.device = {0.0, 0.0, 0.2};
-    row.device_q = {1.0, 0.0, 0.0, 0.0};
-    if (tick == broken_tick) row.device[1] = std::numeric_limits<double>::quiet_NaN();
-    recorder.on_row(row);
-  }
-  recorder.finish({});
-}
-
 TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick) {
   const Folder folder;
-  record_broken_hand_in_real_time(folder / "hand.h5", 20'000, 100);
+  record_broken_hand(folder / "hand.h5", 20'000, 100);
   Program program(folder.path(), {"run", "--device", "replay:hand.h5", "--headless", "--record", "run.h5",
                                   "--json", "--duration-s", "3"});
   for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);

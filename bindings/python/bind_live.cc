@@ -18,6 +18,7 @@
 
 #include "core/haptics/tick_fields.h"
 #include "palpate/error.h"
+#include "palpate/tool_contact.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/inclusion_argument.h"
@@ -203,8 +204,7 @@ std::vector<std::string> remarks_of(const LiveSimulation& live) {
 }
 
 std::string phase_of(const HandState& hand) {
-  static constexpr const char* kWords[] = {"approach", "press", "pull"};
-  return kWords[std::min<std::uint32_t>(hand.row.phase, 2)];
+  return contact::kPhaseNames[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
 
 /// A value of a hand's row: a number, or an array of its components. All components are doubles.

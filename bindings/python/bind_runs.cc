@@ -9,6 +9,7 @@
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
+#include "palpate/tool_contact.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
@@ -86,7 +87,7 @@ py::object frame_of(const py::object& rows) {
     faults.emplace_back(haptics::name_of(static_cast<haptics::Fault>(fault)));
   }
   const py::object frame = pandas.attr("DataFrame")(rows);
-  frame["phase"] = words("phase", {"approach", "press", "pull"});
+  frame["phase"] = words("phase", {contact::kPhaseNames.begin(), contact::kPhaseNames.end()});
   frame["fault"] = words("fault", faults);
   return frame;
 }

@@ -7,6 +7,8 @@
 namespace palpate::contact {
 
 enum class Phase : std::uint8_t { kApproach, kPress, kPull };
+/// As recordings, messages and Python name them.
+inline constexpr std::array kPhaseNames{"approach", "press", "pull"};
 
 /// Bits of ToolResult::status.
 inline constexpr std::uint32_t kStartedInside = 1U << 0;  // a part gives no force until it has left the organ

@@ -11,6 +11,7 @@
 #include "core/haptics/gate.h"
 #include "core/haptics/tick_fields.h"
 #include "core/model/tissue_fields.h"
+#include "palpate/tool_contact.h"
 #include "palpate/units.h"
 
 namespace palpate::net {
@@ -32,18 +33,6 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 11> kStatus{{
     {haptics::kDutyLimited, "duty-limited"},
 }};
 
-const char* phase_name(std::uint32_t phase) {
-  switch (static_cast<contact::Phase>(phase)) {
-    case contact::Phase::kPress:
-      return "press";
-    case contact::Phase::kPull:
-      return "pull";
-    case contact::Phase::kApproach:
-      break;
-  }
-  return "approach";
-}
-
 Json status_json(std::uint32_t status) {
   Json words = Json::array();
   for (const auto& [bit, name] : kStatus) {
@@ -54,7 +43,7 @@ Json status_json(std::uint32_t status) {
 
 Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
   using haptics::TickRow;
-  if (field.offset == offsetof(TickRow, phase)) return phase_name(row.phase);
+  if (field.offset == offsetof(TickRow, phase)) return contact::kPhaseNames.at(row.phase);
   if (field.offset == offsetof(TickRow, saturated)) return row.saturated != 0;
   if (field.offset == offsetof(TickRow, status)) return status_json(row.status);
   if (field.offset == offsetof(TickRow, fault))

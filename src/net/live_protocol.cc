@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/json_depth.h"
 #include "palpate/tick_observer.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
@@ -103,34 +104,15 @@ class Members final {
   std::vector<std::string> known_;
 };
 
-/// Refuses a message with too many nesting levels. The JSON library is recursive, so a very deep message
-/// would overflow the stack.
-void check_depth(std::string_view text) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (!quoted && (c == '[' || c == '{')) {
-      if (++depth > kDeepest) {
-        throw LiveError("json", "message: is nested deeper than " + std::to_string(kDeepest) +
-                                    " levels at byte " + std::to_string(i + 1));
-      }
-    } else if (!quoted && (c == ']' || c == '}')) {
-      --depth;
-    }
-  }
-}
-
 json parse(std::string_view text) {
   if (text.size() > kLargestRequest) {
     throw LiveError("json", "message: has " + std::to_string(text.size()) + " bytes, must have at most " +
                                 std::to_string(kLargestRequest));
   }
-  check_depth(text);
+  if (const auto deep = nested_deeper_at(text, kDeepest)) {
+    throw LiveError("json", "message: is nested deeper than " + std::to_string(kDeepest) +
+                                " levels at byte " + std::to_string(*deep + 1));
+  }
   try {
     json message = json::parse(text);
     if (message.is_object()) return message;

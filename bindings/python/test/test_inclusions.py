@@ -95,17 +95,21 @@ def test_a_ticked_simulation_takes_a_change_at_the_next_tick(tmp_path):
 
 
 def test_a_stiffness_map_comes_from_an_array_or_a_file(tmp_path):
-    organ = palpate.make_organ('gallbladder')
-    top = organ.vertices[organ.vertices[:, 2].argmax()]
-    double = strongest(stiffness_map=[[*top, 2.0]])
-    assert double == pytest.approx(2.0 * strongest(), rel=0.02)
+    vertices = palpate.make_organ('gallbladder').vertices
+    top = vertices[vertices[:, 2].argmax()]
+
+    def press(**arguments):
+        return strongest(organ='gallbladder', **arguments)
+
+    double = press(stiffness_map=[[*top, 2.0]])
+    assert double == pytest.approx(2.0 * press(), rel=0.02)
     file = tmp_path / 'map.csv'
     file.write_text('x_mm,y_mm,z_mm,factor\n' + ','.join(repr(1e3 * x) for x in top) + ',2\n')
-    assert strongest(stiffness_map=file) == pytest.approx(double, rel=1e-6)
+    assert press(stiffness_map=file) == pytest.approx(double, rel=1e-6)
     with pytest.raises(palpate.ParameterError, match=r'stiffness_map\[0\] = 0'):
-        strongest(stiffness_map=[[0, 0, 0, 0]])
+        press(stiffness_map=[[0, 0, 0, 0]])
     with pytest.raises(palpate.InputError, match='shape'):
-        strongest(stiffness_map=[[0, 0, 0]])
+        press(stiffness_map=[[0, 0, 0]])
 
 
 def test_a_recorded_search_is_scored_and_mapped(tmp_path):

@@ -9,6 +9,7 @@
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
 #include "io/system/path_text.h"
+#include "palpate/tool_contact.h"
 
 namespace palpate::record {
 namespace {
@@ -35,8 +36,8 @@ char* append_column(char* at, const Row& row, const Column& column) {
 }
 
 char* append_phase(char* at, std::uint32_t phase) {
-  static constexpr std::string_view kWords[] = {"approach", "press", "pull"};
-  return phase < 3 ? append(at, kWords[phase]) : append_number(at, phase);
+  return phase < contact::kPhaseNames.size() ? append(at, contact::kPhaseNames[phase])
+                                             : append_number(at, phase);
 }
 
 char* append_fault(char* at, std::uint32_t fault) {

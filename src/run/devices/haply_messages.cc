@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/system/json_depth.h"
 #include "palpate/error.h"
 
 namespace palpate::devices {
@@ -102,29 +103,9 @@ class Field final {
   std::string name_;
 };
 
-/// Refuses a message with too many nesting levels. The JSON library is recursive, so a very deep message
-/// would overflow the stack.
-void check_depth(std::string_view text) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (!quoted && (c == '[' || c == '{')) {
-      if (++depth > kDeepest) {
-        throw InputError(fmt::format("message: is nested deeper than {} levels at byte {}", kDeepest, i + 1));
-      }
-    } else if (!quoted && (c == ']' || c == '}')) {
-      --depth;
-    }
-  }
-}
-
 json parse(std::string_view text) {
-  check_depth(text);
+  if (const auto deep = nested_deeper_at(text, kDeepest))
+    throw InputError(fmt::format("message: is nested deeper than {} levels at byte {}", kDeepest, *deep + 1));
   try {
     json message = json::parse(text);
     if (!message.is_object()) refuse("it", &message, "a JSON object");
