@@ -16,7 +16,6 @@
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
-#include "science/identify/fit_record.h"
 
 #include "fuzz/seed_texts.h"
 
@@ -355,20 +354,20 @@ constexpr char kPicture[] =
 
 /// One line of a specimen and one of a sweep.
 std::string fit_lines() {
-  identify::SpecimenFit fit;
-  fit.name = "a";
-  fit.layers_allowed = 6;
-  fit.layers_reached = 4;
-  fit.shared = {1, 2, 3, 4};
-  fit.own = {5, 6};
-  fit.estimates.resize(6);
-  fit.estimates[0].covariance = identify::Interval{1, 2};
-  fit.local_optima = {{1, 2, 3, 4, 5, 6}};
-  fit.curve = {{0, 1}, {1e-3, 2e-3}, {0.1, 0.2}, {0.1, 0.2}, {0, 0.1}, {0.2, 0.3}};
-  fit.warnings = {"a"};
-  return identify::record_line("a", fit) +
-         "\n{\"key\":\"b\",\"best_nrmse\":0.1,\"found_better\":false,\"values\":1,\"points_swept\":"
-         "[[1,\"nan\",1.0,0.5,1,2,3,4]]}\n";
+  const std::string estimate =
+      R"({"value":0.0,"interval":[0.0,0.0],"covariance":null,"bootstrap":[1.0,2.0],"determined":true})";
+  std::string estimates = estimate;
+  for (int i = 1; i < 6; ++i) estimates += ',' + estimate;
+  return R"({"key":"a","name":"a","law":"layered","layers_allowed":6,"layers_reached":4,"terms":0,"estimates":[)" +
+         estimates +
+         R"(],"rms":0.0,"nrmse":0.0,"leave_out":"nan","points":2,"rows":2,"warnings":["a"],)"
+         R"("curve":{"time":[0.0,1.0],"displacement":[0.001,0.002],"measured":[0.1,0.2],"fitted":[0.1,0.2],)"
+         R"("low":[0.0,0.1],"high":[0.2,0.3]},"shared":[1.0,2.0,3.0,4.0],"own":[5.0,6.0],)"
+         R"("minima":[[1.0,2.0,3.0,4.0,5.0,6.0]]})"
+         "\n"
+         R"({"key":"b","best_nrmse":0.1,"found_better":false,"values":1,)"
+         R"("points_swept":[[1,"nan",1.0,0.5,1,2,3,4]]})"
+         "\n";
 }
 
 void add_the_rest(const Seeds& seeds) {
