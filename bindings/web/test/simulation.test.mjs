@@ -71,12 +71,26 @@ for (const task of ['press', 'pull']) {
   });
 }
 
+/** Columns of the CSV that hold a field of a result. */
+const axes = (name, unit) => ['x', 'y', 'z'].map((axis) => `${name}_${axis}${unit}`);
+const RECORDED = {
+  tick: 'tick', time: 'time_s', gripperForce: 'gripper_force_N', force: axes('force', '_N'), torque: axes('torque', '_N_m'),
+  tissueForce: 'tissue_force_N', noiseForce: 'noise_force_N', friction: 'friction_N', distance: 'distance_m', depth: 'depth_m',
+  contact: axes('contact', '_m'), normal: axes('normal', ''), toolPosition: axes('tool', '_m'),
+  toolOrientation: ['tool_qw', 'tool_qx', 'tool_qy', 'tool_qz'], gripper: 'gripper', energy: 'energy_J', engagement: 'engagement',
+  cutoffLayer: 'cutoff_layer', saturated: 'saturated', status: 'status', fault: 'fault',
+};
+
 test('the CSV holds the results of the ticks', () => {
-  const simulation = palpate.open({noHand: true, record: true});
+  const simulation = palpate.open({task: 'pull', noHand: true, record: true});
   const results = play(simulation, 3000);
   const csv = columns(simulation.recordingCsv());
-  assert.deepEqual(csv.get('force_z_N').map(Number), results.map((result) => result.force[2]));
-  assert.deepEqual(csv.get('tick').map(Number), results.map((result) => result.tick));
+  for (const [field, column] of Object.entries(RECORDED)) {
+    const recorded = [column].flat().map((name) => csv.get(name).map(Number));
+    const felt = recorded.map((_, axis) => results.map((result) => [result[field]].flat()[axis]));
+    assert.deepEqual(recorded, felt, field);
+  }
+  assert.deepEqual(Object.keys(results[0]).filter((field) => !(field in RECORDED)), ['deviceForce', 'deviceTorque', 'phase']);
   play(simulation, 1);
   assert.equal(columns(simulation.recordingCsv()).get('tick').length, 3001);
   simulation.close();
