@@ -1,9 +1,11 @@
 // `palpate generate`: writes episodes for learning.
 #include "science/learning/generate.h"
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -22,6 +24,8 @@
 
 namespace palpate::app {
 namespace {
+
+namespace fs = std::filesystem;
 
 using learning::GenerateRequest;
 using learning::GenerateSummary;
@@ -42,9 +46,25 @@ learning::Range parse_range(const std::string& flag, const std::string& text) {
   return {low, parse_number(flag, text.substr(colon + 1), Numbers::kNotNegative)};
 }
 
-void check_generate_files(const GenerateRequest& request) {
-  require_regular_file(request.out, "--out");
+/// Whether `--out` is a folder: one that exists, or a name without an extension.
+bool is_folder(const fs::path& out) {
+  std::error_code error;
+  return fs::is_directory(out, error) || (!out.has_extension() && !fs::exists(out, error));
+}
+
+/// @param folder of `request.out`; it is created. Empty: `request.out` was given.
+void check_generate_files(const GenerateRequest& request, const fs::path& folder) {
+  if (folder.empty()) {
+    require_regular_file(request.out, "--out");
+  } else {
+    require_writable_folder(folder, "--out");
+  }
   const scene::Scene setup = scene::load(learning::with_defaults(request.settings.task, request.scene));
+  if (!folder.empty()) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    require_regular_file(request.out, "--out");
+  }
   require_no_overwrite(std::vector<NamedFile>{{"--out", request.out}}, sources_of(setup));
 }
 
@@ -56,7 +76,12 @@ int generate_episodes(GenerateFlags& flags) {
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   const OrganPreparation preparation(flags.no_cache);
   request.preparation = preparation.how();
-  tasks::on_rank_zero(*ranks, [&request] { check_generate_files(request); });
+  fs::path folder;
+  if (is_folder(request.out)) {
+    folder = request.out;
+    request.out /= "episodes.h5";
+  }
+  tasks::on_rank_zero(*ranks, [&] { check_generate_files(request, folder); });
   GenerateSummary summary;
   {
     Progress bar("generate");
@@ -100,7 +125,10 @@ void add_generate(CLI::App& program, int& exit_code) {
   add_whole(*command, "--steps", settings.steps, "steps after which an episode is truncated (default 500)");
   add_whole(*command, "--ticks", settings.ticks, "haptic ticks per step (default 10)");
   add_whole(*command, "--seed", request.seed, "seed of all random numbers (default 1)");
-  command->add_option("--out", request.out, "file to write: .h5 (HDF5) or .npz (NumPy)")->required();
+  command
+      ->add_option("--out", request.out,
+                   "file to write, .h5 (HDF5) or .npz (NumPy), or folder, which gets episodes.h5")
+      ->required();
   const auto add_range = [command](const char* flag, auto& range, const char* help) {
     command->add_option_function<std::string>(
         flag, [&range, flag](const std::string& text) { range = parse_range(flag, text); }, help);
@@ -124,6 +152,7 @@ void add_generate(CLI::App& program, int& exit_code) {
       "  palpate generate --episodes 200 --out press.npz\n"
       "  palpate generate --task hold --policy random --stiffness-factor 0.5:2 --noise-gain-N-m 0:5e-5 "
       "--out hold.h5\n"
+      "  palpate generate scene.toml --episodes 1000 --out episodes\n"
       "  mpirun -n 8 palpate generate --task search --steps 6000 --out search.h5\n"
       "The file has arrays with a row per step (observations, actions, rewards, terminals, timeouts) and "
       "with "

@@ -37,11 +37,23 @@ TEST(GenerateCommand, WritesAFileOverAnOldOneAndPrintsASummary) {
   EXPECT_THAT(words.out, HasSubstr("e.h5: 2 episodes of hold, 40 steps, mean reward of a step -1"));
 }
 
+TEST(GenerateCommand, WritesItsFileIntoAFolderThatItCreates) {
+  const Folder folder;
+  for (int time = 0; time < 2; ++time) {  // the second time it exists
+    const Outcome outcome = generate(folder, {"--out", "runs/one"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("runs/one/episodes.h5: 2 episodes"));
+    EXPECT_EQ(text_of(folder / "runs/one/episodes.h5").substr(1, 3), "HDF");
+  }
+}
+
 TEST(GenerateCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   for (const auto& [words, want] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--out", "e.csv"}, "e.csv: must end in .h5 (HDF5) or .npz (NumPy)"},
            {{"--out", "no/e.h5"}, "--out no/e.h5: "},
+           {{"--out", "/proc/e"}, "--out /proc/e"},
+           {{"--out", "runs", "--tissue", "lost.toml"}, "lost.toml"},
            {{"--out", "e.h5", "--task", "pull"}, "task: pull is not press, hold or search"},
            {{"--out", "e.h5", "--policy", "best"}, "policy: best is not random or scripted"},
            {{"--out", "e.h5", "--episodes", "0"}, "episodes = 0: must be 1 to 10000000"},
