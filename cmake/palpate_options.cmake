@@ -54,7 +54,9 @@ endif()
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")
 
-# palpate_compile_quickly(TARGET): low optimisation, for code whose speed does not matter to a run, picture or fit.
+# palpate_compile_quickly(TARGET): low optimisation, for code whose speed does not matter to a run, picture or fit. At -Og g++ 12
+# takes arguments of Eigen's inlined functions for uninitialized.
 function(palpate_compile_quickly target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-Og>
+    $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU>>:-Wno-maybe-uninitialized>)
 endfunction()
