@@ -27,6 +27,15 @@ class Program:
         return done.stderr
 
 
+@pytest.fixture(scope='session', autouse=True)
+def own_cache(tmp_path_factory):
+    """Prepares an organ once for all tests, and not in the user's cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv('PALPATE_CACHE', raising=False)
+        patch.setenv('XDG_CACHE_HOME', str(tmp_path_factory.mktemp('cache')))
+        yield
+
+
 @pytest.fixture
 def program():
     return Program()
