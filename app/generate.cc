@@ -46,25 +46,14 @@ learning::Range parse_range(const std::string& flag, const std::string& text) {
   return {low, parse_number(flag, text.substr(colon + 1), Numbers::kNotNegative)};
 }
 
-/// Whether `--out` is a folder: one that exists, or a name without an extension.
-bool is_folder(const fs::path& out) {
-  std::error_code error;
-  return fs::is_directory(out, error) || (!out.has_extension() && !fs::exists(out, error));
-}
-
-/// @param folder of `request.out`; it is created. Empty: `request.out` was given.
-void check_generate_files(const GenerateRequest& request, const fs::path& folder) {
-  if (folder.empty()) {
-    require_regular_file(request.out, "--out");
+/// @param creates_folder the folder of `request.out` does not exist yet
+void check_generate_files(const GenerateRequest& request, bool creates_folder) {
+  if (creates_folder) {
+    require_writable_folder(request.out.parent_path(), "--out");
   } else {
-    require_writable_folder(folder, "--out");
+    require_regular_file(request.out, "--out");
   }
   const scene::Scene setup = scene::load(learning::with_defaults(request.settings.task, request.scene));
-  if (!folder.empty()) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    require_regular_file(request.out, "--out");
-  }
   require_no_overwrite(std::vector<NamedFile>{{"--out", request.out}}, sources_of(setup));
 }
 
@@ -76,12 +65,10 @@ int generate_episodes(GenerateFlags& flags) {
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   const OrganPreparation preparation(flags.no_cache);
   request.preparation = preparation.how();
-  fs::path folder;
-  if (is_folder(request.out)) {
-    folder = request.out;
-    request.out /= "episodes.h5";
-  }
-  tasks::on_rank_zero(*ranks, [&] { check_generate_files(request, folder); });
+  std::error_code error;
+  const bool creates_folder = !request.out.has_extension() && !fs::exists(request.out, error);
+  if (creates_folder || fs::is_directory(request.out, error)) request.out /= "episodes.h5";
+  tasks::on_rank_zero(*ranks, [&] { check_generate_files(request, creates_folder); });
   GenerateSummary summary;
   {
     Progress bar("generate");

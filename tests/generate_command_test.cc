@@ -52,8 +52,8 @@ TEST(GenerateCommand, RefusesBadInputInOneLineAndWritesNothing) {
   for (const auto& [words, want] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--out", "e.csv"}, "e.csv: must end in .h5 (HDF5) or .npz (NumPy)"},
            {{"--out", "no/e.h5"}, "--out no/e.h5: "},
-           {{"--out", "/proc/e"}, "--out /proc/e"},
-           {{"--out", "runs", "--tissue", "lost.toml"}, "lost.toml"},
+           {{"--out", "/proc/e"}, "/proc/e/episodes.h5: cannot be written: No such file or directory"},
+           {{"--out", "runs", "--episodes", "0"}, "episodes = 0: must be 1 to 10000000"},
            {{"--out", "e.h5", "--task", "pull"}, "task: pull is not press, hold or search"},
            {{"--out", "e.h5", "--policy", "best"}, "policy: best is not random or scripted"},
            {{"--out", "e.h5", "--episodes", "0"}, "episodes = 0: must be 1 to 10000000"},

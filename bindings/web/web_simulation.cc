@@ -52,17 +52,10 @@ std::string sample_text() {
                          PALPATE_FIELD(fault));
 }
 
+/// The first field; the others follow as the class Result of palpate.js has them.
 std::string result_text() {
   using Struct = palpate_result;
-  return struct_text("result", sizeof(Struct),
-                     PALPATE_FIELD(tick) + PALPATE_FIELD(time) + PALPATE_FIELD(device_force) +
-                         PALPATE_FIELD(device_torque) + PALPATE_FIELD(gripper_force) + PALPATE_FIELD(force) +
-                         PALPATE_FIELD(torque) + PALPATE_FIELD(tissue_force) + PALPATE_FIELD(noise_force) +
-                         PALPATE_FIELD(friction) + PALPATE_FIELD(distance) + PALPATE_FIELD(depth) +
-                         PALPATE_FIELD(contact) + PALPATE_FIELD(normal) + PALPATE_FIELD(tool_position) +
-                         PALPATE_FIELD(tool_orientation) + PALPATE_FIELD(gripper) + PALPATE_FIELD(energy) +
-                         PALPATE_FIELD(engagement) + PALPATE_FIELD(phase) + PALPATE_FIELD(cutoff_layer) +
-                         PALPATE_FIELD(saturated) + PALPATE_FIELD(status) + PALPATE_FIELD(fault));
+  return struct_text("result", sizeof(Struct), PALPATE_FIELD(tick));
 }
 
 std::string options_text() {
