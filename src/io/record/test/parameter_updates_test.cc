@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "core/haptics/stability.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
@@ -24,6 +25,8 @@
 
 namespace palpate::record {
 namespace {
+
+using contact::test::prepared_once;
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -93,7 +96,7 @@ class RestlessDevice final : public haptics::Device {
 Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
   const TemporaryFolder folder;
   const scene::Scene setup = block_and_ball();
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   haptics::SimulationState state(world);
   const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   RestlessDevice device(*changes, seed);
@@ -121,7 +124,7 @@ TEST(ParameterUpdatesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks)
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Recording recording = restless_run(seed, 2000);
     ASSERT_GT(recording.changes.size(), 20U);
-    const ReplayResult result = replay(recording);
+    const ReplayResult result = replay(recording, {}, prepared_once());
     EXPECT_EQ(result.rows_compared, 2000U);
     EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
     EXPECT_EQ(result.hash, hash_rows(recording.rows));
@@ -131,7 +134,7 @@ TEST(ParameterUpdatesRecorded, ReplayIsTheSameBitForBitWithChangesAtRandomTicks)
 TEST(ParameterUpdatesRecorded, TheChangesAreWhatTheForceCameFrom) {
   Recording recording = restless_run(4, 1500);
   for (haptics::ParameterUpdate& change : recording.changes) change.tissue.k1 *= 1.5;
-  EXPECT_GT(replay(recording).rows_different, 300U);
+  EXPECT_GT(replay(recording, {}, prepared_once()).rows_different, 300U);
 }
 
 TEST(ParameterUpdatesRecorded, RowsSayAtWhichTicksAndTheChangesStandInOrder) {
@@ -153,7 +156,7 @@ TEST(ParameterUpdatesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
   const std::string tick = std::to_string(recording.changes[1].tick);
   recording.changes.erase(recording.changes.begin() + 1);
   try {
-    (void)replay(recording);
+    (void)replay(recording, {}, prepared_once());
     FAIL() << "it was run again";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("lacks the change of tissue or noise at tick " + tick));
@@ -163,14 +166,14 @@ TEST(ParameterUpdatesRecorded, ARecordingThatLacksAChangeIsNotRunAgain) {
 TEST(ParameterUpdatesRecorded, AChangeThatTheRowsDoNotKnowIsRefused) {
   Recording recording = restless_run(6, 500);
   for (haptics::TickRow& row : recording.rows) row.events = 0;
-  EXPECT_THROW((void)replay(recording), InputError);
+  EXPECT_THROW((void)replay(recording, {}, prepared_once()), InputError);
 }
 
 TEST(ParameterUpdatesRecorded, BadValuesInAFileAreRefusedByName) {
   Recording recording = restless_run(6, 500);
   recording.changes[0].tissue.beta = -2.0;
   try {
-    (void)replay(recording);
+    (void)replay(recording, {}, prepared_once());
     FAIL() << "it was run again";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("beta"));
@@ -183,7 +186,7 @@ TEST(ParameterUpdatesRecorded, SnapshotsCarryTheReachAndNumberInForce) {
   recording.changes[0].tissue.reach.depth_exponent = 0.4;
   recording.changes[0].what = haptics::kTissueChanged;
   const std::uint64_t tick = recording.changes[0].tick;
-  const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {tick - 1, tick});
+  const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {tick - 1, tick}, prepared_once());
   EXPECT_EQ(snapshots[0].change, 0U);
   EXPECT_EQ(snapshots[0].reach.bar_ratio, 1.8);
   EXPECT_EQ(snapshots[0].reach.depth_exponent, 0.5);
@@ -203,12 +206,12 @@ TEST(RecordingFrames, AreTheSameInAnyOrderAndByAnyWay) {
   const Recording recording = restless_run(8, 3000);
   std::vector<std::uint64_t> all(3000);
   std::iota(all.begin(), all.end(), 0);
-  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all);
-  RecordingFrames frames(recording);
+  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all, prepared_once());
+  RecordingFrames frames(recording, prepared_once());
   for (const std::uint64_t tick : {2999U, 511U, 512U, 513U, 100U, 0U, 2048U, 2047U, 1U, 2999U, 2998U}) {
     EXPECT_TRUE(same_scene(frames.at(tick), expected[tick])) << tick;
   }
-  RecordingFrames by_steps(recording);
+  RecordingFrames by_steps(recording, prepared_once());
   int steps = 0;
   while (!by_steps.approach(2500, 300)) ++steps;
   EXPECT_EQ(steps, 8) << "2501 ticks in pieces of 300";
@@ -223,10 +226,10 @@ TEST(RecordingFrames, ATickThatCannotBeRunLeavesTheOthers) {
   Recording recording = restless_run(8, 1000);
   std::vector<std::uint64_t> all(700);
   std::iota(all.begin(), all.end(), 0);
-  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all);
+  const std::vector<haptics::Snapshot> expected = snapshots_at(recording, all, prepared_once());
   ASSERT_EQ(recording.rows[700].events & haptics::kParameterUpdated, 0U);
   recording.rows[700].events |= haptics::kParameterUpdated;
-  RecordingFrames frames(recording);
+  RecordingFrames frames(recording, prepared_once());
   for (int times = 0; times < 2; ++times) {
     EXPECT_THROW((void)frames.at(700), InputError) << "it used a change that is not there";
     EXPECT_THROW((void)frames.at(900), InputError) << "it comes after it";
@@ -240,7 +243,7 @@ TEST(RecordingFrames, TheDeepestTickIsThatOfTheHandAskedFor) {
   for (haptics::TickRow& row : recording.rows) row.depth = 0.0;
   recording.rows[1].depth = 1e-3;
   recording.rows[3].depth = 2e-3;
-  const RecordingFrames frames(recording);
+  const RecordingFrames frames(recording, prepared_once());
   EXPECT_EQ(frames.deepest(), 3U);
   EXPECT_EQ(frames.deepest(1), 0U) << "there is no such hand";
 }
@@ -392,7 +395,7 @@ TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
   scene::Scene setup = block_and_ball();
   setup.devices[0].kind = "emulated";
   setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   model::TissueParameters stiff = setup.tissue;
   stiff.k1 *= 100.0;
@@ -418,7 +421,7 @@ TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarned
   const double uniform = damping_needed(1.0);
   setup.devices[0].dynamics = {0.5 * (uniform + stone), 100.0, 1e-6};
   EXPECT_THAT(scene::stability_remarks(setup), testing::IsEmpty());
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   const auto warnings_with = [&](double ratio) {
     return changes->offer(haptics::LiveInclusion{0, {0.0, 0.0, 0.014}, ratio}).warnings;
@@ -431,7 +434,7 @@ TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarned
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
   scene::Scene setup = block_and_ball();
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
   setup.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};
   EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "less than twofold";

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "io/record/test/sample_recording.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
@@ -12,6 +13,8 @@
 
 namespace palpate::record {
 namespace {
+
+using contact::test::prepared_once;
 
 using ::testing::HasSubstr;
 
@@ -54,7 +57,7 @@ class PressingDevice final : public haptics::Device {
 /// The loop's rows of a run, recorded and read back.
 Recording run(const scene::Scene& setup, std::uint64_t ticks) {
   const TemporaryFolder folder;
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   haptics::SimulationState state(world);
   PressingDevice left(0.01);
   PressingDevice right(-0.01);
@@ -71,7 +74,7 @@ TEST(Replay, RecordedRunComesOutTheSameBitForBit) {
   const Recording recording = run(block_and_balls(2), 300);
   ASSERT_EQ(recording.rows.size(), 600U);
   EXPECT_EQ(recording.rows.back().phase, 1U) << "the run must touch to mean anything";
-  const ReplayResult result = replay(recording);
+  const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_compared, 600U);
   EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
   EXPECT_EQ(result.first_difference, "");
@@ -90,12 +93,12 @@ scene::Scene breathing_block() {
 
 TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
   const Recording recording = run(breathing_block(), 1500);
-  const ReplayResult result = replay(recording);
+  const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_compared, 1500U);
   EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
   Recording still = recording;
   still.setup.organ_motion.clear();
-  EXPECT_GT(replay(still).rows_different, 1000U) << "the motion is what was recorded";
+  EXPECT_GT(replay(still, {}, prepared_once()).rows_different, 1000U) << "the motion is what was recorded";
 }
 
 TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
@@ -103,17 +106,17 @@ TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
   setup.tissue.law = model::LawKind::kSmooth;
   setup.tissue.relaxation = {{0.3, 0.05}, {0.2, 1.0 / 3.0}, {0.1, 7.0}};
   const Recording recording = run(setup, 600);
-  const ReplayResult result = replay(recording);
+  const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_compared, 1200U);
   EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
   Recording elastic = recording;
   elastic.setup.tissue.relaxation.pop_back();
-  EXPECT_GT(replay(elastic).rows_different, 500U) << "relaxation is what was recorded";
+  EXPECT_GT(replay(elastic, {}, prepared_once()).rows_different, 500U) << "relaxation is what was recorded";
 }
 
 TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
   const scene::Scene setup = breathing_block();
-  const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999});
+  const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999}, prepared_once());
   EXPECT_EQ(snapshots[0].organ_W.position, setup.organ_pose.position);
   const Pose moved = scene::organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
   EXPECT_EQ(snapshots[1].organ_W.position, moved.position);
@@ -125,7 +128,7 @@ TEST(Replay, ChangedValueIsFoundAndNamed) {
   Recording recording = run(block_and_balls(1), 250);
   recording.rows[200].torque[1] = 0.125;
   recording.rows[201].depth = 1.0;
-  const ReplayResult result = replay(recording);
+  const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_different, 2U);
   EXPECT_THAT(result.first_difference,
               HasSubstr("tick 200, hand 0, torque_y_N_m: recorded 0.125, replayed "));
@@ -134,7 +137,7 @@ TEST(Replay, ChangedValueIsFoundAndNamed) {
 TEST(Replay, RecordingThatLacksATickIsRefused) {
   Recording recording = run(block_and_balls(1), 20);
   recording.rows.erase(recording.rows.begin() + 7);
-  EXPECT_THROW((void)replay(recording), InputError);
+  EXPECT_THROW((void)replay(recording, {}, prepared_once()), InputError);
 }
 
 TEST(Replay, MeasuredTimesNeitherDifferNorCountInTheHash) {
@@ -164,7 +167,8 @@ TEST(Replay, HashGoesOnFromTheRowsBefore) {
 
 TEST(SnapshotsAt, AreThoseOfTheTicksAskedFor) {
   const Recording recording = run(block_and_balls(2), 250);
-  const std::vector<haptics::Snapshot> snapshots = snapshots_at(recording, {0, 120, 120, 249});
+  const std::vector<haptics::Snapshot> snapshots =
+      snapshots_at(recording, {0, 120, 120, 249}, prepared_once());
   ASSERT_EQ(snapshots.size(), 4U);
   const std::uint64_t ticks[] = {0, 120, 120, 249};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -182,8 +186,8 @@ TEST(SnapshotsAt, AreThoseOfTheTicksAskedFor) {
 
 TEST(SnapshotsAt, TicksPastTheEndOrOutOfOrderAreRefused) {
   const Recording recording = run(block_and_balls(1), 20);
-  EXPECT_THROW((void)snapshots_at(recording, {20}), InputError);
-  EXPECT_THROW((void)snapshots_at(recording, {5, 3}), InputError);
+  EXPECT_THROW((void)snapshots_at(recording, {20}, prepared_once()), InputError);
+  EXPECT_THROW((void)snapshots_at(recording, {5, 3}, prepared_once()), InputError);
 }
 
 }  // namespace

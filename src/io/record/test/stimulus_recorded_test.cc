@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "io/record/recording_writer.h"
 #include "io/record/test/sample_recording.h"
 #include "io/record/tick_columns.h"
@@ -21,6 +22,8 @@
 
 namespace palpate::record {
 namespace {
+
+using contact::test::prepared_once;
 
 using haptics::LiveNoise;
 using haptics::LiveStimulus;
@@ -58,7 +61,7 @@ class SlowDevice final : public haptics::Device {
 Recording trial(std::uint64_t ticks = 1000) {
   const TemporaryFolder folder;
   const scene::Scene setup = block_and_probe();
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
   haptics::SimulationState state(world);
   const std::unique_ptr<haptics::ParameterUpdates> updates = scene::make_parameter_updates(setup, world);
   (void)updates->offer(LiveNoise{false, 5e-5, 5e-3}, 99);
@@ -102,20 +105,20 @@ TEST(StimulusRecorded, UpdatesHaveTheirTicksAndRowsTheForceAndTheIntervals) {
 
 TEST(StimulusRecorded, ReplayIsTheSameBitForBitAndNeedsTheForce) {
   Recording recording = trial();
-  const ReplayResult same = replay(recording);
+  const ReplayResult same = replay(recording, {}, prepared_once());
   EXPECT_EQ(same.rows_compared, 1000U);
   EXPECT_EQ(same.rows_different, 0U) << same.first_difference;
   EXPECT_EQ(same.hash, hash_rows(recording.rows));
   recording.changes[3].stimulus.force = 0.0126;
-  EXPECT_GT(replay(recording).rows_different, 200U);
+  EXPECT_GT(replay(recording, {}, prepared_once()).rows_different, 200U);
   recording.changes[3].stimulus.force = 1e3;
-  EXPECT_THROW((void)replay(recording), ParameterError);
+  EXPECT_THROW((void)replay(recording, {}, prepared_once()), ParameterError);
 }
 
 TEST(StimulusRecorded, AnIntervalInTheRowsThatTheUpdatesLackIsADifference) {
   Recording recording = trial();
   recording.rows[200].events |= haptics::kIntervalEnded;
-  const ReplayResult result = replay(recording);
+  const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_different, 1U);
   EXPECT_EQ(result.first_difference, "tick 200, hand 0, events: recorded 16, replayed 0");
 }
@@ -179,7 +182,7 @@ TEST(StimulusRecorded, AnOldFileWithoutTheColumnHasZeroAndReplaysToTheSameBits) 
   const Recording old = read_recording(file);
   ASSERT_EQ(old.rows.size(), 99U);
   for (std::size_t i = 0; i < old.rows.size(); ++i) ASSERT_TRUE(same_bits(old.rows[i], before.rows[i])) << i;
-  EXPECT_EQ(replay(old).rows_different, 0U);
+  EXPECT_EQ(replay(old, {}, prepared_once()).rows_different, 0U);
 }
 
 TEST(StimulusRecorded, AnOldFileThatWasCutOffGivesTheRowsBeforeTheDamage) {
