@@ -18,7 +18,7 @@ struct GenerateRequest {
   PolicyKind policy = PolicyKind::kScripted;
   std::uint64_t episodes = 100;
   std::uint64_t seed = 1;
-  std::filesystem::path out;  // .h5 or .npz
+  std::filesystem::path out;  // .h5 or .npz; its folder is created
   contact::Preparation preparation{};
 };
 
