@@ -79,6 +79,7 @@ function show(text) {
   state.canvas?.remove();
   state.text = text;
   state.sim = state.palpate.open({scene: text, noHand: true});
+  state.sim.tick([state.sim.scriptedSample(0, 0)]);  // the tool beside the organ until the first snapshot
   const {positions, picture: pose} = state.sim.surface();
   state.organ = {positions, position: pose.organPosition, orientation: pose.organOrientation};
   const canvas = state.canvas = document.createElement('canvas');

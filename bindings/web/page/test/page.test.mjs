@@ -104,6 +104,32 @@ test('the page shows a picture and the demonstration presses by itself', async c
   assert.ok(shot.length > 20000, `a picture of ${shot.length} bytes is empty`);
 });
 
+test('the first picture shows the tool above the organ', async context => {
+  const page = await browser.newPage({viewport: {width: 840, height: 540}});
+  context.after(() => page.close());
+  page.setDefaultTimeout(LONG);
+  await page.addInitScript(() => { window.Worker = class { postMessage() {} }; });  // so no later picture comes
+  await page.goto(url);
+  await page.locator('#picture canvas').waitFor();
+  await page.locator('#message').waitFor({state: 'hidden'});
+  const shot = (await page.locator('#picture canvas').screenshot()).toString('base64');
+  // Range of brightness, 0..255, of a row, given as a share of the height, in the middle half of the picture.
+  const range = await page.evaluate(async shot => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${shot}`;
+    await image.decode();
+    const canvas = Object.assign(document.createElement('canvas'), {width: image.width, height: image.height});
+    const c = canvas.getContext('2d');
+    c.drawImage(image, 0, 0);
+    return [0.02, 0.98].map(share => {
+      const {data} = c.getImageData(image.width / 4, Math.floor(share * image.height), image.width / 2, 1);
+      const green = data.filter((_, i) => i % 4 === 1);
+      return Math.max(...green) - Math.min(...green);
+    });
+  }, shot);
+  assert.ok(range[0] > 40 && range[1] < 25, `${range}: not the shaft above and the background below`);
+});
+
 test('a drag and the lever press the gallbladder, and the plot shows the force', async context => {
   const page = await opened(context);
   await press(page);
