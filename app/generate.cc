@@ -46,9 +46,8 @@ learning::Range parse_range(const std::string& flag, const std::string& text) {
   return {low, parse_number(flag, text.substr(colon + 1), Numbers::kNotNegative)};
 }
 
-/// @param creates_folder the folder of `request.out` does not exist yet
-void check_generate_files(const GenerateRequest& request, bool creates_folder) {
-  if (creates_folder) {
+void check_generate_files(const GenerateRequest& request) {
+  if (request.creates_folder) {
     require_writable_folder(request.out.parent_path(), "--out");
   } else {
     require_regular_file(request.out, "--out");
@@ -66,9 +65,9 @@ int generate_episodes(GenerateFlags& flags) {
   const OrganPreparation preparation(flags.no_cache);
   request.preparation = preparation.how();
   std::error_code error;
-  const bool creates_folder = !request.out.has_extension() && !fs::exists(request.out, error);
-  if (creates_folder || fs::is_directory(request.out, error)) request.out /= "episodes.h5";
-  tasks::on_rank_zero(*ranks, [&] { check_generate_files(request, creates_folder); });
+  request.creates_folder = !request.out.has_extension() && !fs::exists(request.out, error);
+  if (request.creates_folder || fs::is_directory(request.out, error)) request.out /= "episodes.h5";
+  tasks::on_rank_zero(*ranks, [&] { check_generate_files(request); });
   GenerateSummary summary;
   {
     Progress bar("generate");

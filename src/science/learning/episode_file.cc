@@ -162,8 +162,6 @@ struct EpisodeFile::Array {
 
 EpisodeFile::EpisodeFile(fs::path file, std::vector<ArraySpec> arrays)
     : file_(std::move(file)), npz_(is_npz(file_)) {
-  std::error_code error;
-  fs::create_directories(file_.parent_path(), error);  // nameless_file() reports a failure
   for (ArraySpec& spec : arrays) arrays_.push_back({std::move(spec), nameless_file(file_)});
 }
 

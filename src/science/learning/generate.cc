@@ -226,6 +226,8 @@ GenerateSummary generate(const GenerateRequest& request, tasks::Communicator& ra
   tasks::on_rank_zero(ranks, [&] {
     check(request);
     open();
+    std::error_code error;  // of a folder: opening the file reports it
+    if (request.creates_folder) std::filesystem::create_directories(request.out.parent_path(), error);
     output.emplace(request, *environment);
   });
   const std::uint64_t batch = std::clamp<std::uint64_t>(kBatch / largest_episode(request.settings), 1, 1000);

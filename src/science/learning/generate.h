@@ -18,7 +18,8 @@ struct GenerateRequest {
   PolicyKind policy = PolicyKind::kScripted;
   std::uint64_t episodes = 100;
   std::uint64_t seed = 1;
-  std::filesystem::path out;  // .h5 or .npz; its folder is created
+  std::filesystem::path out;    // .h5 or .npz
+  bool creates_folder = false;  // of the file, if it is missing
   contact::Preparation preparation{};
 };
 
