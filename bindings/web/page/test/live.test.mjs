@@ -5,6 +5,7 @@ import {spawn} from 'node:child_process';
 import {createRequire} from 'node:module';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
+import {pixelsOf} from './picture.mjs';
 
 const {chromium} = createRequire(import.meta.url)('playwright-core');
 const FLAGS = ['--headless', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
@@ -40,22 +41,15 @@ async function opened(context, ...flags) {
 
 /** Share of red pixels, and the height of the highest one, 0 at the top. */
 async function shares(page) {
-  const url = `data:image/png;base64,${(await page.locator('#picture canvas').screenshot()).toString('base64')}`;
-  return page.evaluate(async url => {
-    const image = new Image();
-    image.src = url;
-    await image.decode();
-    const canvas = new OffscreenCanvas(image.width, image.height), c = canvas.getContext('2d');
-    c.drawImage(image, 0, 0);
-    const {data} = c.getImageData(0, 0, image.width, image.height);
-    let red = 0, top = image.height;
+  return (await pixelsOf(page)).evaluate(({data, width, height}) => {
+    let red = 0, top = height;
     for (let i = 0; i < data.length; i += 4) {
       if (data[i] < data[i + 2] + 40) continue;
       red++;
-      top = Math.min(top, Math.floor(i / 4 / image.width));
+      top = Math.min(top, Math.floor(i / 4 / width));
     }
-    return {red: red / (data.length / 4), top: top / image.height};
-  }, url);
+    return {red: red / (data.length / 4), top: top / height};
+  });
 }
 
 test('the page of a live run draws the heart and how the forceps lift it', async context => {
