@@ -114,4 +114,20 @@ class InclusionLaw final {
   double bound_ = 1.0;             // P
 };
 
+/// A factor of the tissue's energy, and its derivative by the factor before the cap.
+struct CappedFactor {
+  double value = 1.0;
+  double slope = 1.0;
+};
+
+/// Factors up to this are not capped: one inclusion alone gives at most 4.75 times the uniform energy.
+inline constexpr double kUncappedFactor = 5.0;
+/// The largest factor of any number of inclusions.
+inline constexpr double kLargestEnergyFactor = 10.0;
+
+/// [rt] Caps the product of the inclusions' factors 1 + e_j: several hard inclusions at one place are not
+/// harder than their material. f up to f_0 = kUncappedFactor stays, bit for bit; above it
+/// f_0 + (f_1 - f_0) tanh((f - f_0) / (f_1 - f_0)), with two continuous derivatives.
+[[nodiscard]] CappedFactor cap_factor(double product) noexcept;
+
 }  // namespace palpate::model

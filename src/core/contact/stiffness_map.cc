@@ -1,5 +1,6 @@
 #include "core/contact/stiffness_map.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -146,6 +147,24 @@ StiffnessMap::Factor StiffnessMap::factor_at(const SurfacePoint& place) const no
     factor.gradient_S += linear * here.slope[c] + here.weight[c] * gradients_[v];
   }
   return factor;
+}
+
+StiffnessMap::Steepness StiffnessMap::steepness_of(std::int32_t triangle) const noexcept {
+  if (empty()) return {};
+  const geometry::TriangleMesh& mesh = surface_->mesh();
+  const geometry::Triangle& corners = mesh.triangles[at(triangle)];
+  Steepness largest{0.0, 0.0, 0.0};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t v = at(corners[c]);
+    const std::size_t w = at(corners[(c + 1) % 3]);
+    const double distance = (mesh.vertices[v] - mesh.vertices[w]).norm();
+    largest.value = std::max(largest.value, values_[v]);
+    largest.slope = std::max(largest.slope, gradients_[v].norm());
+    if (distance > 0.0) {
+      largest.curvature = std::max(largest.curvature, (gradients_[v] - gradients_[w]).norm() / distance);
+    }
+  }
+  return largest;
 }
 
 }  // namespace palpate::contact

@@ -28,6 +28,15 @@ class StiffnessMap final {
   /// [rt] The factor at a point of the rest surface.
   [[nodiscard]] Factor factor_at(const SurfacePoint& place) const noexcept;
 
+  /// Largest values over a triangle's corners.
+  struct Steepness {
+    double value = 1.0;      // factor k
+    double slope = 0.0;      // |dk/dc| [1/m]
+    double curvature = 0.0;  // |d2k/dc2|, of the gradients at two corners over their distance [1/m^2]
+  };
+  /// [any] @param triangle of the refined rest surface
+  [[nodiscard]] Steepness steepness_of(std::int32_t triangle) const noexcept;
+
  private:
   const OrganSurface* surface_ = nullptr;
   std::vector<double> values_;   // per vertex

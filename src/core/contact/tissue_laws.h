@@ -2,6 +2,7 @@
 #include <type_traits>
 
 #include "core/model/relaxation.h"
+#include "palpate/error.h"
 #include "palpate/spring_law.h"
 
 namespace palpate::contact {
@@ -9,7 +10,12 @@ namespace palpate::contact {
 /// What ticks need of a tissue: its laws, its relaxation and its contact parameters. Plain data without
 /// pointers, so a running loop can take another one (palpate/parameter_updates.h).
 struct TissueLaws {
-  /// [setup] @param loop_period T [s] @throws ParameterError as the law and model::validate() do
+  /// The stiffest layer [N/m] that a force within reach may meet: a double still resolves its width.
+  static constexpr double kStiffestLayer = 1e12;
+  static constexpr double kForceWithinReach = 50.0;  // N, the largest limit of a gate
+
+  /// [setup] @param loop_period T [s] @throws ParameterError as the law and model::validate() do, and for a
+  /// beta that makes a layer within reach stiffer than kStiffestLayer
   TissueLaws(const model::TissueParameters& tissue, double loop_period)
       : press(tissue, model::Direction::kPress, loop_period),
         pull(tissue, model::Direction::kPull, loop_period),
@@ -18,7 +24,12 @@ struct TissueLaws {
         tangential_damping(tissue.contact.tangential_damping),
         friction(tissue.contact.friction),
         damping(tissue.contact.damping),
-        grip_limit(tissue.contact.grip_limit) {}
+        grip_limit(tissue.contact.grip_limit) {
+    for (const model::SpringLaw* law : {&press, &pull}) {
+      if (law->deformation_under(kForceWithinReach).stiffness <= kStiffestLayer) continue;
+      throw ParameterError("beta", tissue.beta, "large enough that no layer within 50 N exceeds 1e12 N/m");
+    }
+  }
 
   model::SpringLaw press;
   model::SpringLaw pull;

@@ -28,6 +28,13 @@ TissueAt::Force TissueAt::force_at(const model::SpringLaw& law, double depth) co
     by_depth += extra.by_depth / factor;
     by_place += (2.0 * extra.by_square / factor) * (place_S_ - inclusions_[j].centre_S);
   }
+  if (energy > model::kUncappedFactor) {
+    const model::CappedFactor capped = model::cap_factor(energy);
+    const double of_logarithm = capped.slope * energy / capped.value;  // d(ln capped) / d(ln product)
+    energy = capped.value;
+    by_depth *= of_logarithm;
+    by_place *= of_logarithm;
+  }
   const model::ContactResponse uniform = law.force_at(depth);
   const double uniform_energy = law.energy_at(depth);
   return {factor_.value * energy * (uniform.force + uniform_energy * by_depth),

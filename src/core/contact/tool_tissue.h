@@ -23,10 +23,10 @@ struct ToolTissue {
 
 /// The tissue at one point c of the rest surface, where it is not uniform (docs/lumps.md). Its energy is
 ///
-///     U(D, c) = U_0(D) k(c) prod_j (1 + e_j(D, s_j^2)),   s_j^2 = |c - centre_j|^2 - h_j^2,
+///     U(D, c) = U_0(D) k(c) cap(prod_j (1 + e_j(D, s_j^2))),   s_j^2 = |c - centre_j|^2 - h_j^2,
 ///
 /// with k the stiffness map and e_j the inclusions' laws. (A product stays positive where several soft
-/// inclusions overlap.)
+/// inclusions overlap; model::cap_factor() bounds it where hard ones do.)
 class TissueAt final {
  public:
   /// [rt] @param tissue must outlive this

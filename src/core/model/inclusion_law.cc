@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/base/portable_math.h"
 #include "core/model/require_within.h"
 #include "palpate/inclusion.h"
 #include "palpate/organ_motion.h"
@@ -80,6 +81,14 @@ InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const
   const double g = v * v * v;
   const double g_by_depth = 3.0 * v * v * square * far * far * width_by_contact_ * tip.by_depth;
   return {gamma * g, gamma_by_depth * g + gamma * g_by_depth, -3.0 * gamma * g * far};
+}
+
+CappedFactor cap_factor(double product) noexcept {
+  if (!(product > kUncappedFactor)) return {product, 1.0};
+  constexpr double kRoom = kLargestEnergyFactor - kUncappedFactor;
+  const double decay = portable::exp(-2.0 * (product - kUncappedFactor) / kRoom);
+  const double tanh = (1.0 - decay) / (1.0 + decay);
+  return {kUncappedFactor + kRoom * tanh, 1.0 - tanh * tanh};
 }
 
 }  // namespace palpate::model

@@ -72,6 +72,12 @@ void validate(const TissueParameters& tissue) {
     throw ParameterError("law", static_cast<double>(tissue.law), "0 (layered) or 1 (smooth)");
   }
   for (const TissueField& field : kTissueFields) field.check(tissue);
+  // Contacts with smaller patches step from one point of the tool to the next.
+  constexpr double kSmallestReference = 1e-3;  // m
+  if (tissue.contact.reference_radius < kSmallestReference) {
+    throw ParameterError("contact.reference_radius_mm", tissue.contact.reference_radius / kMillimetre,
+                         "finite and >= 1");
+  }
   validate_relaxation(tissue.relaxation);
   if (tissue.source) require_positive("source.radius_mm", tissue.source->radius / kMillimetre);
 }

@@ -98,6 +98,11 @@ std::vector<double> MapModel::forces(std::span<const double> values, std::span<c
       factor *= 1.0 + extra.energy;
       by_depth += extra.by_depth / (1.0 + extra.energy);
     }
+    if (factor > model::kUncappedFactor) {
+      const model::CappedFactor capped = model::cap_factor(factor);
+      by_depth *= capped.slope * factor / capped.value;
+      factor = capped.value;
+    }
     forces.push_back(factor * (uniform + energy * by_depth));
   }
   return forces;

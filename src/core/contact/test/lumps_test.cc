@@ -130,6 +130,68 @@ TEST(Lumps, AClosedPathGivesNoEnergy) {
   }
 }
 
+/// Several stones at one place.
+FlatTissue pile_of_stones(std::mt19937_64& random, std::size_t count) {
+  FlatTissue tissue(random, model::LawKind::kSmooth);
+  tissue.inclusions.assign(count,
+                           {Vec3(0.0, 0.0, -5.1e-3), 5.1e-3 * 5.1e-3, InclusionLaw(5e-3, 5.1e-3, 100.0)});
+  return tissue;
+}
+
+TEST(Lumps, APileOfStonesIsAtMostTenTimesAsHard) {
+  std::mt19937_64 random(7);
+  for (const std::size_t count : {2U, 5U, 8U}) {
+    const FlatTissue tissue = pile_of_stones(random, count);
+    double energy = 0.0;
+    constexpr double kStep = 1e-5;
+    for (double depth = 0.5 * kStep; depth < 14e-3; depth += kStep) {
+      energy += kStep * tissue.force_at(Vec3(0.0, 0.0, -depth)).z();
+      const double uniform = tissue.laws.press.energy_at(depth + 0.5 * kStep);
+      ASSERT_LE(energy, model::kLargestEnergyFactor * uniform * 1.001 + 1e-9) << count << ", " << depth;
+    }
+  }
+}
+
+// d(normal)/dx is -d(lateral)/dD of one energy.
+TEST(Lumps, TheForcesOverAPileOfStonesAreThoseOfOneEnergy) {
+  std::mt19937_64 random(8);
+  for (int i = 0; i < 500; ++i) {
+    const FlatTissue tissue = pile_of_stones(random, 1 + random() % 8);
+    const Vec3 here(between(random, -8e-3, 8e-3), between(random, -8e-3, 8e-3),
+                    between(random, -9e-3, -1e-3));
+    constexpr double kStep = 1e-6;
+    const Vec3 aside(kStep, 0.0, 0.0);
+    const Vec3 below(0.0, 0.0, -kStep);
+    const double by_place = (tissue.force_at(here + aside).z() - tissue.force_at(here - aside).z()) / kStep;
+    const double by_depth = (tissue.force_at(here + below).x() - tissue.force_at(here - below).x()) / kStep;
+    EXPECT_NEAR(by_place, -by_depth, 1e-3 * std::abs(by_depth) + 1e-2) << i;
+  }
+}
+
+TEST(Lumps, TheCapLeavesOneInclusionAsItIs) {
+  for (double factor = 0.01; factor <= model::kUncappedFactor; factor *= 1.1) {
+    EXPECT_EQ(model::cap_factor(factor).value, factor);
+    EXPECT_EQ(model::cap_factor(factor).slope, 1.0);
+  }
+  std::mt19937_64 random(9);
+  for (int i = 0; i < 5000; ++i) {
+    const RandomInclusion one = random_inclusion(random);
+    const model::PressedTip tip(one.tip_radius, between(random, 0.1e-3, 25e-3));
+    EXPECT_LT(1.0 + one.law().at(tip, 0.0).energy, model::kUncappedFactor);
+  }
+}
+
+TEST(Lumps, TheCapRisesSmoothlyToTenAndItsSlopeIsItsDerivative) {
+  constexpr double kStep = 1e-6;
+  for (double factor = 4.0; factor < 1e6; factor *= 1.07) {
+    const model::CappedFactor here = model::cap_factor(factor);
+    const double slope =
+        (model::cap_factor(factor + kStep).value - model::cap_factor(factor - kStep).value) / (2.0 * kStep);
+    EXPECT_NEAR(here.slope, slope, 1e-6) << factor;
+    EXPECT_LE(here.value, model::kLargestEnergyFactor);
+  }
+}
+
 TEST(Lumps, TheNormalForceRisesWithDepthOverSoftAndHardInclusions) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 1000; ++i) {

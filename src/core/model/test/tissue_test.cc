@@ -59,8 +59,6 @@ const std::vector<PositiveField> kPositiveFields{
     {"reach.depth_exponent", 1.0, [](TissueParameters& t) -> double& { return t.reach.depth_exponent; }},
     {"contact.tangential_N_per_m", 1.0,
      [](TissueParameters& t) -> double& { return t.contact.tangential_stiffness.emplace(1.0); }},
-    {"contact.reference_radius_mm", 1e-3,
-     [](TissueParameters& t) -> double& { return t.contact.reference_radius; }},
     {"contact.grip_limit_N", 1.0, [](TissueParameters& t) -> double& { return t.contact.grip_limit; }},
     {"source.radius_mm", 1e-3, [](TissueParameters& t) -> double& { return t.source->radius; }},
 };
@@ -90,6 +88,17 @@ TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
   TissueParameters tissue = tissue_preset("heart");
   tissue.contact.friction = 0.0;
   tissue.contact.damping = 0.0;
+  EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(ValidateTissue, RefusesAReferenceRadiusBelowAMillimetre) {
+  for (const double bad : {0.99, 0.0, -2.0}) {
+    TissueParameters tissue = tissue_preset("heart");
+    tissue.contact.reference_radius = bad * 1e-3;
+    EXPECT_THROW(validate(tissue), ParameterError) << bad;
+  }
+  TissueParameters tissue = tissue_preset("heart");
+  tissue.contact.reference_radius = 1e-3;
   EXPECT_NO_THROW(validate(tissue));
 }
 
