@@ -36,6 +36,8 @@ std::string advice_on(haptics::Fault fault) {
       return "The computer was too busy: close other programs, then reset.";
     case haptics::Fault::kForceOff:
       return "Switch the force on at the device, then reset.";
+    case haptics::Fault::kUnstable:
+      return "Choose a softer tissue or a faster loop, then reset.";
     case haptics::Fault::kNone:
       break;
   }

@@ -44,7 +44,7 @@ const char* palpate_version(void) { return palpate::kVersion; }
 const char* palpate_last_error(void) { return palpate::c_interface::last_error.data(); }
 
 const char* palpate_fault_words(uint32_t fault) {
-  if (fault > PALPATE_FAULT_FORCE_OFF) return "no fault of that number is known";
+  if (fault > PALPATE_FAULT_UNSTABLE) return "no fault of that number is known";
   return palpate::haptics::describe(static_cast<palpate::haptics::Fault>(fault));
 }
 

@@ -61,6 +61,7 @@ typedef int32_t palpate_status;
 #define PALPATE_FAULT_STALE_SAMPLE 3  // the sample was older than 5 ms
 #define PALPATE_FAULT_STALLED_LOOP 4  // the program's loop stalled
 #define PALPATE_FAULT_FORCE_OFF 5     // the device switched its force off
+#define PALPATE_FAULT_UNSTABLE 6      // the passivity controller could not keep the energy bound
 
 /// Bits of palpate_result.status.
 #define PALPATE_STARTED_INSIDE (UINT32_C(1) << 0)  // no force until the tool has been outside the organ

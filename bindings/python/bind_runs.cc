@@ -83,7 +83,7 @@ py::object frame_of(const py::object& rows) {
     return pandas.attr("Categorical").attr("from_codes")(rows[column], py::arg("categories") = names);
   };
   std::vector<std::string> faults;
-  for (std::uint8_t fault = 0; fault <= static_cast<std::uint8_t>(haptics::Fault::kForceOff); ++fault) {
+  for (std::uint8_t fault = 0; fault <= static_cast<std::uint8_t>(haptics::kLastFault); ++fault) {
     faults.emplace_back(haptics::name_of(static_cast<haptics::Fault>(fault)));
   }
   const py::object frame = pandas.attr("DataFrame")(rows);

@@ -15,13 +15,15 @@ enum class Fault : std::uint8_t {
   kStale = 3,      // the device gave no new sample for kStaleAfter
   kStalled = 4,    // the loop made no tick for kStalledAfter
   kForceOff = 5,   // the device itself switched its force off
+  kUnstable = 6,   // the passivity controller could not keep the energy bound
 };
+inline constexpr Fault kLastFault = Fault::kUnstable;
 
 inline constexpr double kStaleAfter = 5e-3;     // s
 inline constexpr double kStalledAfter = 20e-3;  // s
 
 /// [any] The fault's name in CSV and JSON files: "none", "not-finite", "device", "stale-sample",
-/// "stalled-loop", "force-off".
+/// "stalled-loop", "force-off", "unstable".
 [[nodiscard]] const char* name_of(Fault fault) noexcept;
 
 /// [any] A readable description: "the device gave no new sample for 5 ms".

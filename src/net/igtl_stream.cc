@@ -63,6 +63,8 @@ StatusCode code_of(haptics::Fault fault) {
       return StatusCode::kTimeOut;
     case haptics::Fault::kForceOff:
       return StatusCode::kDisabled;
+    case haptics::Fault::kUnstable:
+      return StatusCode::kUnknownError;
   }
   return StatusCode::kUnknownError;
 }

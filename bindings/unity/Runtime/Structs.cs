@@ -45,7 +45,8 @@ namespace Palpate
         Device = 2,
         StaleSample = 3,
         StalledLoop = 4,
-        ForceOff = 5
+        ForceOff = 5,
+        Unstable = 6
     }
 
     public enum Phase : uint

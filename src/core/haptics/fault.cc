@@ -14,6 +14,8 @@ const char* name_of(Fault fault) noexcept {
       return "stalled-loop";
     case Fault::kForceOff:
       return "force-off";
+    case Fault::kUnstable:
+      return "unstable";
     case Fault::kNone:
       break;
   }
@@ -32,6 +34,9 @@ const char* describe(Fault fault) noexcept {
       return "the loop stood still for 20 ms";
     case Fault::kForceOff:
       return "the device switched its force off by itself";
+    case Fault::kUnstable:
+      return "the force gave the hand more energy than the passivity controller could take back: lower the "
+             "tissue's stiffness or contact damping, workspace_scale or a slow loop's period";
     case Fault::kNone:
       break;
   }

@@ -36,21 +36,35 @@ Limited limit(const Vec3& wanted, const Vec3& last, double largest, double step)
   return result;
 }
 
+/// Moves a limited vector against the motion `way` until it dissipates as much as `wanted`, or as the limits
+/// allow. They allow every point between two vectors within both limits.
+void keep_dissipation(const Vec3& wanted, const Vec3& last, const Vec3& way, double largest, double step,
+                      Vec3& value) noexcept {
+  const double missing = (value - wanted).dot(way);
+  if (!(missing > 0.0)) return;
+  const Vec3 most = limit(last - step / way.norm() * way, last, largest, step).value;
+  const double possible = (value - most).dot(way);
+  if (possible > 0.0) value += std::min(1.0, missing / possible) * (most - value);
+}
+
 bool finite(const ForceCommand& tissue, const Vec3& wanted) noexcept {
   return std::isfinite(wanted.norm()) && std::isfinite(tissue.torque.norm()) &&
          std::isfinite(tissue.gripper_force);
 }
 
-void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
-  state.fault = fault;
-  // After a reset and a new fault during a ramp-down, the ramp-down continues.
-  if (state.fault_ticks_left > 0 && fault != Fault::kStalled) return;
+/// Begins the fall of all commands to zero. @param time [s]
+void begin_fall(const GateLimits& limits, double time, GateState& state) noexcept {
   constexpr double kMaxTicks = 1e6;
-  const double whole = std::clamp(std::floor(kFaultFall / limits.period), 1.0, kMaxTicks);
-  // after a stall the hand feels no force any more
-  const double ticks = fault == Fault::kStalled ? 1.0 : whole;
+  const double ticks = std::clamp(std::floor(time / limits.period), 1.0, kMaxTicks);
   state.fault_ticks_left = static_cast<int>(ticks);
   state.fault_step = {state.force / ticks, state.torque / ticks, state.gripper_force / ticks};
+}
+
+void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
+  state.fault = fault;
+  // After a reset and a new fault during a fall, the fall continues.
+  if (state.fault_ticks_left > 0) return;
+  begin_fall(limits, fault == Fault::kUnstable ? kUnstableFall : kFaultFall, state);
 }
 
 /// The next command of the ramp to zero: the step times the ticks left, so the end is exactly zero.
@@ -63,11 +77,21 @@ void ramp_to_zero(GateState& state) noexcept {
   state.gripper_force = state.fault_step.gripper_force * left;
 }
 
-/// Applies clamp and slew limits. @return status bits
+/// Applies clamp and slew limits. @param damped motion against which the passivity controller acts; zero when
+/// it does not @return status bits
 std::uint32_t apply_limits(const GateLimits& limits, GateState& state, const ForceCommand& tissue,
-                           const Vec3& noise) noexcept {
-  const Limited force = limit(tissue.force + noise, state.force, limits.max_force, limits.force_step);
-  const Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
+                           const Vec3& noise, const DeviceMotion& damped) noexcept {
+  const Vec3 wanted = tissue.force + noise;
+  Limited force = limit(wanted, state.force, limits.max_force, limits.force_step);
+  Limited torque = limit(tissue.torque, state.torque, limits.max_torque, limits.torque_step);
+  if (!damped.translation.isZero(0.0)) {
+    keep_dissipation(wanted, state.force, damped.translation, limits.max_force, limits.force_step,
+                     force.value);
+  }
+  if (!damped.rotation.isZero(0.0)) {
+    keep_dissipation(tissue.torque, state.torque, damped.rotation, limits.max_torque, limits.torque_step,
+                     torque.value);
+  }
   const double grip = std::clamp(tissue.gripper_force, -limits.max_force, limits.max_force);
   state.force = force.value;
   state.torque = torque.value;
@@ -75,6 +99,39 @@ std::uint32_t apply_limits(const GateLimits& limits, GateState& state, const For
       std::clamp(grip, state.gripper_force - limits.force_step, state.gripper_force + limits.force_step);
   return (force.clamped ? kForceClamped : 0U) | (force.slewed ? kForceSlewed : 0U) |
          (torque.clamped ? kTorqueClamped : 0U) | (torque.slewed ? kTorqueSlewed : 0U);
+}
+
+/// The next command of a fade: a ramp to zero without what gives energy along the motion. It never rises
+/// again.
+void fade_to_zero(const GateLimits& limits, GateState& state, const DeviceMotion& relative) noexcept {
+  const Vec3 last_force = state.force;
+  const Vec3 last_torque = state.torque;
+  ramp_to_zero(state);
+  const double left = state.fault_ticks_left;
+  if (state.fault_ticks_left == 0) return;
+  ForceCommand falling{state.force, state.torque, state.gripper_force};
+  remove_giving(relative, falling);
+  const ForceCommand& step = state.fault_step;
+  // At a slew limit slower than the ramp, the ramp decides.
+  state.force = limit(falling.force, last_force, state.force.norm(),
+                      std::max(limits.force_step, 2.0 * step.force.norm()))
+                    .value;
+  state.torque = limit(falling.torque, last_torque, state.torque.norm(),
+                       std::max(limits.torque_step, 2.0 * step.torque.norm()))
+                     .value;
+  state.fault_step = {state.force / left, state.torque / left, step.gripper_force};
+}
+
+/// Lowers force and torque to what the slew limits can bring to zero in time. @return status bits
+std::uint32_t limit_to_reserve(const GateLimits& limits, const PassivityObserver& energy,
+                               ForceCommand& tissue) noexcept {
+  const SlewReserve most =
+      slew_reserve(energy, limits.force_step / limits.period, limits.torque_step / limits.period);
+  const double force = tissue.force.norm();
+  const double torque = tissue.torque.norm();
+  if (force > most.force) tissue.force *= most.force / force;
+  if (torque > most.torque) tissue.torque *= most.torque / torque;
+  return (force > most.force ? kForceSlewed : 0U) | (torque > most.torque ? kTorqueSlewed : 0U);
 }
 
 /// Duty limit: updates the RMS of the written force, and lowers the force near the device's continuous force.
@@ -112,7 +169,11 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
                               input.motion.rotation - input.organ.rotation};
   observe_tissue(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
   observe_noise(state.energy, state.noise, input.motion, limits.period);
-  if (input.outside) reset_surplus(state.energy);
+  if (input.outside) {
+    reset_surplus(state.energy);
+  } else {
+    state.energy.unseen += limits.unseen * input.organ.translation.norm();
+  }
 
   GateOutput output;
   if (input.controlled) output.noise_scale = noise_scale(state.energy);
@@ -122,25 +183,40 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
   Vec3 noise = output.noise_scale * input.noise;
   if (!input.stimulus.isZero(0.0)) noise += output.stimulus_scale * input.stimulus;
   const bool usable = finite(tissue, tissue.force + noise);
-  const Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
+  Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
+  if (fault == Fault::kNone && input.controlled && is_unstable(state.energy)) fault = Fault::kUnstable;
   if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
 
   if (state.fault != Fault::kNone) {
-    ramp_to_zero(state);
+    // After a stall the hand feels no force any more.
+    if (input.fault == Fault::kStalled) state.fault_ticks_left = 0;
+    if (state.fault == Fault::kUnstable) {
+      fade_to_zero(limits, state, relative);
+    } else {
+      ramp_to_zero(state);
+    }
     state.noise = Vec3::Zero();
   } else {
     state.fault_ticks_left = 0;
     state.fault_step = {};
-    if (input.controlled && control_passivity(state.energy, relative, limits.period, tissue)) {
-      output.status |= kEnergyDamped;
+    bool damps = false;
+    if (input.controlled) {
+      output.status |= limit_to_reserve(limits, state.energy, tissue);
+      damps = control_passivity(state.energy, relative, limits.period, tissue);
+      const bool moves = !input.outside && !input.motion.translation.isZero(0.0);
+      observe_control(state.energy, damps && moves, limits.period);
     }
-    output.status |= apply_limits(limits, state, tissue, noise);
+    if (damps) output.status |= kEnergyDamped;
+    output.status |= apply_limits(limits, state, tissue, noise, damps ? relative : DeviceMotion{});
     state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};
   return output;
 }
 
-void reset_fault(GateState& state) noexcept { state.fault = Fault::kNone; }
+void reset_fault(GateState& state) noexcept {
+  if (state.fault == Fault::kUnstable) reset_deficit(state.energy);
+  state.fault = Fault::kNone;
+}
 
 }  // namespace palpate::haptics

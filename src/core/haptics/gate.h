@@ -35,6 +35,8 @@ struct GateLimits {
   double max_torque = 0.2;    // N m
   double torque_step = 0.05;  // N m per tick
   double period = 1e-3;       // s
+  // N: a moving organ hides up to this energy [J] per metre from the observer, stiffness times resolution
+  double unseen = 0.0;
   // N, RMS force that the device can hold without a time limit
   double continuous_force = DeviceAbilities::kUnknown;
 
@@ -52,7 +54,7 @@ struct GateState {
   PassivityObserver energy;
   double square_short = 0.0;  // N^2, mean square of the written force over kDutyShort
   double square_long = 0.0;   // N^2, over kDutyLong; raised while the motors are warm
-  ForceCommand fault_step;    // change per tick while a fault ramps the force to zero
+  ForceCommand fault_step;    // change per tick while a fault brings the force to zero
   int fault_ticks_left = 0;
   Fault fault = Fault::kNone;  // latched until reset
 };
@@ -79,18 +81,24 @@ struct GateOutput {
 
 /// After a fault the force ramps linearly to zero within this time, at any rate and slew limit.
 inline constexpr double kFaultFall = 10e-3;  // s
+/// After Fault::kUnstable the force fades within this time. It then only opposes the motion.
+inline constexpr double kUnstableFall = 50e-3;  // s
 
-/// [rt] The one gate before the hardware. Order: finite check, passivity controller on the tissue force, +
-/// noise and commanded force (lowered when they have given too much energy), clamp, slew, both on vector
-/// norms. The written force never exceeds max_force and never changes by more than force_step per tick.
-/// Torque obeys its own limits and the gripper force the limits of the force. A vector whose norm overflows
-/// counts as not finite. A fault latches: all commands ramp linearly to zero within kFaultFall and stay
-/// exactly zero until reset_fault(). After a stalled loop they are zero at once, because the watchdog has
-/// already removed the force. The passivity observer integrates what was written, also during faults.
+/// [rt] The one gate before the hardware. Order: finite check, slew reserve and passivity controller on the
+/// tissue force, + noise and commanded force (lowered when they have given too much energy), clamp, slew,
+/// both on vector norms. Within the limits the controller's dissipation comes first. The written force never
+/// exceeds max_force and never changes by more than force_step per tick. Torque obeys its own limits and the
+/// gripper force the limits of the force. A vector whose norm overflows counts as not finite.
+///
+/// A fault latches: all commands ramp linearly to zero within kFaultFall and stay exactly zero until
+/// reset_fault(). After a stalled loop they are zero at once, because the watchdog has already removed the
+/// force. A held device that is_unstable() latches Fault::kUnstable. The passivity observer integrates what
+/// was written, also during faults.
 [[nodiscard]] GateOutput pass_gate(const GateLimits& limits, GateState& state,
                                    const GateInput& input) noexcept;
 
-/// [rt] Clears a latched fault. The force then rises from its present value, within the slew limit.
+/// [rt] Clears a latched fault; after Fault::kUnstable also the energy deficit. The force then rises from its
+/// present value, within the slew limit.
 void reset_fault(GateState& state) noexcept;
 
 }  // namespace palpate::haptics

@@ -1,25 +1,26 @@
 #include "core/haptics/passivity.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate::haptics {
 namespace {
 
-/// Removes the component of `force` that adds energy along `way`, and adds a damper. @param damping [N s/m]
-void brake(Vec3& force, const Vec3& way, double damping, double period) noexcept {
+/// Removes the component of `force` that adds energy along `way`.
+void remove_along(Vec3& force, const Vec3& way) noexcept {
   const double square = way.squaredNorm();
-  if (!(square > 0.0)) return;
   const double giving = force.dot(way);
-  if (giving > 0.0) force -= giving / square * way;
-  force -= damping / period * way;
+  if (square > 0.0 && giving > 0.0) force -= giving / square * way;
 }
 
 }  // namespace
 
 void observe_tissue(PassivityObserver& observer, const ForceCommand& written, const Vec3& noise,
                     const DeviceMotion& relative) noexcept {
-  observer.tissue -= written.force.dot(relative.translation) - noise.dot(relative.translation) +
-                     written.torque.dot(relative.rotation);
+  const double given = written.force.dot(relative.translation) - noise.dot(relative.translation) +
+                       written.torque.dot(relative.rotation);
+  observer.tissue -= given;
+  observer.largest_tick = std::max(observer.largest_tick, std::abs(given));
 }
 
 void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceMotion& motion,
@@ -35,6 +36,33 @@ double noise_scale(const PassivityObserver& observer) noexcept {
 
 void reset_surplus(PassivityObserver& observer) noexcept { observer.tissue = std::min(observer.tissue, 0.0); }
 
+void observe_control(PassivityObserver& observer, bool acted, double period) noexcept {
+  observer.damped_share +=
+      ((acted ? 1.0 : 0.0) - observer.damped_share) * std::min(1.0, period / kDampedMemory);
+}
+
+bool is_unstable(const PassivityObserver& observer) noexcept {
+  const double bound = kEnergyTolerance + 2.0 * observer.largest_tick + observer.unseen;
+  return observer.damped_share > kUnstableShare || -observer.tissue > bound + kUnstableEnergy;
+}
+
+void reset_deficit(PassivityObserver& observer) noexcept {
+  observer.tissue = std::max(observer.tissue, 0.0);
+  observer.unseen = 0.0;
+  observer.damped_share = 0.0;
+}
+
+SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew) noexcept {
+  // In a deficit a part of the tolerance remains, so that the damper can act.
+  const double energy = std::max(observer.tissue + kEnergyTolerance, kEnergyTolerance / 4.0);
+  return {std::sqrt(energy * slew / kReserveSpeed), std::sqrt(energy * torque_slew / kReserveAngularSpeed)};
+}
+
+void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept {
+  remove_along(tissue.force, relative.translation);
+  remove_along(tissue.torque, relative.rotation);
+}
+
 bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
                        ForceCommand& tissue) noexcept {
   const double deficit = -observer.tissue;
@@ -43,11 +71,12 @@ bool control_passivity(const PassivityObserver& observer, const DeviceMotion& re
   // the whole deficit.
   const double way = relative.translation.squaredNorm();
   const double turn = relative.rotation.squaredNorm();
+  remove_giving(relative, tissue);
   if (way > 0.0) {
-    brake(tissue.force, relative.translation, std::min(kMaxDamping, deficit * period / way), period);
+    tissue.force -= std::min(kMaxDamping, deficit * period / way) / period * relative.translation;
   }
   if (turn > 0.0) {
-    brake(tissue.torque, relative.rotation, std::min(kMaxAngularDamping, deficit * period / turn), period);
+    tissue.torque -= std::min(kMaxAngularDamping, deficit * period / turn) / period * relative.rotation;
   }
   return true;
 }

@@ -12,6 +12,9 @@ struct PassivityObserver {
   double tissue = 0.0;
   double noise = 0.0;         // J given to the hand by touch noise and commanded force, open-loop sources
   double noise_excess = 0.0;  // J given beyond kNoisePower
+  double largest_tick = 0.0;  // J, largest energy of the tissue's force in one tick, in either direction
+  double unseen = 0.0;        // J, that a moving organ may have hidden from the observer
+  double damped_share = 0.0;  // of the recent ticks, in which the controller acted; see kDampedMemory
 };
 
 /// Energy deficits up to this are ignored: a hundredth of the energy of a fingertip's tap.
@@ -21,6 +24,19 @@ inline constexpr double kEnergyTolerance = 20e-6;  // J
 /// times T/2 (5 g at 1 kHz).
 inline constexpr double kMaxDamping = 10.0;         // N s/m
 inline constexpr double kMaxAngularDamping = 2e-3;  // N m s/rad
+
+/// A held device is unstable when the controller acted in more than kUnstableShare of the recent ticks (an
+/// exponential average with the time constant kDampedMemory), or when the deficit is beyond the promised
+/// bound by more than kUnstableEnergy. The bound is kEnergyTolerance, twice the largest energy of a tick, and
+/// what a moving organ hides. The margins to stable cases are in docs/safety.md.
+inline constexpr double kDampedMemory = 0.5;      // s
+inline constexpr double kUnstableShare = 0.9;     // reached after 1.15 s of uninterrupted action
+inline constexpr double kUnstableEnergy = 50e-6;  // J
+
+/// The slew limit delays the fall of a force that the hand moves away from. So the force is limited to what
+/// the slew limit can bring to zero at these speeds before it gives more energy than the hand has put in.
+inline constexpr double kReserveSpeed = 0.25;        // m/s
+inline constexpr double kReserveAngularSpeed = 0.5;  // rad/s
 
 /// Touch noise and commanded force together may give kNoisePower [W] continuously and kNoiseEnergy [J] beyond
 /// it. Above that it fades, to zero at twice the leeway. White noise of sigma on a mass m gives sigma^2 T /
@@ -45,6 +61,30 @@ void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceM
 /// [rt] Resets a positive energy outside the tissue, where nothing is stored: otherwise it could be returned
 /// at the next touch. A deficit stays.
 void reset_surplus(PassivityObserver& observer) noexcept;
+
+/// [rt] Notes whether the controller acted on a hand that moves in the tissue. @param period T [s]
+void observe_control(PassivityObserver& observer, bool acted, double period) noexcept;
+
+/// [rt] Whether a held device is unstable, whatever the cause; see kUnstableShare and kUnstableEnergy.
+[[nodiscard]] bool is_unstable(const PassivityObserver& observer) noexcept;
+
+/// [rt] Forgets a deficit and the controller's action: after a fault that somebody has reset.
+void reset_deficit(PassivityObserver& observer) noexcept;
+
+/// Largest force and torque that the slew limits can bring to zero in time.
+struct SlewReserve {
+  double force = 0.0;   // N
+  double torque = 0.0;  // N m
+};
+
+/// [rt] A force F that falls at the slew rate s gives at most F^2 v / (2 s) to a hand at the speed v. Force
+/// and torque may each use half of the observer's surplus and the tolerance.
+/// @param slew, torque_slew limits [N/s, N m/s]
+[[nodiscard]] SlewReserve slew_reserve(const PassivityObserver& observer, double slew,
+                                       double torque_slew) noexcept;
+
+/// [rt] Removes the components of force and torque that give energy along the relative motion.
+void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept;
 
 /// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, removes the components of force
 /// and torque that give energy along the relative motion, and adds damping that removes the deficit, if

@@ -96,7 +96,7 @@ inline constexpr auto kTickFields = [] {
     {{"late_ns"}, kI64, offsetof(TickRow, late_ns), "late_ns", "late_ns", "how late it began (0 offline)"},
     {{"status"}, kU32, offsetof(TickRow, status), "status", "status", "bits, below"},
     {{"fault"}, kU32, offsetof(TickRow, fault), "fault", nullptr,
-     "`0`, `not-finite`, `device`, `stale-sample`, `stalled-loop` or `force-off`"},
+     "`0`, `not-finite`, `device`, `stale-sample`, `stalled-loop`, `force-off` or `unstable`"},
     {{"energy_J"}, kF64, offsetof(TickRow, energy), "energy_J", "energy",
      "net energy that the hand and the organ's own motion have put into the tissue force so far"},
     {{"engagement"}, kF64, offsetof(TickRow, engagement), "engagement", "engagement",

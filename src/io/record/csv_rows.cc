@@ -42,7 +42,7 @@ char* append_phase(char* at, std::uint32_t phase) {
 
 char* append_fault(char* at, std::uint32_t fault) {
   if (fault == 0) return append(at, "0");
-  if (fault > static_cast<std::uint32_t>(haptics::Fault::kForceOff)) return append_number(at, fault);
+  if (fault > static_cast<std::uint32_t>(haptics::kLastFault)) return append_number(at, fault);
   return append(at, haptics::name_of(static_cast<haptics::Fault>(fault)));
 }
 

@@ -76,6 +76,7 @@ TEST(Passivity, ADeviceThatStandsStillIsLeftAlone) {
 
 TEST(Passivity, WhatAMovingOrganDoesOnAHandThatGoesAlongIsItsOwnAffair) {
   GateState state;
+  state.energy.tissue = 1e-3;  // stored before
   (void)pass_gate({}, state, {.tissue = pushing(2.0)});
   for (int i = 0; i < 100; ++i) {
     const GateOutput out = pass_gate(
@@ -83,10 +84,10 @@ TEST(Passivity, WhatAMovingOrganDoesOnAHandThatGoesAlongIsItsOwnAffair) {
     EXPECT_EQ(out.status & kEnergyDamped, 0U);
     EXPECT_EQ(out.command.force.x(), 2.0);
   }
-  EXPECT_NEAR(state.energy.tissue, 0.0, 1e-15);
+  EXPECT_NEAR(state.energy.tissue, 1e-3, 1e-15);
   (void)pass_gate({}, state,
                   {.tissue = pushing(2.0), .motion = {}, .organ = moved(1e-4), .controlled = true});
-  EXPECT_NEAR(state.energy.tissue, 2e-4, 1e-15) << "pushed against a hand that stays, the tissue stores it";
+  EXPECT_NEAR(state.energy.tissue, 1.2e-3, 1e-15) << "pushed against a hand that stays, the tissue stores it";
 }
 
 /// Pushes a free mass with noise through the gate. @return largest energy [J] that the mass received
@@ -193,6 +194,164 @@ TEST(Passivity, TheGateBooksWhatItWroteNotWhatWasAskedFor) {
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0)});
   (void)pass_gate(limits, state, {.tissue = pushing(-8.0), .motion = moved(1e-3)});
   EXPECT_NEAR(state.energy.tissue, 5.0 * 1e-3, 1e-12);
+}
+
+// F^2 v / (2 s) is half of the surplus and 20 uJ: F = sqrt(E s / v), with v = 0.25 m/s and 0.5 rad/s.
+TEST(Passivity, TheSlewReserveIsWhatTheSlewLimitCanTakeBack) {
+  PassivityObserver observer;
+  EXPECT_NEAR(slew_reserve(observer, 5000.0, 50.0).force, std::sqrt(20e-6 * 5000.0 / 0.25), 1e-12);
+  observer.tissue = 1e-3;
+  EXPECT_NEAR(slew_reserve(observer, 5000.0, 50.0).force, std::sqrt(1.02e-3 * 5000.0 / 0.25), 1e-12);
+  EXPECT_NEAR(slew_reserve(observer, 5000.0, 50.0).torque, std::sqrt(1.02e-3 * 50.0 / 0.5), 1e-12);
+  observer.tissue = -1.0;
+  EXPECT_NEAR(slew_reserve(observer, 1.0, 50.0).force, std::sqrt(5e-6 * 1.0 / 0.25), 1e-12)
+      << "in a deficit a quarter of the tolerance remains";
+}
+
+/// A hand that presses a spring and goes back at 0.2 m/s, whatever the force. @return largest energy [J] that
+/// it got, and the largest of a tick
+std::pair<double, double> given_by_spring(double stiffness, double slew) {
+  GateState state;
+  GateLimits limits;
+  limits.force_step = slew * kPassivityPeriod;
+  double depth = 0.0;
+  double given = 0.0;
+  double most = 0.0;
+  double largest_tick = 0.0;
+  for (int i = 0; i < 240; ++i) {
+    const double change = (i < 120 ? 8e-3 / 120.0 : -2e-4);
+    const double work = state.force.x() * -change;  // the force is outwards
+    given += work;
+    most = std::max(most, given);
+    largest_tick = std::max(largest_tick, std::abs(work));
+    depth = std::max(0.0, depth + change);
+    (void)pass_gate(limits, state,
+                    {.tissue = pushing(stiffness * depth), .motion = moved(-change), .controlled = true});
+  }
+  return {most, largest_tick};
+}
+
+TEST(Passivity, AForceThatASmallSlewLimitHoldsUpGivesNoMoreThanTheBound) {
+  for (const double stiffness : {45.0, 300.0, 900.0, 1900.0}) {
+    for (const double slew : {1.0, 5.0, 10.0, 20.0, 100.0, 5000.0}) {  // N/s
+      const auto [given, largest_tick] = given_by_spring(stiffness, slew);
+      EXPECT_LE(given, kEnergyTolerance + 2.0 * largest_tick) << stiffness << " N/m, " << slew << " N/s";
+    }
+  }
+}
+
+TEST(Passivity, TheReserveLeavesTissueOfAnyOrganAsItIs) {
+  GateState state;
+  double depth = 0.0;
+  for (int i = 0; i < 150; ++i) {
+    depth += 1e-4;  // 0.1 m/s
+    const GateOutput out =
+        pass_gate({}, state, {.tissue = pushing(1200.0 * depth), .motion = moved(-1e-4), .controlled = true});
+    ASSERT_DOUBLE_EQ(out.command.force.x(), 1200.0 * depth) << i;
+  }
+}
+
+TEST(Unstable, WhenTheControllerActsWithoutAPause) {
+  PassivityObserver observer;
+  const auto after = [&](double seconds) {
+    observer.damped_share = 0.0;
+    for (int i = 0; i < std::lround(seconds / kPassivityPeriod); ++i) {
+      observe_control(observer, true, kPassivityPeriod);
+    }
+    return is_unstable(observer);
+  };
+  const double time = -kDampedMemory * std::log(1.0 - kUnstableShare);
+  EXPECT_FALSE(after(0.98 * time));
+  EXPECT_TRUE(after(1.02 * time));
+  observe_control(observer, false, kPassivityPeriod);
+  EXPECT_LT(observer.damped_share, kUnstableShare + 0.02) << "a pause lowers it";
+}
+
+TEST(Unstable, WhenTheDeficitIsBeyondTheBound) {
+  PassivityObserver observer;
+  observer.largest_tick = 30e-6;
+  observer.tissue = -(kEnergyTolerance + 60e-6 + 0.99 * kUnstableEnergy);
+  EXPECT_FALSE(is_unstable(observer));
+  observer.tissue = -(kEnergyTolerance + 60e-6 + 1.01 * kUnstableEnergy);
+  EXPECT_TRUE(is_unstable(observer));
+}
+
+TEST(Unstable, TheGateRemembersTheLargestEnergyOfATick) {
+  GateState state;
+  state.force = Vec3(2.0, 0.0, 0.0);
+  (void)pass_gate({}, state, {.motion = moved(-1e-3)});
+  EXPECT_DOUBLE_EQ(state.energy.largest_tick, 2e-3);
+  (void)pass_gate({}, state, {.motion = moved(0.0)});
+  EXPECT_DOUBLE_EQ(state.energy.largest_tick, 2e-3);
+}
+
+TEST(Unstable, AHeldDeviceLatchesItAndAnObservedOneDoesNot) {
+  for (const bool controlled : {true, false}) {
+    GateState state;
+    state.energy.tissue = -1.0;
+    (void)pass_gate({}, state, {.tissue = pushing(1.0), .controlled = controlled});
+    EXPECT_EQ(state.fault, controlled ? Fault::kUnstable : Fault::kNone);
+  }
+}
+
+TEST(Unstable, TheForceFadesWithinFiftyMillisecondsAndNeverGivesEnergy) {
+  for (const double speed : {-0.1, -1e-3, 0.0, 1e-3, 0.1}) {
+    GateState state;
+    state.force = Vec3(4.0, 3.0, 0.0);
+    state.torque = Vec3(0.1, 0.0, 0.0);
+    state.energy.tissue = -1.0;
+    const DeviceMotion motion{Vec3(speed * kPassivityPeriod, 0.0, 0.0), Vec3(0.0, 1e-4, 0.0)};
+    double before = state.force.norm();
+    for (int tick = 1; tick <= 60; ++tick) {
+      const GateOutput out =
+          pass_gate({}, state, {.tissue = pushing(5.0), .motion = motion, .controlled = true});
+      ASSERT_EQ(state.fault, Fault::kUnstable);
+      EXPECT_LE(out.command.force.dot(motion.translation), 1e-15) << speed << " m/s, tick " << tick;
+      EXPECT_LE(out.command.torque.dot(motion.rotation), 1e-15);
+      EXPECT_LE(out.command.force.norm(), before + 1e-15) << "it does not rise again";
+      before = out.command.force.norm();
+      if (tick >= 50) {
+        EXPECT_EQ(out.command.force, Vec3::Zero()) << tick;
+        EXPECT_EQ(out.command.torque, Vec3::Zero());
+      }
+    }
+  }
+}
+
+TEST(Unstable, AStalledLoopDuringTheFadeEndsItAtOnce) {
+  GateState state;
+  state.force = Vec3(4.0, 0.0, 0.0);
+  state.energy.tissue = -1.0;
+  (void)pass_gate({}, state, {.controlled = true});
+  EXPECT_NE(state.force.x(), 0.0);
+  (void)pass_gate({}, state, {.controlled = true, .fault = Fault::kStalled});
+  EXPECT_EQ(state.force, Vec3::Zero());
+}
+
+TEST(Unstable, AResetForgetsTheDeficit) {
+  GateState state;
+  state.energy.tissue = -1.0;
+  (void)pass_gate({}, state, {.controlled = true});
+  reset_fault(state);
+  EXPECT_EQ(state.energy.tissue, 0.0);
+  (void)pass_gate({}, state, {.controlled = true});
+  EXPECT_EQ(state.fault, Fault::kNone);
+}
+
+// The force must turn by 8 N across the motion and fall by 3 N along it, in one tick of 5 N.
+TEST(Passivity, WithinTheSlewLimitDissipationComesFirst) {
+  GateState state;
+  state.force = Vec3(0.0, 0.0, 4.0);
+  state.energy.tissue = -60e-6;
+  state.energy.largest_tick = 1.0;  // within the bound
+  const DeviceMotion motion = moved(1e-3);
+  const ForceCommand tissue{Vec3(0.3, 0.0, -4.0), Vec3::Zero(), 0.0};
+  ForceCommand wanted = tissue;
+  ASSERT_TRUE(control_passivity({-60e-6, 0.0, 0.0}, motion, kPassivityPeriod, wanted));
+  GateLimits limits;
+  const GateOutput out = pass_gate(limits, state, {.tissue = tissue, .motion = motion, .controlled = true});
+  EXPECT_LE(out.command.force.x(), wanted.force.x() + 1e-12) << "all of the planned dissipation";
+  EXPECT_LE((out.command.force - Vec3(0.0, 0.0, 4.0)).norm(), limits.force_step);
 }
 
 }  // namespace
