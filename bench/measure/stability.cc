@@ -134,8 +134,8 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   static_cast<void>(haptics::run_loop(world_, state, devices, {&watch}, options));
   StabilityResult result = watch.result();
   result.stiffness = stiffness_at_hold_;
-  result.check = haptics::check_stability(setup_.tissue, model::Direction::kPress, 1.0 / world_.rate_Hz,
-                                          setup_.safety.max_force, 1.0, the_case.device);
+  result.check = haptics::check_stability(
+      setup_.tissue, {.period = 1.0 / world_.rate_Hz, .max_force = setup_.safety.max_force}, the_case.device);
   return result;
 }
 

@@ -75,8 +75,10 @@ Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand) {
     if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }
   for (std::string& remark : scene::overlap_remarks(setup)) setup.remarks.push_back(std::move(remark));
-  for (std::string& remark : scene::stability_remarks(setup)) setup.remarks.push_back(std::move(remark));
   haptics::SimulationWorld world = scene::make_world(setup, how);
+  for (std::string& remark : scene::stability_remarks(setup, world)) {
+    setup.remarks.push_back(std::move(remark));
+  }
   return {std::move(setup), std::move(scripted), std::move(world)};
 }
 

@@ -145,13 +145,14 @@ class EnergyWatch final : public haptics::TickObserver {
 
 Outcome outcome_of(const Attack& attack, const scene::ToolPath& path) {
   const scene::Scene setup = setup_of(attack);
-  if (!scene::stability_remarks(setup).empty()) return {.warned = true};
   const haptics::SimulationWorld world = scene::make_world(setup);
+  if (!scene::stability_remarks(setup, world).empty()) return {.warned = true};
   devices::EmulatedDevice device(path, setup.devices.front(), attack.rate_Hz);
   haptics::SimulationState state(world);
-  const haptics::StabilityCheck check =
-      haptics::check_stability(attack.tissue, model::Direction::kPress, 1.0 / attack.rate_Hz,
-                               setup.safety.max_force, attack.scale, attack.device);
+  const haptics::StabilityCheck check = haptics::check_stability(
+      attack.tissue,
+      {.period = 1.0 / attack.rate_Hz, .max_force = setup.safety.max_force, .scale = attack.scale},
+      attack.device);
   EnergyWatch watch(attack, world, device, check.stiffness * attack.device.resolution);
   haptics::LoopOptions options;
   options.ticks = device.last_tick(attack.rate_Hz);

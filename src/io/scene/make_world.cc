@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/text.h"
-#include "core/geometry/signed_distance.h"
+#include "core/contact/largest_stiffness.h"
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
 #include "palpate/error.h"
@@ -31,32 +31,46 @@ model::Direction direction_of(const Scene& setup) {
   return setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
 }
 
-/// How many times as stiff as the uniform tissue the scene's tissue gets.
-double largest_variation(const Scene& setup, const model::TissueParameters& tissue,
+/// Largest stiffness of a scene's tissue over the uniform tissue's, at any place and for any tool.
+double largest_variation(const Scene& setup, const haptics::SimulationWorld& world,
+                         const model::TissueParameters& tissue,
                          const std::vector<model::Inclusion>& inclusions) {
-  constexpr double kTipRadius = 5e-3;  // m, of a tool whose radius the scene does not give
-  double map = 1.0;
-  for (const model::StiffnessPoint& one : setup.stiffness) map = std::max(map, one.factor);
-  if (inclusions.empty()) return map;
-  const geometry::SignedDistance surface(setup.organ);
-  double largest = 1.0;
-  for (const model::Inclusion& one : inclusions) {
-    const double depth = -surface.nearest(one.centre_S).distance - one.pulse;
-    if (!(depth > 0.0)) continue;  // make_world() reports it
-    for (const geometry::Tool& tool : setup.tools) {
-      largest =
-          std::max(largest, haptics::stiffness_ratio_of(tissue, direction_of(setup), 1.0 / setup.rate_Hz, one,
-                                                        depth, tool.tip_radius.value_or(kTipRadius)));
-    }
+  if (inclusions.empty() && setup.stiffness.empty()) return 1.0;
+  const contact::TissueLaws laws(tissue, 1.0 / setup.rate_Hz);
+  const model::Direction direction = direction_of(setup);
+  const contact::StiffnessReach reach{direction, setup.safety.max_force, haptics::kDepthWithinReach};
+  double largest = 0.0;
+  for (std::size_t tool = 0; tool < setup.tools.size(); ++tool) {
+    largest = std::max(largest, contact::largest_stiffness(world.contact, laws, inclusions, tool, reach));
   }
-  return map * largest;
+  return largest /
+         contact::largest_tangent(direction == model::Direction::kPull ? laws.pull : laws.press, reach);
 }
 
 haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
                                      const model::TissueParameters& tissue, double variation,
                                      const haptics::DeviceMechanics& mechanics) {
-  return haptics::check_stability(tissue, direction_of(setup), 1.0 / setup.rate_Hz, setup.safety.max_force,
-                                  device.workspace_scale * device.force_scale, mechanics, variation);
+  return haptics::check_stability(tissue,
+                                  {.direction = direction_of(setup),
+                                   .period = 1.0 / setup.rate_Hz,
+                                   .max_force = setup.safety.max_force,
+                                   .scale = device.workspace_scale * device.force_scale,
+                                   .variation = variation,
+                                   .slew = setup.safety.max_slew},
+                                  mechanics);
+}
+
+/// Energy [J] per metre of the organ's motion that the passivity observer cannot see: stiffness times the
+/// resolution of the coarsest device.
+double unseen_energy(const Scene& setup, const haptics::SimulationWorld& world) {
+  if (!world.organ_motion.moves()) return 0.0;
+  const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
+  double largest = 0.0;
+  for (const DeviceSetup& device : setup.devices) {
+    const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
+    largest = std::max(largest, stiffness * device.dynamics.resolution.value_or(0.0));
+  }
+  return largest;
 }
 
 std::string rounded(double value) { return brief(value, 3); }
@@ -67,9 +81,9 @@ std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model
   const haptics::DeviceAbilities& able = device.abilities;
   const double stiffness = stability_of(setup, device, tissue, variation, {}).stiffness;
   if (!(stiffness > able.max_stiffness)) return {};
-  const double depth =
-      haptics::depth_of_tangent(tissue, direction_of(setup), 1.0 / setup.rate_Hz,
-                                able.max_stiffness / (device.workspace_scale * device.force_scale));
+  const double depth = haptics::depth_of_tangent(
+      tissue, direction_of(setup), 1.0 / setup.rate_Hz,
+      able.max_stiffness / (variation * device.workspace_scale * device.force_scale));
   return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " bears, " + rounded(stiffness) +
          " N/m against " + rounded(able.max_stiffness) + " N/m" +
          (std::isfinite(depth) ? ", from a depth of " + rounded(depth / kMillimetre) + " mm on" : "") +
@@ -122,6 +136,7 @@ haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparati
       .rate_Hz = setup.rate_Hz,
       .organ_motion = organ_motion_of(setup),
   };
+  world.limits.unseen = unseen_energy(setup, world);
   return world;
 }
 
@@ -140,7 +155,7 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     const haptics::DeviceAbilities& able = device.abilities;
     if (!device.fit) continue;
     device.force_scale = 1.0;
-    const double variation = largest_variation(setup, setup.tissue, variation_of(setup).inclusions);
+    const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
     const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
     device.force_scale = std::min(1.0, able.max_stiffness / stiffness);
     if (device.force_scale < 1.0) {
@@ -151,13 +166,14 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     }
   }
   world.limits = gate_limits(setup);
+  world.limits.unseen = unseen_energy(setup, world);
   world.mappings = mappings_of(setup);
   noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.max_sigma());
   return remarks;
 }
 
-std::vector<std::string> stability_remarks(const Scene& setup) {
-  return stability_remarks(setup, setup.tissue, variation_of(setup).inclusions);
+std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
+  return stability_remarks(setup, world, setup.tissue, variation_of(setup).inclusions);
 }
 
 std::vector<std::string> radius_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
@@ -186,7 +202,7 @@ std::vector<std::string> overlap_remarks(const Scene& setup) {
       remarks.push_back("inclusions '" + one->name + "' and '" + other->name +
                         "' overlap, their centres are " + rounded(apart / kMillimetre) +
                         " mm apart, less than the sum of their radii, " + rounded(radii / kMillimetre) +
-                        " mm: the energy there is multiplied by both");
+                        " mm: their factors multiply there, up to a cap");
     }
   }
   return remarks;
@@ -196,12 +212,14 @@ std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& s
                                                                   const haptics::SimulationWorld& world) {
   return std::make_unique<haptics::ParameterUpdates>(
       world, setup.tissue,
-      [&setup](const model::TissueParameters& tissue, const std::vector<model::Inclusion>& inclusions) {
-        return stability_remarks(setup, tissue, inclusions);
+      [&setup, &world](const model::TissueParameters& tissue,
+                       const std::vector<model::Inclusion>& inclusions) {
+        return stability_remarks(setup, world, tissue, inclusions);
       });
 }
 
-std::vector<std::string> stability_remarks(const Scene& setup, const model::TissueParameters& tissue,
+std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world,
+                                           const model::TissueParameters& tissue,
                                            const std::vector<model::Inclusion>& inclusions) {
   std::vector<std::string> remarks;
   std::optional<double> variation;  // one for all devices
@@ -210,7 +228,7 @@ std::vector<std::string> stability_remarks(const Scene& setup, const model::Tiss
     if (kind == nullptr || !kind->held) continue;
     const std::string who = "device " + device.kind + ": ";
     const DeviceDynamics& known = device.dynamics;
-    if (!variation) variation = largest_variation(setup, tissue, inclusions);
+    if (!variation) variation = largest_variation(setup, world, tissue, inclusions);
     const std::string stiff = too_stiff(setup, device, tissue, *variation);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
@@ -220,7 +238,8 @@ std::vector<std::string> stability_remarks(const Scene& setup, const model::Tiss
                         "friction_N and resolution_mm under [device]");
       continue;
     }
-    const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution};
+    const double mass = device.kind == "emulated" ? device.emulated.mass : 0.0;
+    const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution, mass};
     const haptics::StabilityCheck check = stability_of(setup, device, tissue, *variation, mechanics);
     for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
       remarks.push_back(who + warning);

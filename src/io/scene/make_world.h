@@ -26,10 +26,12 @@ namespace palpate::scene {
 
 /// [setup] Warnings of the stability check (haptics/stability.h) for all held devices: the condition that
 /// fails, or that the device's mechanics are unknown. Empty: no warning. @throws ParameterError.
-[[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup);
+[[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
+                                                         const haptics::SimulationWorld& world);
 
 /// [setup] stability_remarks() of this scene with another tissue and other inclusions.
 [[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
+                                                         const haptics::SimulationWorld& world,
                                                          const model::TissueParameters& tissue,
                                                          const std::vector<model::Inclusion>& inclusions);
 

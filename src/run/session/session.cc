@@ -76,7 +76,7 @@ Session::Session(scene::Scene setup, SessionOptions options)
   }
   append(setup_.remarks, scene::radius_remarks(setup_, *world_));
   append(setup_.remarks, scene::overlap_remarks(setup_));
-  append(setup_.remarks, scene::stability_remarks(setup_));
+  append(setup_.remarks, scene::stability_remarks(setup_, *world_));
 }
 
 Session::~Session() = default;

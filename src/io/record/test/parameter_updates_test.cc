@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/largest_stiffness.h"
 #include "core/contact/test/prepared_once.h"
-#include "core/haptics/stability.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
 #include "io/record/recording_writer.h"
@@ -407,21 +407,19 @@ TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarned
   scene::Scene setup = block_and_ball();
   setup.devices[0].kind = "emulated";
   setup.inclusions = {{"lump", true, {Vec3(0.0, 0.0, 0.014), 4e-3, 1.0}}};  // 6 mm deep
-  const auto damping_needed = [&setup](double ratio) {
-    const auto direction = model::Direction::kPress;
-    const double period = 1.0 / setup.rate_Hz;
-    setup.inclusions[0].inclusion.ratio = ratio;
-    const double variation = haptics::stiffness_ratio_of(setup.tissue, direction, period,
-                                                         setup.inclusions[0].inclusion, 6e-3, kBallRadius);
-    return haptics::check_stability(setup.tissue, direction, period, setup.safety.max_force, 1.0, {},
-                                    variation)
-        .damping_needed;
+  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  const auto damping_needed = [&](double ratio) {
+    const contact::TissueLaws laws(setup.tissue, 1.0 / setup.rate_Hz);
+    const contact::StiffnessReach reach{model::Direction::kPress, setup.safety.max_force, 15e-3};
+    std::vector<model::Inclusion> inclusions = world.contact.inclusions();
+    inclusions[0].ratio = ratio;
+    return 0.5 / setup.rate_Hz * contact::largest_stiffness(world.contact, laws, inclusions, 0, reach) +
+           setup.tissue.contact.damping;
   };
   const double stone = damping_needed(100.0);
   const double uniform = damping_needed(1.0);
   setup.devices[0].dynamics = {0.5 * (uniform + stone), 100.0, 1e-6};
-  EXPECT_THAT(scene::stability_remarks(setup), testing::IsEmpty());
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  EXPECT_THAT(scene::stability_remarks(setup, world), testing::IsEmpty());
   const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
   const auto warnings_with = [&](double ratio) {
     return changes->offer(haptics::LiveInclusion{0, {0.0, 0.0, 0.014}, ratio}).warnings;
