@@ -38,7 +38,7 @@ class Case:
 
 def case(name, tissue, path=None, *, organ='box', tool='sphere:5', jaws=None, jaw_radius=5.0, inclusions=(), points=(), motion=(),
          device=None, faults=(), safety=None, rate=1000, hands=1, noise=False, task='press', changes=()):
-    """A scene with this tissue. Without a path the hand follows the default one. jaws: balls at the same position instead of a tool."""
+    """A scene with this tissue. Without a path the hand follows the default one. jaws: as many balls at the same position."""
     files = {}
     body = {'mesh': organ, 'tissue': tissue if isinstance(tissue, str) else 'tissue.toml'}
     if inclusions:
@@ -127,7 +127,8 @@ def ball(radius, n=12):
 
 def stone(x=0.0, y=0.0, radius=5.0, z=None, ratio=100.0, **more):
     """An inclusion that almost touches the box's top [mm]."""
-    return {'position_mm': [x, y, BOX_TOP - radius - 0.1 if z is None else z], 'radius_mm': radius, 'stiffness_ratio': ratio, **more}
+    height = BOX_TOP - radius - 0.1 if z is None else z
+    return {'position_mm': [x, y, height], 'radius_mm': radius, 'stiffness_ratio': ratio, **more}
 
 
 def hand(damping=1.5, friction=0.0, resolution=0.0, mass=0.25, grip=FIRM):
@@ -230,8 +231,8 @@ def small_tips():
         yield case(f'tip-{k}-8', wall(k), path, inclusions=[stone(radius=0.5)] * 8, **tip)
     for radius in (0.7, 1.5, 3.0, 10.0, 20.0):
         for stones in (0.5, 5.0):
-            yield case(f'tip-{radius:g}-{stones:g}', wall(300), press(8.0, radius=radius, wave=(1.0, 3.0)), tool=f'sphere:{radius:g}',
-                       inclusions=[stone(radius=stones)])
+            yield case(f'tip-{radius:g}-{stones:g}', wall(300), press(8.0, radius=radius, wave=(1.0, 3.0)),
+                       tool=f'sphere:{radius:g}', inclusions=[stone(radius=stones)])
 
 
 def maps():
@@ -284,7 +285,8 @@ def friction_springs():
     for k in (100, 500, 900):
         for friction in (0.2, 10.0):
             for times in (1.0, 3.0):
-                yield case(f'friction-{k}-{friction:g}-{times:g}', wall(k, friction=friction, tangential_N_per_m=times * k), GLIDE)
+                tissue = wall(k, friction=friction, tangential_N_per_m=times * k)
+                yield case(f'friction-{k}-{friction:g}-{times:g}', tissue, GLIDE)
 
 
 def limits():
@@ -332,8 +334,8 @@ def many_contacts():
             yield case(f'reference-{radius:g}-{k}', wall(k, reference_radius_mm=radius), TAP)
     for radius in (0.01, 0.5, 10.0):
         yield case(f'forceps-{radius:g}', wall(900, reference_radius_mm=radius), TAP, tool='curved-forceps')
-        yield case(f'forceps-stone-{radius:g}', wall(300, reference_radius_mm=radius), press(10.0, radius=0.0), tool='curved-forceps',
-                   inclusions=[stone(radius=2.0)])
+        yield case(f'forceps-stone-{radius:g}', wall(300, reference_radius_mm=radius), press(10.0, radius=0.0),
+                   tool='curved-forceps', inclusions=[stone(radius=2.0)])
 
 
 def several_hands():
@@ -357,7 +359,8 @@ def relaxing():
     for k in (300, 900, 1900):
         for share in (0.3, 0.9):
             for seconds in (0.005, 1.5):
-                yield case(f'relax-{k}-{share:g}-{seconds:g}', {**wall(k), 'relaxation': [{'share': share, 'time_s': seconds}]}, TAP)
+                tissue = {**wall(k), 'relaxation': [{'share': share, 'time_s': seconds}]}
+                yield case(f'relax-{k}-{share:g}-{seconds:g}', tissue, TAP)
 
 
 def pulses():
@@ -400,15 +403,16 @@ def live():
     yield case('live-stiff', wall(100), TAP, changes=[(1500, {'k1': 1e5})])
 
 
-KINDS = (walls, light_hands, curved, overlapping, neighbours, small_tips, maps, layer_jumps, contact_damping, friction_springs, limits,
-         moving, many_contacts, several_hands, workspaces, relaxing, pulses, faults, pulls, live)
+KINDS = (walls, light_hands, curved, overlapping, neighbours, small_tips, maps, layer_jumps, contact_damping, friction_springs,
+         limits, moving, many_contacts, several_hands, workspaces, relaxing, pulses, faults, pulls, live)
 
 # For a short check: scenes of each kind that give energy without controller, check and guard, and scenes that are fine.
-QUICK = ('overlap-100-3', 'overlap-100-6', 'peak-1-3-900', 'comb-1-900', 'beta-0.02', 'beta-0.01-short', 'light-12720-0-0.05-light',
-         'light-35900-0-0.1-firm', 'liver-10000-17600-0.05', 'slew-gallbladder-0.001', 'slew-900-0.01', 'slew-1900-0.02',
-         'breath-25000-0-10', 'breath-kidney-24600', 'jaws-3-0.01-1900', 'reference-1-1900', 'live-together-100', 'live-beta-0.02',
-         'press-liver', 'noise-heart', 'pull-heart', 'tap-100', 'glide-300', 'friction-500-0.2-1', 'breath-liver-own',
-         'hands-2-liver', 'relax-900-0.9-1.5', 'pulse-300-1-9', 'fault-drop-out-300', 'damping-8-0.5-0.25-real')
+QUICK = ('overlap-100-3', 'overlap-100-6', 'peak-1-3-900', 'comb-1-900', 'beta-0.02', 'beta-0.01-short', 'slew-900-0.01',
+         'light-12720-0-0.05-light', 'light-35900-0-0.1-firm', 'liver-10000-17600-0.05', 'slew-gallbladder-0.001',
+         'slew-1900-0.02', 'breath-25000-0-10', 'breath-kidney-24600', 'jaws-3-0.01-1900', 'reference-1-1900',
+         'live-together-100', 'live-beta-0.02', 'press-liver', 'noise-heart', 'pull-heart', 'tap-100', 'glide-300',
+         'friction-500-0.2-1', 'breath-liver-own', 'hands-2-liver', 'relax-900-0.9-1.5', 'pulse-300-1-9',
+         'fault-drop-out-300', 'damping-8-0.5-0.25-real')
 
 
 def chosen():
@@ -428,8 +432,8 @@ def random_case(seed, i):
     tissue = random_tissue(rng, rate, device['damping_N_s_per_m'])
     organ = rng.choice(('box', 'box') + ORGANS)
     radius = rng.choice((0.5, 2.0, 5.0, 5.0, 10.0))
-    more = {'tool': f'sphere:{radius:g}', 'hands': rng.choice((1, 1, 1, 2)), 'noise': rng.random() < 0.2, 'rate': rate, 'organ': organ,
-            'device': device}
+    more = {'tool': f'sphere:{radius:g}', 'hands': rng.choice((1, 1, 1, 2)), 'noise': rng.random() < 0.2, 'rate': rate,
+            'organ': organ, 'device': device}
     if i % 2:
         more['motion'] = [random_motion(rng) for _ in range(rng.choice((1, 1, 2)))]
     if rng.random() < 0.5:
@@ -462,7 +466,8 @@ def random_tissue(rng, rate, damping):
                'tangential_damping_N_s_per_m': rng.choice((0.0, b)), 'reference_radius_mm': rng.choice((10.0, 10.0, 0.1))}
     tissue = wall(k, **contact)
     if kind == 'layers':
-        tissue = layers(k / 4.0, math.exp(rng.uniform(math.log(0.02), math.log(5.0))), limit=rng.uniform(1.0, 10.0), contact=contact)
+        beta = math.exp(rng.uniform(math.log(0.02), math.log(5.0)))
+        tissue = layers(k / 4.0, beta, limit=rng.uniform(1.0, 10.0), contact=contact)
     if rng.random() < 0.2:
         tissue['relaxation'] = [{'share': rng.choice((0.3, 0.8)), 'time_s': rng.choice((0.01, 0.1, 1.5))}]
     return tissue
