@@ -407,7 +407,7 @@ KINDS = (walls, light_hands, curved, overlapping, neighbours, small_tips, maps, 
          limits, moving, many_contacts, several_hands, workspaces, relaxing, pulses, faults, pulls, live)
 
 # For a short check: scenes of each kind that give energy without controller, check and guard, and scenes that are fine.
-QUICK = ('overlap-100-3', 'overlap-100-6', 'peak-1-3-900', 'comb-1-900', 'beta-0.02', 'beta-0.01-short', 'slew-900-0.01',
+QUICK = ('overlap-100-3', 'overlap-100-6', 'peak-1-3-900', 'comb-1-900', 'beta-0.02', 'touch-100-4', 'slew-900-0.01',
          'light-12720-0-0.05-light', 'light-35900-0-0.1-firm', 'liver-10000-17600-0.05', 'slew-gallbladder-0.001',
          'slew-1900-0.02', 'breath-25000-0-10', 'breath-kidney-24600', 'jaws-3-0.01-1900', 'reference-1-1900',
          'live-together-100', 'live-beta-0.02', 'press-liver', 'noise-heart', 'pull-heart', 'tap-100', 'glide-300',
