@@ -170,6 +170,7 @@ void SurfaceBuilder::take_outer_faces() {
   corners_.clear();
   starts_.assign(1, 0);
   cut_ = strips_ = triangles_ = 0;
+  steps_ = 0;
   const auto sorted = [&](std::uint32_t face) {
     Quad key = faces_[face];
     std::sort(key.begin(), key.end());

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <random>
 #include <sstream>
@@ -25,6 +26,42 @@ using testing::StartsWith;
 using testing::ThrowsMessage;
 
 ImportedMesh read(const std::string& bytes) { return read_vtk({"a.vtk", MeshFormat::kVtk, bytes}); }
+
+/// Boxes as solid cells, and before them polygons that take nearly all the time that a file's polygons may.
+std::string large_polygons_and_boxes(int boxes) {
+  constexpr std::array kCorners{512, 512, 512,
+                                512, 512, 361};  // 1/6 of their cubes: 119.7 of 120 million steps
+  std::string text = "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS ";
+  text += std::to_string(8 * boxes) + " float\n";
+  for (int box = 0; box < boxes; ++box) {
+    for (const char* corner : {"0 0", "1 0", "1 1", "0 1"})
+      text += std::string(corner) + ' ' + std::to_string(2 * box) + '\n';
+    for (const char* corner : {"0 0", "1 0", "1 1", "0 1"})
+      text += std::string(corner) + ' ' + std::to_string(2 * box + 1) + '\n';
+  }
+  int numbers = 9 * boxes;
+  for (const int corners : kCorners) numbers += corners + 1;
+  text += "CELLS " + std::to_string(boxes + 6) + ' ' + std::to_string(numbers) + '\n';
+  for (const int corners : kCorners) {
+    text += std::to_string(corners);
+    for (int corner = 0; corner < corners; ++corner) text += ' ' + std::to_string(corner);
+    text += '\n';
+  }
+  for (int box = 0; box < boxes; ++box) {
+    text += '8';
+    for (int corner = 0; corner < 8; ++corner) text += ' ' + std::to_string(8 * box + corner);
+    text += '\n';
+  }
+  text += "CELL_TYPES " + std::to_string(boxes + 6) + '\n';
+  for (int i = 0; i < 6; ++i) text += "7\n";
+  for (int i = 0; i < boxes; ++i) text += "12\n";
+  return text;
+}
+
+TEST(Vtk, PolygonsThatSolidCellsReplaceDoNotCountForTheTimeOfThoseThatAreCut) {
+  constexpr int kBoxes = 6000;  // 36,000 faces of 10 steps
+  EXPECT_EQ(read(large_polygons_and_boxes(kBoxes)).mesh.triangles.size(), 12U * kBoxes);
+}
 
 /// The form of a file.
 struct Form {
