@@ -9,6 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "io/record/flight_recorder.h"
 #include "io/record/test/sample_recording.h"
@@ -45,6 +48,37 @@ TEST(BlindRecording, IsRefusedWithTheReasonAndTheWaysToOpenIt) {
       [&] { (void)read_recording(study.file); },
       ThrowsMessage<InputError>(AllOf(HasSubstr("block-1.h5: belongs to the study touch-noise-1"),
                                       HasSubstr("palpate study unblind"), HasSubstr("--break-blind"))));
+}
+
+TEST(BlindRecording, WhoseFolderCannotBeFoundIsAnErrorInWords) {
+  const Study study;
+  EXPECT_THAT([&] { (void)is_unblinded(study.folder / "recordings/gone.h5"); },
+              ThrowsMessage<InputError>(HasSubstr("gone.h5: its folder cannot be found: No such file")));
+}
+
+/// In a child process whose files may have at most 10 bytes: breaks the blind. @return whether the error says
+/// that there was no space for the line
+bool says_there_is_no_space(const Study& study) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit small{10, 10};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    std::string why;
+    try {
+      log_broken_blind(study.file, "export");
+    } catch (const InputError& error) {
+      why = error.what();
+    }
+    ::_exit(why.ends_with("stays blind: there is no space for the whole line") ? 0 : 1);
+  }
+  int status = 1;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(BlindRecording, ANoteThatIsCutOffIsNoNoteAndTheErrorSaysWhy) {
+  const Study study;
+  EXPECT_TRUE(says_there_is_no_space(study));
 }
 
 TEST(BlindRecording, IsReadByACallerThatShowsNoForce) {
