@@ -50,8 +50,12 @@ TriangleMesh mesh_of(const Numbers& vertices, const Indices& triangles) {
     throw InputError("triangles: must be an array of n x 3 indices");
   TriangleMesh mesh;
   const auto points = vertices.unchecked<2>();
-  for (py::ssize_t i = 0; i < points.shape(0); ++i)
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
     mesh.vertices.emplace_back(points(i, 0), points(i, 1), points(i, 2));
+    if (!mesh.vertices.back().allFinite()) {
+      throw InputError("vertices[" + std::to_string(i) + "]: must be three finite numbers (m)");
+    }
+  }
   const auto corners = triangles.unchecked<2>();
   for (py::ssize_t i = 0; i < corners.shape(0); ++i) {
     geometry::Triangle triangle{};

@@ -170,6 +170,9 @@ def test_meshes_are_made_from_arrays():
 def test_meshes_are_refused_in_words():
     with pytest.raises(palpate.InputError, match='must be an index of the 3 vertices'):
         palpate.Mesh(np.eye(3), [[0, 1, 3]])
+    for wrong in (np.nan, np.inf):
+        with pytest.raises(palpate.InputError, match=r'vertices\[1\]: must be three finite numbers'):
+            palpate.Mesh([[0, 0, 0], [0, wrong, 0], [0, 0, 1]], [[0, 1, 2]])
     with pytest.raises(palpate.InputError, match='n x 3 numbers'):
         palpate.Mesh([1.0, 2.0], [[0, 1, 2]])
     with pytest.raises(palpate.InputError, match='n x 3 indices'):
