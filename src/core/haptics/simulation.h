@@ -82,8 +82,8 @@ struct SimulationState {
 ///
 /// An invalid sample latches a fault on its hand. A sample is invalid when it reports a fault, is not finite,
 /// is older than kStaleAfter, is farther out than kFarthest or has no unit quaternion. Contact then uses the
-/// hand's last valid pose. All values of a row are finite, except `device`, `device_q`, `device_velocity` and
-/// `device_gripper`: they are the sample as received, so that a replay gives the same fault.
+/// hand's last valid pose. All values of a row are finite, except `device`, `device_q`, `device_velocity`,
+/// `device_gripper` and `device_age`: they are the sample as received, so that a replay gives the same fault.
 /// @param samples, commands, rows one entry per hand
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,
