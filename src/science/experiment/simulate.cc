@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <utility>
 #include <vector>
 
+#include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 #include "science/experiment/course.h"
@@ -104,8 +103,8 @@ std::string simulate_log(const StudyFolder& study, SealedKey key, std::uint32_t 
     LogWriter log(file, study.lock_hash, LogWriter::Sync::kAtEnd);
     SimulatedCourse(study, key, participant, observer, log).run();
   }
-  std::ifstream bytes(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(bytes), {}};
+  constexpr InputKind kSimulatedLog{"a simulated log", std::uint64_t{256} << 20};
+  return InputFile(file, kSimulatedLog).read_rest();
 }
 
 }  // namespace palpate::experiment

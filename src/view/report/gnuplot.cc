@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fcntl.h>
@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 
 #include "core/base/text.h"
+#include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 
@@ -38,8 +39,8 @@ std::string table_text(const PlotData& data) {
 }
 
 std::string read_text(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  constexpr InputKind kMessages{"the messages of gnuplot", std::uint64_t{1} << 20};
+  return InputFile(file, kMessages).read_rest();
 }
 
 /// Runs `program figure.gp` in `folder`, with its messages in errors.txt there. @return exit status.

@@ -1,11 +1,10 @@
 #include "view/report/page.h"
 
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/core.h>
 
+#include "io/system/input_file.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "view/report/text_format.h"
@@ -65,9 +64,7 @@ figcaption { font-size: .86rem; color: var(--soft); margin-top: .35rem; line-hei
 )css";
 
 std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(file.string() + ": the report's picture cannot be read");
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  return InputFile(file, kPictureInput).read_rest();
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 #include "view/report/study_report.h"
 
 #include <cctype>
-#include <fstream>
-#include <iterator>
+#include <cstdint>
 #include <optional>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "io/system/input_file.h"
 #include "palpate/version.h"
 #include "science/experiment/analysis_text.h"
 #include "view/report/page.h"
@@ -24,10 +24,9 @@ using experiment::Study;
 using experiment::StudyAnalysis;
 using experiment::StudyFolder;
 
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
+constexpr InputKind kTextInput{"a text file of the study", std::uint64_t{1} << 20};
+
+std::string content_of(const fs::path& file) { return InputFile(file, kTextInput).read_rest(); }
 
 std::string bold(const std::string& text) { return "<strong>" + escaped(text) + "</strong>"; }
 

@@ -9,8 +9,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
 #include "science/experiment/test/forbidden_words.h"
 #include "science/experiment/test/simulated_log.h"
 
@@ -20,6 +22,7 @@ namespace {
 using palpate::test::TemporaryFolder;
 using testing::HasSubstr;
 using testing::Not;
+using testing::ThrowsMessage;
 using namespace palpate::experiment;  // NOLINT: the test's study and people
 
 // Arms whose names are no words of the report.
@@ -109,6 +112,13 @@ TEST_F(StudyReport, UnblindedReportShowsPrimaryResultAndRegistration) {
   for (const char* file : {"effects.svg", "curve-1.svg", "people-0.svg", "people-2.svg"}) {
     EXPECT_TRUE(std::filesystem::exists(folder_.path() / "open" / file)) << file;
   }
+}
+
+TEST_F(StudyReport, AFifoInPlaceOfAFileOfTheStudyIsRefusedWithoutWaiting) {
+  std::filesystem::remove(folder_.path() / "unblinded.json");
+  ASSERT_EQ(mkfifo((folder_.path() / "unblinded.json").c_str(), 0600), 0);
+  EXPECT_THAT([&] { (void)page_of(true); },
+              ThrowsMessage<InputError>(HasSubstr("unblinded.json: is a FIFO, must be a text file")));
 }
 
 TEST_F(StudyReport, NoReportChoosesALevelAfterwards) {
