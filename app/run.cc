@@ -198,7 +198,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   }
   if (flags.json) {
     nlohmann::ordered_json summary = summary_json(result, files, tally);
-    if (score) summary["score"] = nlohmann::ordered_json::parse(palpation::to_json(*score));
+    if (score) summary["score"] = nlohmann::ordered_json::parse(palpation::to_json(*score));  // its own JSON
     std::cout << summary.dump(2) << '\n';
   } else {
     print_summary(std::cout, result, files);

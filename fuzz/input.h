@@ -32,7 +32,7 @@ class InputFile final {
 
   [[nodiscard]] const std::filesystem::path& hold(std::span<const std::uint8_t> bytes) const {
     std::ofstream out(file_, std::ios::binary | std::ios::trunc);
-    for (const std::uint8_t byte : bytes) out.put(static_cast<char>(byte));
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     return file_;
   }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }

@@ -1,4 +1,5 @@
-// Writes small valid seed files for every fuzz target: FOLDER/TARGET/NAME. Usage: palpate_fuzz_seeds FOLDER
+// Writes seed files for every fuzz target, small valid ones and deeply nested ones: FOLDER/TARGET/NAME.
+// Usage: palpate_fuzz_seeds FOLDER
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "io/igtl/igtl_bytes.h"
+#include "io/record/hdf5_handle.h"
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/array_file.h"
@@ -430,6 +432,41 @@ void add_the_rest(const Seeds& seeds) {
   if (!writer.commit()) throw InputError("array_file: cannot be written");
 }
 
+std::string times(std::size_t count, const std::string& part) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += part;
+  return all;
+}
+
+/// A recording whose /scene is this text.
+void add_recording_of(const Seeds& seeds, const std::string& name, const std::string& scene) {
+  const std::filesystem::path file = seeds.place("recording", name);
+  record::record_sample(file, 1, 1);
+  const record::hdf5::Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "recording");
+  H5Ldelete(opened.id(), "scene", H5P_DEFAULT);
+  record::hdf5::write_text(record::hdf5::create_text(opened.id(), "scene", scene.size()).id(), scene);
+}
+
+/// Texts that are nested so deep that a recursive reader overflows the stack.
+void add_deep(const Seeds& seeds) {
+  constexpr std::size_t kDeep = 100'000;
+  const std::string list = times(kDeep, "[") + times(kDeep, "]");
+  for (const char* target : {"scene", "tissue", "study"}) {
+    seeds.add(target, "deep_key", times(kDeep, "a.") + "a=1\n");
+    seeds.add(target, "deep_table", "[" + times(kDeep, "a.") + "a]\n");
+    seeds.add(target, "deep_tables", "[[" + times(kDeep, "a.") + "a]]\n");
+    seeds.add(target, "deep_list", "a=" + list + "\n");
+    seeds.add(target, "deep_object", "a=" + times(kDeep, "{a=") + "1" + times(kDeep, "}") + "\n");
+  }
+  for (const char* target : {"scene_json", "fit_lines", "haply_message", "live_message", "mesh_gltf"}) {
+    seeds.add(target, "deep_list", list);
+    seeds.add(target, "deep_object", times(kDeep, R"({"a":)") + "1" + times(kDeep, "}"));
+  }
+  seeds.add("trial_log", "deep", R"({"n":1,"z":)" + list + "}\n");
+  std::string scene = record::setup_to_json(record::sample_setup(1));
+  add_recording_of(seeds, "deep", scene.insert(scene.find("\"soft\""), list + ","));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -441,6 +478,7 @@ int main(int argc, char** argv) {
     const Seeds seeds(argv[1]);
     add_meshes(seeds);
     add_the_rest(seeds);
+    add_deep(seeds);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "palpate_fuzz_seeds: %s\n", error.what());
     return 1;

@@ -11,6 +11,7 @@
 #include "core/haptics/gate.h"
 #include "core/haptics/tick_fields.h"
 #include "core/model/tissue_fields.h"
+#include "io/system/json_text.h"
 #include "palpate/tool_contact.h"
 #include "palpate/units.h"
 
@@ -68,7 +69,7 @@ Json hand_json(const haptics::TickRow& row) {
 Json refer(const LiveReference& reference) {
   Json json = Json::object();
   json["answer"] = reference.command.empty() ? Json(nullptr) : Json(reference.command);
-  if (!reference.id.empty()) json["id"] = Json::parse(reference.id);
+  if (!reference.id.empty()) json["id"] = parse_json(reference.id);
   return json;
 }
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "io/system/json_depth.h"
+#include "io/system/json_text.h"
 #include "palpate/tick_observer.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
@@ -109,20 +109,13 @@ json parse(std::string_view text) {
     throw LiveError("json", "message: has " + std::to_string(text.size()) + " bytes, must have at most " +
                                 std::to_string(kLargestRequest));
   }
-  if (const auto deep = nested_deeper_at(text, kDeepest)) {
-    throw LiveError("json", "message: is nested deeper than " + std::to_string(kDeepest) +
-                                " levels at byte " + std::to_string(*deep + 1));
-  }
+  json message;
   try {
-    json message = json::parse(text);
-    if (message.is_object()) return message;
-  } catch (const json::parse_error& error) {
-    // The error gives the byte's position only. The parser's own text would repeat bytes of the message.
-    throw LiveError("json", "message: byte " + std::to_string(error.byte) + " of " +
-                                std::to_string(text.size()) + ": is no JSON");
-  } catch (const json::exception&) {
-    throw LiveError("json", "message: has a number that no double holds, must be finite");
+    message = parse_json(text, kDeepest);
+  } catch (const InputError& error) {
+    throw LiveError("json", std::string("message: ") + error.what());
   }
+  if (message.is_object()) return message;
   throw LiveError("json", "message: must be a JSON object, such as {\"do\": \"state\"}");
 }
 

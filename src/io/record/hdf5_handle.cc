@@ -150,6 +150,13 @@ hid_t open_group(hid_t parent, const std::string& name) {
   return H5Gopen2(parent, name.c_str(), within_the_file(H5P_GROUP_ACCESS).id());
 }
 
+bool has_link(hid_t parent, const std::string& group, const std::string& name) {
+  const hid_t id = open_group(parent, group);
+  if (id < 0) return false;
+  const Handle opened(id, group);
+  return H5Lexists(opened.id(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
 Handle create_text(hid_t parent, const std::string& name, std::size_t bytes) {
   return create_dataset(parent, name, text_type(bytes).id(), {});
 }

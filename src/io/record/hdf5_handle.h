@@ -65,6 +65,8 @@ void check(herr_t status, const std::string& what);
 /// not exist @throws Error for a dataset whose values are in another file.
 [[nodiscard]] hid_t open_dataset(hid_t parent, const std::string& name);
 [[nodiscard]] hid_t open_group(hid_t parent, const std::string& name);
+/// Whether a group of this file has a link of this name; false without the group.
+[[nodiscard]] bool has_link(hid_t parent, const std::string& group, const std::string& name);
 
 /// Type of a text of fixed length: UTF-8, padded with zeros.
 [[nodiscard]] Handle text_type(std::size_t bytes);

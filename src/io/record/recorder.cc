@@ -22,6 +22,7 @@
 #include "io/record/recording_writer.h"
 #include "io/system/clock.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 
@@ -82,13 +83,13 @@ RunFacts facts_after(const haptics::LoopReport& report, bool complete) {
 
 /// Creates the file that is written until the first tick is due, in the recording's folder.
 std::filesystem::path make_partial(const std::filesystem::path& file) {
-  std::string name = (file.parent_path() / ("." + file.filename().string() + ".partial.")).string();
+  std::string name = to_text(file.parent_path() / to_path("." + to_text(file.filename()) + ".partial."));
   const int descriptor = open_temporary_file(name, 0666);
   if (descriptor < 0) {
-    throw InputError(file.string() + ": the recording cannot be made: " + std::strerror(errno));
+    throw InputError(to_text(file) + ": the recording cannot be made: " + std::strerror(errno));
   }
   ::close(descriptor);
-  return name;
+  return to_path(name);
 }
 
 /// The recording's path, with symbolic links followed.
@@ -180,7 +181,7 @@ void Recorder::Impl::fail(const std::string& why) {
     if (!writer->damaged()) flush(false);  // space is reserved for what HDF5 still buffers
   } catch (const std::exception&) {        // then rows_safe stays smaller
   }
-  failure = fmt::format("{}: the recording ends after its first {} rows ({} s): {}", file.string(), rows_safe,
+  failure = fmt::format("{}: the recording ends after its first {} rows ({} s): {}", to_text(file), rows_safe,
                         shortest(static_cast<double>(rows_safe) / rows_per_second), why);
 }
 
@@ -300,7 +301,7 @@ Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool o
   } catch (const std::exception& error) {
     impl_->writer.reset();
     impl_->remove_partial();
-    throw InputError(impl_->file.string() + ": the recording cannot be made: " + error.what());
+    throw InputError(to_text(impl_->file) + ": the recording cannot be made: " + error.what());
   }
 }
 
@@ -340,7 +341,7 @@ void Recorder::finish(const haptics::LoopReport& report) {
   impl_->close_file(facts_after(report, impl_->failure.empty()));
   if (!impl_->failure.empty()) throw InputError(impl_->failure);
   if (lost > 0) {
-    throw InputError(impl_->file.string() + ": the disk could not keep up, " + std::to_string(lost) +
+    throw InputError(to_text(impl_->file) + ": the disk could not keep up, " + std::to_string(lost) +
                      " rows are missing from the recording");
   }
 }

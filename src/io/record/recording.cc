@@ -4,6 +4,7 @@
 
 #include "io/record/blind.h"
 #include "io/record/recording_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -20,7 +21,7 @@ Recording read_recording(const std::filesystem::path& file, const Progress& prog
       }
     });
   } catch (const std::bad_alloc&) {
-    throw InputError(file.string() + ": too large for this machine's memory");
+    throw InputError(to_text(file) + ": too large for this machine's memory");
   }
   recording.facts = reader.facts();
   recording.changes = reader.changes();

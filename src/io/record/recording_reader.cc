@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
-#include <iterator>
 #include <new>
 #include <sstream>
 #include <utility>
@@ -23,8 +21,10 @@
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
+#include "palpate/tool_contact.h"
 
 namespace palpate::record {
 namespace {
@@ -34,7 +34,6 @@ using hdf5::Handle;
 
 constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
 constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
-constexpr std::size_t kMostHands = 16;
 constexpr hsize_t kMostChanges = hsize_t{1} << 20;
 constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // per histogram
 constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
@@ -111,6 +110,13 @@ std::int64_t run_value(hid_t file, const char* name) {
   return value;
 }
 
+/// A count of /run, as run_value(). @throws hdf5::Error when it is negative
+std::uint64_t run_count(hid_t file, const char* name) {
+  const std::int64_t value = run_value(file, name);
+  if (value < 0) throw hdf5::Error(fmt::format("/run/{} is {}, want at least 0", name, value));
+  return static_cast<std::uint64_t>(value);
+}
+
 TimeStatistics run_figures(hid_t file, const char* name) {
   std::array<std::int64_t, 4> values{};
   const std::string path = std::string("/run/") + name;
@@ -161,7 +167,7 @@ RunFacts read_facts(hid_t file) {
   facts.started_unix_ns = hdf5::read_integer_attribute(file, "started_unix_ns");
   facts.offline = hdf5::read_integer_attribute(file, "offline") != 0;
   facts.complete = run_value(file, run_names::kComplete) == 1;
-  facts.missed_deadlines = static_cast<std::uint64_t>(run_value(file, run_names::kMissedDeadlines));
+  facts.missed_deadlines = run_count(file, run_names::kMissedDeadlines);
   facts.longest_gap_ns = run_value(file, run_names::kLongestGap);
   facts.realtime_priority = run_value(file, run_names::kRealtimePriority) != 0;
   facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
@@ -170,17 +176,14 @@ RunFacts read_facts(hid_t file) {
   facts.lateness = run_figures(file, run_names::kLateness);
   facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);
   facts.late_histogram = run_histogram(file, run_names::kLateHistogram);
-  facts.watchdog_stops = static_cast<std::uint64_t>(run_value(file, run_names::kWatchdogStops));
+  facts.watchdog_stops = run_count(file, run_names::kWatchdogStops);
   facts.remarks = run_remarks(file);
   return facts;
 }
 
 scene::Scene read_setup(hid_t file, std::uint64_t file_bytes) {
   scene::Scene setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
-  if (!(std::isfinite(setup.rate_Hz) && setup.rate_Hz > 0.0)) {
-    throw InputError("scene: rate_Hz is " + shortest(setup.rate_Hz) + ", want finite and > 0");
-  }
-  if (setup.tools.empty() || setup.tools.size() > kMostHands || setup.devices.size() != setup.tools.size()) {
+  if (setup.tools.empty() || setup.devices.size() != setup.tools.size()) {
     throw InputError(fmt::format("scene: {} tools and {} devices, must be one of each per hand",
                                  setup.tools.size(), setup.devices.size()));
   }
@@ -209,19 +212,29 @@ void check_columns(hid_t dataset, const std::string& name, std::span<const Colum
   }
 }
 
-/// The first row that does not follow the previous one in tick and hand; rows.size() when all do.
-std::size_t first_out_of_order(std::span<const haptics::TickRow> rows, const haptics::TickRow* before,
-                               std::size_t hands) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const haptics::TickRow& row = rows[i];
-    if (row.hand >= hands || row.phase > 2) return i;
-    if (before != nullptr &&
-        (row.tick < before->tick || (row.tick == before->tick && row.hand <= before->hand))) {
-      return i;
-    }
-    before = &row;
-  }
-  return rows.size();
+bool is_fault(std::uint32_t number) {
+  const auto fault = static_cast<haptics::Fault>(number);
+  return number == 0 || (static_cast<std::uint32_t>(fault) == number &&
+                         std::strcmp(haptics::name_of(fault), haptics::name_of(haptics::Fault::kNone)) != 0);
+}
+
+/// Why a row cannot be one of a recording; empty when it can. @param before the previous row; null: none
+std::string defect_of(const haptics::TickRow& row, const haptics::TickRow* before, std::size_t hands) {
+  if (row.phase >= contact::kPhaseNames.size()) return fmt::format("has the phase {}", row.phase);
+  if (!is_fault(row.fault)) return fmt::format("has the fault {}", row.fault);
+  if (!is_fault(row.device_fault)) return fmt::format("has the device_fault {}", row.device_fault);
+  const bool follows =
+      before == nullptr || row.tick > before->tick || (row.tick == before->tick && row.hand > before->hand);
+  return row.hand < hands && follows ? "" : "is out of order";
+}
+
+/// The number of rows before the first that has a defect.
+std::size_t rows_without_defect(std::span<const haptics::TickRow> rows, const haptics::TickRow* before,
+                                std::size_t hands) {
+  const auto* row = rows.data();
+  const auto* const end = row + rows.size();
+  while (row != end && defect_of(*row, before, hands).empty()) before = row++;
+  return static_cast<std::size_t>(row - rows.data());
 }
 
 /// Number of rows up to the last tick that has all its hands.
@@ -244,9 +257,10 @@ RecordingReader::RecordingReader(std::filesystem::path file) : path_(std::move(f
   } catch (const std::bad_alloc&) {
     refuse("too large for this machine's memory");
   }
+  facts_.blind = !facts_.study.empty() && !is_unblinded(path_);
 }
 
-void RecordingReader::refuse(const std::string& why) const { throw InputError(path_.string() + ": " + why); }
+void RecordingReader::refuse(const std::string& why) const { throw InputError(to_text(path_) + ": " + why); }
 
 void RecordingReader::open() {
   const InputFile in(path_, kRecordingInput);
@@ -262,7 +276,7 @@ void RecordingReader::open() {
 
 bool RecordingReader::open_as_is(int descriptor) {
   std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange this file
-  if (::access(name.c_str(), R_OK) != 0) name = path_.string();      // a system without /proc
+  if (::access(name.c_str(), R_OK) != 0) name = path_.native();      // a system without /proc
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   // Later tries wait longer for a block that a truncated file does not have.
   constexpr unsigned kTries = 10;
@@ -289,7 +303,7 @@ bool RecordingReader::open_filled_up(int descriptor) {
   std::memcpy(&end, superblock.data() + kEndOfFileOffset, sizeof(end));
   if (end <= 0 || static_cast<std::uint64_t>(end) <= file_bytes_) return false;
   std::error_code error;
-  std::string name = (std::filesystem::temp_directory_path(error) / "palpate-").string();
+  std::string name = to_text(std::filesystem::temp_directory_path(error) / "palpate-");
   const Descriptor copy(open_temporary_file(name));
   if (copy.fd < 0) return false;
   hid_t id = H5I_INVALID_HID;
@@ -325,8 +339,10 @@ void RecordingReader::read_all_but_ticks() {
   row_bytes_ = H5Tget_size(Handle(H5Dget_type(ticks_.id()), "/ticks").id());
   setup_ = read_setup(file_.id(), file_bytes_);
   facts_ = read_facts(file_.id());
-  facts_.blind = !facts_.study.empty() && !is_unblinded(path_);
-  rows_lost_ = static_cast<std::uint64_t>(run_value(file_.id(), run_names::kRowsLost));
+  rows_lost_ = run_count(file_.id(), run_names::kRowsLost);
+  if (facts_.complete && hdf5::has_link(file_.id(), "/run", run_names::kRows)) {
+    rows_written_ = run_count(file_.id(), run_names::kRows);
+  }
   read_changes();
   if (cut_off_) facts_.complete = false;
 }
@@ -349,15 +365,14 @@ void RecordingReader::read_changes() {
     const Handle type = update_row_type();
     check(H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()),
           "/changes cannot be read");
-    std::transform(rows.begin(), rows.end(), std::back_inserter(changes_), update_of);
+    for (const UpdateRow& row : rows) {
+      const bool follows = row.number != 0 && (changes_.empty() || row.tick > changes_.back().tick);
+      const std::string defect = follows ? defect_of(row) : "is out of order";
+      if (!defect.empty()) throw hdf5::Error(fmt::format("row {} of /changes {}", changes_.size(), defect));
+      changes_.push_back(update_of(row));
+    }
   } catch (const hdf5::Error&) {
     if (!cut_off_) throw;
-    changes_.clear();
-  }
-  for (std::size_t i = 0; i < changes_.size(); ++i) {
-    if (changes_[i].number != 0 && (i == 0 || changes_[i].tick > changes_[i - 1].tick)) continue;
-    if (!cut_off_) throw hdf5::Error(fmt::format("row {} of /changes is out of order", i));
-    changes_.resize(i);
   }
 }
 
@@ -395,6 +410,10 @@ std::size_t RecordingReader::rows_within_file(std::uint64_t start, std::size_t c
 std::uint64_t RecordingReader::for_each_block(
     bool strict, const std::function<void(std::span<const haptics::TickRow>)>& use) {
   strict = strict && facts_.complete;
+  if (strict && rows_missing()) {
+    refuse(fmt::format("/ticks has {}, /run says {}: palpate repair keeps those that are there",
+                       counted(rows_claimed_, "row", "rows"), *rows_written_));
+  }
   const std::size_t hands = setup_.tools.size();
   std::vector<haptics::TickRow> rows;  // rows of an incomplete tick, then the block
   haptics::TickRow last;
@@ -408,7 +427,7 @@ std::uint64_t RecordingReader::for_each_block(
     std::size_t good = 0;
     try {
       read_block(start, block);
-      good = first_out_of_order(block, start == 0 ? nullptr : &last, hands);
+      good = rows_without_defect(block, start == 0 ? nullptr : &last, hands);
       // If a power failure left zeros, the row before them may be incomplete.
       if (cut_off_ && good > 0 && good < count) --good;
       if (cut_off_) good = std::min(good, rows_within_file(start, count));
@@ -419,7 +438,10 @@ std::uint64_t RecordingReader::for_each_block(
       }
     }
     intact = good == count;
-    if (!intact && strict) refuse(fmt::format("row {} of /ticks is out of order", start + good));
+    if (!intact && strict) {
+      const haptics::TickRow* const before = good > 0 ? &block[good - 1] : start == 0 ? nullptr : &last;
+      refuse(fmt::format("row {} of /ticks {}", start + good, defect_of(block[good], before, hands)));
+    }
     rows.resize(kept + good);
     if (good > 0) last = rows.back();
     start += count;

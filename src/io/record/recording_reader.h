@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "io/record/hdf5_handle.h"
@@ -32,6 +33,11 @@ class RecordingReader final {
   [[nodiscard]] bool cut_off() const noexcept { return cut_off_; }
   /// The number of rows that the file declares; fewer may be readable.
   [[nodiscard]] std::uint64_t rows_claimed() const noexcept { return rows_claimed_; }
+  /// Whether a complete recording has fewer or more rows than were written. Older ones do not have the
+  /// number.
+  [[nodiscard]] bool rows_missing() const noexcept {
+    return rows_written_ && *rows_written_ != rows_claimed_;
+  }
 
   /// [setup] Passes the rows in order, block by block, up to the last complete tick before the first damage.
   /// @param strict throw on damage, unless the recording was cut off @return the number of rows
@@ -60,6 +66,7 @@ class RecordingReader final {
   std::vector<haptics::ParameterUpdate> changes_;
   std::uint64_t rows_lost_ = 0;
   std::uint64_t rows_claimed_ = 0;
+  std::optional<std::uint64_t> rows_written_;  // of a complete recording
   bool cut_off_ = false;
 };
 

@@ -116,7 +116,7 @@ void create_summary(hid_t file) {
   using namespace run_names;
   const Handle run = hdf5::create_group(file, "run");
   for (const char* name : {kComplete, kMissedDeadlines, kLongestGap, kRealtimePriority, kMemoryLocked,
-                           kPolled, kRowsLost, kWatchdogStops}) {
+                           kPolled, kRows, kRowsLost, kWatchdogStops}) {
     (void)hdf5::create_dataset(run.id(), name, H5T_NATIVE_INT64, {});
   }
   for (const char* name : {kTickTime, kLateness}) {
@@ -313,6 +313,7 @@ void RecordingWriter::write_summary(const RunFacts& facts, std::uint64_t rows_lo
   fill(run.id(), kRealtimePriority, std::int64_t{facts.realtime_priority ? 1 : 0});
   fill(run.id(), kMemoryLocked, std::int64_t{facts.memory_locked ? 1 : 0});
   fill(run.id(), kPolled, std::int64_t{facts.polled ? 1 : 0});
+  fill(run.id(), kRows, static_cast<std::int64_t>(rows_));
   fill(run.id(), kRowsLost, static_cast<std::int64_t>(rows_lost));
   fill(run.id(), kTickTime, facts.tick_time);
   fill(run.id(), kLateness, facts.lateness);

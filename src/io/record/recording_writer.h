@@ -89,6 +89,7 @@ inline constexpr const char* kLongestGap = "longest_gap_ns";
 inline constexpr const char* kRealtimePriority = "realtime_priority";
 inline constexpr const char* kMemoryLocked = "memory_locked";
 inline constexpr const char* kPolled = "polled";
+inline constexpr const char* kRows = "rows";
 inline constexpr const char* kRowsLost = "rows_lost";
 inline constexpr const char* kTickTime = "tick_ns";
 inline constexpr const char* kLateness = "late_ns";

@@ -11,6 +11,7 @@
 
 #include "io/record/recording_reader.h"
 #include "io/record/recording_writer.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -25,7 +26,7 @@ class OnlyUser final {
       : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
     if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(fd_);
-      throw InputError(file.string() + ": is still being written or read by another program");
+      throw InputError(to_text(file) + ": is still being written or read by another program");
     }
   }
   ~OnlyUser() { release(); }
@@ -43,7 +44,9 @@ class OnlyUser final {
 /// Copies the rows that `reader` can read into a new file. @return their number
 std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::path& copy,
                              const Progress& progress) {
-  RecordingWriter writer(copy, reader.setup(), reader.facts());
+  RunFacts facts = reader.facts();
+  facts.complete = false;  // rows are missing
+  RecordingWriter writer(copy, reader.setup(), facts);
   std::uint64_t rows = 0;
   try {
     writer.append(reader.changes());
@@ -52,7 +55,7 @@ std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::pat
       rows += block.size();
       if (progress) progress(static_cast<double>(rows) / static_cast<double>(reader.rows_claimed()));
     });
-    writer.write_summary(reader.facts(), reader.rows_lost());
+    writer.write_summary(facts, reader.rows_lost());
     writer.flush(true);
     writer.close();
   } catch (...) {
@@ -69,28 +72,29 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   OnlyUser(file).release();
   RecordingReader reader(file);
   const std::uint64_t rows = reader.for_each_block(false, [](std::span<const haptics::TickRow>) {});
-  if (!reader.cut_off() && rows == reader.rows_claimed()) return {rows, false};
+  const bool whole = rows == reader.rows_claimed() && !reader.rows_missing();
+  if (!reader.cut_off() && whole) return {rows, false};
 
   const std::filesystem::path target = std::filesystem::canonical(file);
-  std::string copy = (target.parent_path() / ("." + target.filename().string() + ".partial.")).string();
+  std::string copy = to_text(target.parent_path() / to_path("." + to_text(target.filename()) + ".partial."));
   const int descriptor = open_temporary_file(copy);
   if (descriptor < 0) {
-    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + std::strerror(errno));
+    throw InputError(to_text(file) + ": cannot be repaired, the file is unchanged: " + std::strerror(errno));
   }
   ::close(descriptor);
   std::error_code ignored;
   try {
-    RepairResult result{copy_recording(reader, copy, progress), true};
+    RepairResult result{copy_recording(reader, to_path(copy), progress), true};
     struct stat facts {};
     if (::stat(target.c_str(), &facts) == 0) (void)!::chmod(copy.c_str(), facts.st_mode & 07777);
-    std::filesystem::rename(copy, target);
+    std::filesystem::rename(to_path(copy), target);
     return result;
   } catch (const InputError&) {
-    std::filesystem::remove(copy, ignored);
+    std::filesystem::remove(to_path(copy), ignored);
     throw;
   } catch (const std::exception& error) {
-    std::filesystem::remove(copy, ignored);
-    throw InputError(file.string() + ": cannot be repaired, the file is unchanged: " + error.what());
+    std::filesystem::remove(to_path(copy), ignored);
+    throw InputError(to_text(file) + ": cannot be repaired, the file is unchanged: " + error.what());
   }
 }
 

@@ -1,13 +1,17 @@
 #include "io/record/scene_json.h"
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "io/scene/device_kinds.h"
-#include "io/system/whole_json.h"
+#include "io/system/json_field.h"
+#include "io/system/json_text.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -15,10 +19,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Ranges of a scene's numbers, as in a scene file.
+constexpr double kFarthest = 1e3;         // m
+constexpr double kLargestAngle = 3.15;    // rad, 180 degrees and rounding
+constexpr double kSlowestPath = 0.01;     // path_speed
+constexpr double kFastestPath = 100.0;    // path_speed
+constexpr double kLargestScale = 1000.0;  // workspace_scale
+
 Json vector_json(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-Vec3 vector_from(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+Vec3 vector_from(const JsonField& json) {
+  const std::vector<JsonField> numbers = json.exactly(3);
+  const auto number = [&](std::size_t i) { return numbers[i].number(-kFarthest, kFarthest); };
+  return {number(0), number(1), number(2)};
 }
 
 Json pose_json(const Pose& pose) {
@@ -27,12 +40,14 @@ Json pose_json(const Pose& pose) {
           {"rotation_wxyz", Json::array({q.w(), q.x(), q.y(), q.z()})}};
 }
 
-Pose pose_from(const Json& json) {
-  const Json& q = json.at("rotation_wxyz");
+Pose pose_from(const JsonField& json) {
+  constexpr double kSlack = 1e-6;  // of the quaternion's norm, for rounding
   Pose pose;
   pose.position = vector_from(json.at("position_m"));
-  pose.rotation =
-      Quat(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(), q.at(3).get<double>());
+  const JsonField rotation = json.at("rotation_wxyz");
+  const std::vector<JsonField> q = rotation.exactly(4);
+  pose.rotation = Quat(q[0].number(), q[1].number(), q[2].number(), q[3].number());
+  if (!(std::abs(pose.rotation.norm() - 1.0) <= kSlack)) rotation.fail("a unit quaternion");
   return pose;
 }
 
@@ -46,20 +61,20 @@ Json motion_json(const model::OrganMotionParameters& motion) {
           {"phase", motion.phase}};
 }
 
-model::OrganMotionParameters motion_from(const Json& json) {
+model::OrganMotionParameters motion_from(const JsonField& json) {
   model::OrganMotionParameters motion;
-  const auto kind = json.at("kind").get<std::string>();
-  if (kind == model::to_string(model::OrganMotionKind::kHeartbeat)) {
+  const JsonField kind = json.at("kind");
+  if (kind.text() == model::to_string(model::OrganMotionKind::kHeartbeat)) {
     motion.kind = model::OrganMotionKind::kHeartbeat;
-  } else if (kind != model::to_string(model::OrganMotionKind::kBreathing)) {
-    throw InputError("motion of kind \"" + kind + "\", want breathing or heartbeat");
+  } else if (kind.text() != model::to_string(model::OrganMotionKind::kBreathing)) {
+    kind.fail("breathing or heartbeat");
   }
-  motion.amplitude = json.at("amplitude_m").get<double>();
+  motion.amplitude = json.at("amplitude_m").number();
   motion.direction_W = vector_from(json.at("direction"));
-  motion.rotation = json.at("rotation_rad").get<double>();
+  motion.rotation = json.at("rotation_rad").number();
   motion.axis_W = vector_from(json.at("axis"));
-  motion.period = json.at("period_s").get<double>();
-  motion.phase = json.at("phase").get<double>();
+  motion.period = json.at("period_s").number();
+  motion.phase = json.at("phase").number();
   return motion;
 }
 
@@ -74,15 +89,15 @@ Json inclusion_json(const scene::InclusionSetup& setup) {
           {"pulse_period_s", inclusion.pulse_period}};
 }
 
-scene::InclusionSetup inclusion_from(const Json& json) {
+scene::InclusionSetup inclusion_from(const JsonField& json) {
   scene::InclusionSetup setup;
-  setup.name = json.at("name").get<std::string>();
-  setup.visible = json.at("visible").get<bool>();
+  setup.name = json.at("name").text();
+  setup.visible = json.at("visible").flag();
   setup.inclusion.centre_S = vector_from(json.at("centre_m"));
-  setup.inclusion.radius = json.at("radius_m").get<double>();
-  setup.inclusion.ratio = json.at("stiffness_ratio").get<double>();
-  setup.inclusion.pulse = json.at("pulse_m").get<double>();
-  setup.inclusion.pulse_period = json.at("pulse_period_s").get<double>();
+  setup.inclusion.radius = json.at("radius_m").number();
+  setup.inclusion.ratio = json.at("stiffness_ratio").number();
+  setup.inclusion.pulse = json.at("pulse_m").number();
+  setup.inclusion.pulse_period = json.at("pulse_period_s").number();
   return setup;
 }
 
@@ -94,20 +109,17 @@ Json stiffness_json(const std::vector<model::StiffnessPoint>& points) {
   return json;
 }
 
-std::vector<model::StiffnessPoint> stiffness_from(const Json& json) {
+std::vector<model::StiffnessPoint> stiffness_from(const JsonField& json) {
   std::vector<model::StiffnessPoint> points;
-  for (const Json& one : json) {
-    points.push_back({vector_from(one), one.at(3).get<double>()});
+  for (const JsonField& one : json.elements(model::kMaxStiffnessPoints)) {
+    const std::vector<JsonField> n = one.exactly(4);
+    points.push_back({{n[0].number(), n[1].number(), n[2].number()}, n[3].number()});
     model::validate(points.back(), "stiffness factor");
   }
   return points;
 }
 
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
-std::optional<double> optional_from(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
-}
 
 Json relaxation_json(const model::RelaxationTerms& terms) {
   Json json = Json::array();
@@ -127,23 +139,23 @@ Json tissue_json(const model::TissueParameters& t) {
   return json;
 }
 
-model::TissueParameters tissue_from(const Json& json) {
+model::TissueParameters tissue_from(const JsonField& json) {
   model::TissueParameters t;
-  t.name = json.at("name").get<std::string>();
+  t.name = json.at("name").text();
   // Older recordings have the layered law of the paper, without relaxation.
-  t.law = model::parse_law(json.value("law", model::to_string(model::LawKind::kLayered)));
-  for (const Json& term : json.value("relaxation", Json::array())) {
-    t.relaxation.push_back({term.at("share").get<double>(), term.at("time_s").get<double>()});
+  if (json.has("law")) t.law = model::parse_law(json.at("law").text());
+  for (const JsonField& term : json.at("relaxation").elements(model::kMaxRelaxationTerms)) {
+    t.relaxation.push_back({term.at("share").number(), term.at("time_s").number()});
   }
   for (const model::TissueField& field : model::kTissueFields) {
-    const Json& table = field.section.empty() ? json : json.at(std::string(field.section));
-    if (field.added_later && !table.contains(field.column())) continue;
-    const Json& value = table.at(field.column());
-    field.at.set(t, field.optional() ? optional_from(value) : value.get<double>());
+    const JsonField table = field.section.empty() ? json : json.at(std::string(field.section));
+    const std::string name = field.column();
+    if (field.added_later && !table.has(name)) continue;
+    if (!table.has(name)) table.at(name).fail("a number");
+    field.at.set(t, field.optional() ? table.at(name).optional_number() : table.at(name).number());
   }
-  if (const Json& source = json.at("source"); !source.is_null()) {
-    t.source = model::SourceParameters{source.at("indenter").get<std::string>(),
-                                       source.at("radius_m").get<double>()};
+  if (const JsonField source = json.at("source"); source.there()) {
+    t.source = model::SourceParameters{source.at("indenter").text(), source.at("radius_m").number()};
   }
   return t;
 }
@@ -160,17 +172,18 @@ Json tool_json(const geometry::Tool& tool) {
   return {{"name", tool.name}, {"tip_radius_m", optional_json(tool.tip_radius)}, {"parts", parts}};
 }
 
-geometry::Tool tool_from(const Json& json) {
+geometry::Tool tool_from(const JsonField& json) {
   geometry::Tool tool;
-  tool.name = json.at("name").get<std::string>();
-  tool.tip_radius = optional_from(json.at("tip_radius_m"));
-  for (const Json& entry : json.at("parts")) {
+  tool.name = json.at("name").text();
+  tool.tip_radius = json.at("tip_radius_m").optional_number();
+  if (tool.tip_radius && !(*tool.tip_radius > 0.0)) json.at("tip_radius_m").fail("a number > 0");
+  for (const JsonField& entry : json.at("parts").elements(scene::kMaxToolParts)) {
     geometry::ToolPart part;
-    part.name = entry.at("name").get<std::string>();
-    part.is_jaw = entry.at("is_jaw").get<bool>();
+    part.name = entry.at("name").text();
+    part.is_jaw = entry.at("is_jaw").flag();
     part.pivot = vector_from(entry.at("pivot_m"));
     part.axis = vector_from(entry.at("axis"));
-    part.open_angle = entry.at("open_angle_rad").get<double>();
+    part.open_angle = entry.at("open_angle_rad").number(-kLargestAngle, kLargestAngle);
     tool.parts.push_back(std::move(part));
   }
   return tool;
@@ -189,16 +202,16 @@ Json emulated_json(const scene::EmulatedHand& hand) {
   return json;
 }
 
-scene::EmulatedHand emulated_from(const Json& json) {
+scene::EmulatedHand emulated_from(const JsonField& json) {
   scene::EmulatedHand hand;
-  hand.mass = json.at("mass_kg").get<double>();
-  hand.grip = {json.at("grip_N_per_m").get<double>(), json.at("grip_N_s_per_m").get<double>()};
-  for (const Json& entry : json.at("faults")) {
-    const auto word = entry.at("kind").get<std::string>();
-    const std::optional<scene::EmulatedFaultKind> kind = scene::find_emulated_fault(word);
-    if (!kind) throw InputError("fault of kind \"" + word + "\" is not known");
-    hand.faults.push_back({*kind, entry.at("time_s").get<double>(), entry.at("duration_s").get<double>(),
-                           entry.at("age_s").get<double>()});
+  hand.mass = json.at("mass_kg").number();
+  hand.grip = {json.at("grip_N_per_m").number(), json.at("grip_N_s_per_m").number()};
+  for (const JsonField& entry : json.at("faults").elements()) {
+    const JsonField kind = entry.at("kind");
+    const std::optional<scene::EmulatedFaultKind> known = scene::find_emulated_fault(kind.text());
+    if (!known) kind.fail("the kind of a simulated fault");
+    hand.faults.push_back(
+        {*known, entry.at("time_s").number(), entry.at("duration_s").number(), entry.at("age_s").number()});
   }
   return hand;
 }
@@ -206,8 +219,12 @@ scene::EmulatedHand emulated_from(const Json& json) {
 /// A number of a device that may be unknown.
 Json known_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-double known_from(const Json& json) {
-  return json.is_null() ? haptics::DeviceAbilities::kUnknown : json.get<double>();
+double known_from(const JsonField& json) {
+  return json.optional_number().value_or(haptics::DeviceAbilities::kUnknown);
+}
+
+std::optional<std::uint32_t> button_from(const JsonField& json) {
+  return json.there() ? std::optional(json.whole(scene::kLastButton)) : std::nullopt;
 }
 
 Json device_json(const scene::DeviceSetup& device) {
@@ -231,38 +248,33 @@ Json device_json(const scene::DeviceSetup& device) {
   return json;
 }
 
-scene::DeviceSetup device_from(const Json& json) {
+/// What older recordings do not have keeps its default.
+scene::DeviceSetup device_from(const JsonField& json) {
   scene::DeviceSetup device;
-  device.kind = json.at("kind").get<std::string>();
-  device.path = json.at("path").get<std::string>();
+  device.kind = json.at("kind").text();
+  device.path = json.at("path").text();
   const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
   if (kind != nullptr && kind->path == scene::DevicePath::kLibrary) device.path.clear();  // see scene_json.h
-  const std::string interpolation = json.value("interpolation", "linear");
-  const auto known = scene::interpolation_of(interpolation);
-  if (!known) throw InputError("interpolation is " + interpolation + ", want linear or cubic");
-  device.interpolation = *known;
-  device.path_speed = json.value("path_speed", 1.0);
-  if (!(device.path_speed >= 0.01 && device.path_speed <= 100.0)) {
-    throw InputError("path_speed is " + shortest(device.path_speed) + ", want >= 0.01 and <= 100");
+  if (const JsonField interpolation = json.at("interpolation"); interpolation.there()) {
+    const auto known = scene::interpolation_of(interpolation.text());
+    if (!known) interpolation.fail("linear or cubic");
+    device.interpolation = *known;
   }
-  device.workspace_scale = json.at("workspace_scale").get<double>();
+  if (const JsonField speed = json.at("path_speed"); speed.there()) {
+    device.path_speed = speed.number(kSlowestPath, kFastestPath);
+  }
+  device.workspace_scale = json.at("workspace_scale").positive(kLargestScale);
   device.base = pose_from(json.at("base"));
-  device.dynamics.damping = optional_from(json.at("damping_N_s_per_m"));
-  device.dynamics.friction = optional_from(json.at("friction_N"));
-  device.dynamics.resolution = optional_from(json.at("resolution_m"));
-  if (!json.at("clutch_button").is_null()) {
-    device.clutch_button = whole_number<std::uint32_t>(json, "clutch_button");
-  }
-  // Older recordings do not have the abilities of devices.
-  device.abilities.model = json.value("model", std::string());
-  device.abilities.continuous_force = known_from(json.value("continuous_force_N", Json(nullptr)));
-  device.abilities.max_stiffness = known_from(json.value("max_stiffness_N_per_m", Json(nullptr)));
-  device.abilities.torque = json.value("torque", true);
-  device.force_scale = json.value("force_scale", 1.0);
-  if (!(device.force_scale > 0.0 && device.force_scale <= 1.0)) {
-    throw InputError("force_scale is " + shortest(device.force_scale) + ", want > 0 and <= 1");
-  }
-  if (json.contains("emulated")) device.emulated = emulated_from(json.at("emulated"));
+  device.dynamics.damping = json.at("damping_N_s_per_m").optional_number();
+  device.dynamics.friction = json.at("friction_N").optional_number();
+  device.dynamics.resolution = json.at("resolution_m").optional_number();
+  device.clutch_button = button_from(json.at("clutch_button"));
+  if (json.has("model")) device.abilities.model = json.at("model").text();
+  device.abilities.continuous_force = known_from(json.at("continuous_force_N"));
+  device.abilities.max_stiffness = known_from(json.at("max_stiffness_N_per_m"));
+  if (json.has("torque")) device.abilities.torque = json.at("torque").flag();
+  if (json.has("force_scale")) device.force_scale = json.at("force_scale").positive(1.0);
+  if (json.has("emulated")) device.emulated = emulated_from(json.at("emulated"));
   return device;
 }
 
@@ -274,13 +286,13 @@ Json noise_json(const noise::NoiseSettings& noise) {
           {"seed", noise.seed}};
 }
 
-noise::NoiseSettings noise_from(const Json& json) {
+noise::NoiseSettings noise_from(const JsonField& json) {
   noise::NoiseSettings noise;
-  noise.enabled = json.at("enabled").get<bool>();
-  noise.gain = json.at("gain_N_m").get<double>();
-  noise.threshold = json.at("threshold_m").get<double>();
-  noise.rate_Hz = json.at("rate_Hz").get<double>();
-  noise.seed = whole_number<std::uint64_t>(json, "seed");
+  noise.enabled = json.at("enabled").flag();
+  noise.gain = json.at("gain_N_m").number();
+  noise.threshold = json.at("threshold_m").number();
+  noise.rate_Hz = json.at("rate_Hz").number();
+  noise.seed = json.at("seed").whole<std::uint64_t>();
   return noise;
 }
 
@@ -291,53 +303,59 @@ Json safety_json(const scene::SafetySetup& safety) {
           {"max_torque_slew_N_m_per_s", safety.max_torque_slew}};
 }
 
-scene::SafetySetup safety_from(const Json& json) {
-  scene::SafetySetup safety;
-  safety.max_force = json.at("max_force_N").get<double>();
-  safety.max_slew = json.at("max_slew_N_per_s").get<double>();
-  safety.max_torque = json.at("max_torque_N_m").get<double>();
-  safety.max_torque_slew = json.at("max_torque_slew_N_m_per_s").get<double>();
+scene::SafetySetup safety_from(const JsonField& json) {
+  using Limits = scene::SafetySetup;
+  const auto limit = [&json](const char* name, double most) { return json.at(name).number(0.0, most); };
+  Limits safety;
+  safety.max_force = limit("max_force_N", Limits::kMaxForce);
+  safety.max_slew = limit("max_slew_N_per_s", Limits::kMaxSlew);
+  safety.max_torque = limit("max_torque_N_m", Limits::kMaxTorque);
+  safety.max_torque_slew = limit("max_torque_slew_N_m_per_s", Limits::kMaxTorqueSlew);
   return safety;
 }
 
-scene::Task task_from(const std::string& word) {
-  if (const auto task = scene::find_task(word)) return *task;
-  throw InputError("task is \"" + word + "\", want press, pull or palpate");
+scene::Task task_from(const JsonField& json) {
+  const auto task = scene::find_task(json.text());
+  if (!task) json.fail("press, pull or palpate");
+  return *task;
 }
 
-scene::SearchSetup search_from(const Json& json) {
+scene::SearchSetup search_from(const JsonField& json) {
   scene::SearchSetup search;
-  search.tolerance = json.at("tolerance_m").get<double>();
-  search.mark_button = whole_number<std::uint32_t>(json, "mark_button");
-  if (search.mark_button > scene::kLastButton) throw InputError("search.mark_button is over 31");
+  search.tolerance = json.at("tolerance_m").number(0.0, kFarthest);
+  search.mark_button = json.at("mark_button").whole(scene::kLastButton);
   return search;
 }
 
-scene::Scene setup_from(const Json& json) {
+scene::Scene setup_from(const JsonField& json) {
   scene::Scene setup;
-  setup.name = json.at("name").get<std::string>();
-  setup.task = task_from(json.at("task").get<std::string>());
-  setup.rate_Hz = json.at("rate_Hz").get<double>();
-  setup.seed = whole_number<std::uint64_t>(json, "seed");
-  setup.organ_name = json.at("organ").at("name").get<std::string>();
-  setup.organ_pose = pose_from(json.at("organ").at("pose"));
-  // Older recordings have no organ motion.
-  for (const Json& motion : json.at("organ").value("motion", Json::array())) {
+  setup.name = json.at("name").text();
+  setup.task = task_from(json.at("task"));
+  setup.rate_Hz = json.at("rate_Hz").number(scene::kSlowestRate, scene::kFastestRate);
+  setup.seed = json.at("seed").whole<std::uint64_t>();
+  const JsonField organ = json.at("organ");
+  setup.organ_name = organ.at("name").text();
+  setup.organ_pose = pose_from(organ.at("pose"));
+  // Older recordings have uniform tissue and no organ motion.
+  for (const JsonField& motion : organ.at("motion").elements(model::kMaxOrganMotions)) {
     setup.organ_motion.push_back(motion_from(motion));
   }
-  // Older recordings have uniform tissue.
-  for (const Json& inclusion : json.at("organ").value("inclusions", Json::array())) {
+  for (const JsonField& inclusion : organ.at("inclusions").elements(model::kMaxInclusions)) {
     setup.inclusions.push_back(inclusion_from(inclusion));
   }
-  setup.stiffness = stiffness_from(json.at("organ").value("stiffness", Json::array()));
+  setup.stiffness = stiffness_from(organ.at("stiffness"));
   if (setup.task == scene::Task::kPalpate) setup.search = search_from(json.at("search"));
   setup.tissue = tissue_from(json.at("tissue"));
-  for (const Json& tool : json.at("tools")) setup.tools.push_back(tool_from(tool));
-  for (const Json& device : json.at("devices")) setup.devices.push_back(device_from(device));
+  for (const JsonField& tool : json.at("tools").elements(scene::kMaxHands)) {
+    setup.tools.push_back(tool_from(tool));
+  }
+  for (const JsonField& device : json.at("devices").elements(scene::kMaxHands)) {
+    setup.devices.push_back(device_from(device));
+  }
   setup.noise = noise_from(json.at("noise"));
   setup.safety = safety_from(json.at("safety"));
-  if (json.contains("repairs")) setup.repairs = json.at("repairs").get<std::vector<std::string>>();
-  setup.remarks = json.at("remarks").get<std::vector<std::string>>();
+  setup.repairs = json.at("repairs").texts();
+  setup.remarks = json.at("remarks").texts();
   return setup;
 }
 
@@ -376,9 +394,8 @@ std::string setup_to_json(const scene::Scene& setup) {
 
 scene::Scene setup_from_json(const std::string& text) {
   try {
-    return setup_from(Json::parse(text));
-  } catch (const Json::exception& error) {
-    throw InputError("scene: " + one_line(error.what()));
+    const nlohmann::json json = parse_json(text);
+    return setup_from(JsonField(json));
   } catch (const InputError& error) {
     throw InputError("scene: " + one_line(error.what()));
   }

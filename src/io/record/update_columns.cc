@@ -3,8 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "palpate/inclusion.h"
 
 namespace palpate::record {
 namespace {
@@ -83,6 +87,28 @@ UpdateRow row_of(const ParameterUpdate& change) noexcept {
   }
   row.name = change.name;
   return row;
+}
+
+std::string defect_of(const UpdateRow& row) {
+  constexpr std::uint32_t kAll = haptics::kTissueChanged | haptics::kNoiseChanged |
+                                 haptics::kInclusionChanged | haptics::kStimulusChanged;
+  constexpr auto kLastLaw = static_cast<std::uint32_t>(model::LawKind::kSmooth);
+  const auto want = [](const char* name, std::uint64_t value, const std::string& right) {
+    return std::string("has ") + name + ' ' + std::to_string(value) + ", want " + right;
+  };
+  if ((row.what & ~kAll) != 0) return want("what", row.what, "bits up to " + std::to_string(kAll));
+  if (row.law > kLastLaw) return want("law", row.law, "0 or 1");
+  if (row.noise_enabled > 1) return want("noise_enabled", row.noise_enabled, "0 or 1");
+  if (row.inclusion > model::kMaxInclusions) {
+    return want("inclusion", row.inclusion, "at most " + std::to_string(model::kMaxInclusions));
+  }
+  if (row.inclusion == 0 && (row.what & haptics::kInclusionChanged) != 0) {
+    return want("inclusion", row.inclusion, "the number of the one that changes");
+  }
+  if (!std::in_range<std::uint32_t>(row.stimulus_interval)) {
+    return want("stimulus_interval", row.stimulus_interval, "0, 1 or 2");
+  }
+  return {};
 }
 
 ParameterUpdate update_of(const UpdateRow& row) {

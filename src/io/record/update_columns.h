@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "core/model/tissue_fields.h"
 #include "io/record/tick_columns.h"
@@ -32,7 +33,10 @@ struct UpdateRow {
 
 /// [any] The row of a parameter update.
 [[nodiscard]] UpdateRow row_of(const haptics::ParameterUpdate& change) noexcept;
-/// [setup] The parameter update of a row, not validated.
+/// [setup] The first number of a row from a file that no update has, with what would be right: "has law 7,
+/// want 0 or 1". Empty: the row is an update; its tissue, noise, inclusion and stimulus are not validated.
+[[nodiscard]] std::string defect_of(const UpdateRow& row);
+/// [setup] The parameter update of a row without a defect.
 [[nodiscard]] haptics::ParameterUpdate update_of(const UpdateRow& row);
 
 /// [setup] The columns of a UpdateRow, in the order of recording and export. The tissue's name, kUpdateName,

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "io/scene/names.h"
 #include "io/system/input_file.h"
+#include "io/system/nesting.h"
 #include "io/system/path_text.h"
 
 namespace palpate::scene {
@@ -79,6 +80,17 @@ TomlFile read_toml(const std::filesystem::path& file) {
 }
 
 TomlFile parse_toml(const std::string& text, const std::string& name) {
+  if (text.size() > kTomlInput.max_bytes) {
+    throw InputError(fmt::format("{}: has {} bytes, must be a TOML text of at most {}", name, text.size(),
+                                 kTomlInput.max_bytes));
+  }
+  if (const auto deep = toml_nested_deeper_at(text, kMaxNesting)) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(*deep), '\n');
+    throw InputError(
+        fmt::format("{}:{}: nested deeper than {} levels, must be at most that; each part of a "
+                    "dotted key is a level",
+                    name, line, kMaxNesting));
+  }
   try {
     return {name, toml::parse(text, name)};
   } catch (const toml::parse_error& error) {

@@ -40,7 +40,9 @@ struct TomlFile {
 /// [setup] Reads and parses a file. @throws InputError naming the file (and the line).
 [[nodiscard]] TomlFile read_toml(const std::filesystem::path& file);
 
-/// [setup] Parses a text. @param name used in messages as the file's name @throws InputError naming the line.
+/// [setup] Parses a text; the only place where the program parses TOML (tools/lint_sources). @param name used
+/// in messages as the file's name @throws InputError naming the line, also for a text that is nested deeper
+/// than kMaxNesting.
 [[nodiscard]] TomlFile parse_toml(const std::string& text, const std::string& name);
 
 /// One table of a TOML file, read key by key. Every error is one line, FILE:LINE: field = value: what would

@@ -99,7 +99,7 @@ TEST(LiveProtocol, WhatIsNoJsonIsRefusedByItsByte) {
 
 TEST(LiveProtocol, NestingIsBoundedBeforeAnythingIsRead) {
   const std::string deep = std::string(8000, '[') + std::string(8000, ']');
-  expect_refusal(deep, "json", "", "nested deeper than 8 levels at byte 9");
+  expect_refusal(deep, "json", "", "byte 9 of 16000: is nested deeper than 8 levels");
   EXPECT_EQ(refusal(R"({"do": "state", "id": "[[[[[[[[[[[[[["})").code, "none")
       << "in a text it is no nesting";
 }

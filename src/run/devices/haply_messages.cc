@@ -7,7 +7,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "io/system/json_depth.h"
+#include "io/system/json_text.h"
 #include "palpate/error.h"
 
 namespace palpate::devices {
@@ -104,21 +104,14 @@ class Field final {
 };
 
 json parse(std::string_view text) {
-  if (const auto deep = nested_deeper_at(text, kDeepest))
-    throw InputError(fmt::format("message: is nested deeper than {} levels at byte {}", kDeepest, *deep + 1));
+  json message;
   try {
-    json message = json::parse(text);
-    if (!message.is_object()) refuse("it", &message, "a JSON object");
-    return message;
-  } catch (const json::parse_error& error) {
-    // The error gives the byte's position only. The parser's own text would repeat bytes of the message.
-    const auto end = std::min<std::size_t>(error.byte, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-    throw InputError(
-        fmt::format("message: line {}, byte {} of {}: is no JSON", line, error.byte, text.size()));
-  } catch (const json::exception&) {
-    throw InputError("message: has a number that no double holds, must be finite");
+    message = parse_json(text, kDeepest);
+  } catch (const InputError& error) {
+    throw InputError(std::string("message: ") + error.what());
   }
+  if (!message.is_object()) refuse("it", &message, "a JSON object");
+  return message;
 }
 
 Field find(const Field& devices, const std::string& id) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "science/psychophysics/comparisons.h"
 
@@ -26,6 +27,16 @@ std::uint32_t part_of(Part kind, std::size_t task, bool repeat, std::uint32_t nu
 }
 
 double log10_of(double value) { return std::log10(value); }
+
+/// The number of the session that begins with this event. @throws InputError when it is no whole number
+int session_of(const EventRecord& event) {
+  constexpr double kMost = 1e6;
+  const std::string text = event.value("session");
+  const double number = parse_number(text).value_or(0.0);
+  if (number >= 1.0 && number <= kMost && number == std::floor(number)) return static_cast<int>(number);
+  throw InputError("a session of the log: session = \"" + excerpt(text) +
+                   "\": must be a whole number from 1");
+}
 
 }  // namespace
 
@@ -369,7 +380,7 @@ int Course::replay(const ParticipantLog& log) {
   for (const EventRecord& event : log.events) {
     while (trial < log.trials.size() && trial < event.after_trials) add(log.trials[trial++]);
     if (event.event == "session") {
-      sessions = std::stoi(event.value("session"));
+      sessions = session_of(event);
       begin_session(sessions);
     } else if (event.event == "resumed") {
       resume();

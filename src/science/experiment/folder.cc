@@ -20,9 +20,11 @@
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "io/system/input_file.h"
+#include "io/system/json_field.h"
+#include "io/system/json_text.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
-#include "io/system/whole_json.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -197,35 +199,34 @@ void fill_folder(const Study& study, int participants, Preparation& made) {
 /// Reads a JSON file of a study's folder and calls `use` with its content.
 template <typename Use>
 void use_json(const fs::path& file, const Use& use) {
-  const std::string text = content_of(file);
+  const std::string where = to_text(file) + ": ";
+  nlohmann::json json;
   try {
-    use(FolderJson::parse(text));
-  } catch (const std::exception& error) {
-    throw InputError(file.string() + ": " + one_line(error.what()));
+    json = parse_json(content_of(file));
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()).starts_with(where) ? error.what() : where + error.what());
   }
+  use(JsonField(json, where));
 }
 
 void check_hash(const std::string& found, const std::string& locked, const std::string& what) {
   if (found != locked) throw InputError(what + ": was changed after the study was prepared (lock.json)");
 }
 
-void read_lock(const FolderJson& lock, StudyFolder& made) {
-  if (lock.at("format") != kFormat) {
-    throw InputError(fmt::format("{}: format = {}: must be \"{}\"", (made.folder / "lock.json").string(),
-                                 excerpt(lock.at("format").dump()), kFormat));
-  }
-  lock.at("program").get_to(made.program);
-  lock.at("ids").get_to(made.ids);
-  for (const auto& [name, hash] : lock.at("files").items()) {
+void read_lock(const JsonField& lock, StudyFolder& made) {
+  if (lock.at("format").text() != kFormat) lock.at("format").fail(fmt::format("\"{}\"", kFormat));
+  made.program = lock.at("program").text();
+  made.ids = lock.at("ids").texts();
+  for (const auto& [name, hash] : lock.at("files").members()) {
     const fs::path file = made.folder / name;
-    check_hash(sha256(content_of(file)), hash.get<std::string>(), file.string());
+    check_hash(sha256(content_of(file)), hash.text(), file.string());
   }
-  const auto organ = lock.at("organ").get<std::string>();
-  check_hash(hash_of_builtin(organ), lock.at("organ_sha256").get<std::string>(),
+  const std::string organ = lock.at("organ").text();
+  check_hash(hash_of_builtin(organ), lock.at("organ_sha256").text(),
              "the mesh of the built-in organ " + organ);
   made.study = load_study(made.folder / "study.toml");
-  lock.at("scene").get_to(made.study.scene);
-  if (lock.contains("consent")) lock.at("consent").get_to(made.study.consent_file);
+  made.study.scene = lock.at("scene").text();
+  if (lock.has("consent")) made.study.consent_file = lock.at("consent").text();
 }
 
 }  // namespace
@@ -303,13 +304,7 @@ StudyFolder open_study(const fs::path& folder) {
                      ": has no lock.json, must be a folder made by `palpate study prepare`");
   }
   made.lock_hash = sha256(content_of(folder / "lock.json"));
-  FolderJson lock;
-  use_json(folder / "lock.json", [&](const FolderJson& json) { lock = json; });
-  try {
-    read_lock(lock, made);
-  } catch (const FolderJson::exception& failure) {
-    throw InputError((folder / "lock.json").string() + ": " + one_line(failure.what()));
-  }
+  use_json(folder / "lock.json", [&](const JsonField& lock) { read_lock(lock, made); });
   made.simulated = fs::exists(folder / "simulated.json", error);
   return made;
 }
@@ -327,10 +322,10 @@ SealedKey read_sealed_key(const StudyFolder& study) {
   }
   std::string locked;
   use_json(study.folder / "lock.json",
-           [&](const FolderJson& lock) { lock.at("sealed_sha256").get_to(locked); });
+           [&](const JsonField& lock) { locked = lock.at("sealed_sha256").text(); });
   check_hash(sha256(content_of(file)), locked, file.string());
   SealedKey key = 0;
-  use_json(file, [&](const FolderJson& json) { key = whole_number<SealedKey>(json, "key"); });
+  use_json(file, [&](const JsonField& json) { key = json.at("key").whole<SealedKey>(); });
   return key;
 }
 
@@ -344,10 +339,9 @@ void unblind_study(const StudyFolder& study, const std::string& why) {
   if (trimmed(why).empty()) throw InputError("--why: must be the reason, not empty");
   const fs::path file = study.folder / "unblinded.json";
   if (study.unblinded()) {
-    use_json(file, [&](const FolderJson& json) {
-      throw InputError(fmt::format("the study was unblinded already at {}: {}",
-                                   json.at("time").get<std::string>(),
-                                   one_line(json.at("reason").get<std::string>())));
+    use_json(file, [&](const JsonField& json) {
+      throw InputError(fmt::format("the study was unblinded already at {}: {}", json.at("time").text(),
+                                   one_line(json.at("reason").text())));
     });
   }
   write_new(file, {{"time", utc_now()}, {"reason", why}}, 0644);

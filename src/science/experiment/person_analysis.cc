@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
+#include <fmt/core.h>
+
 #include "core/base/statistics.h"
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "science/experiment/analysis_parts.h"
 #include "science/experiment/course.h"
@@ -213,21 +217,32 @@ std::optional<Estimate> share_reached(const Study& study, const Participant& per
   return Estimate{used - best.mean, best.sd, used - best.high, used - best.low};
 }
 
-int whole_of(const std::string& text) { return text.empty() ? 0 : std::atoi(text.c_str()); }
+/// Adds a count of an event, which may lack it. @throws InputError
+void add_count(const EventRecord& event, const char* name, int& sum) {
+  const std::string text = event.value(name);
+  if (text.empty()) return;
+  const std::optional<double> count = parse_number(text);
+  const double most = std::numeric_limits<int>::max() - static_cast<double>(sum);
+  if (!count || !(*count >= 0.0 && *count <= most) || *count != std::floor(*count)) {
+    throw InputError(fmt::format("a log's event {}: {} = \"{}\": must be a whole number from 0 to {}",
+                                 one_line(event.event), name, excerpt(text), most));
+  }
+  sum += static_cast<int>(*count);
+}
 
 void count_events(const ParticipantLog& log, PersonResult& result) {
   for (const EventRecord& event : log.events) {
     if (event.event == "block") {
-      result.late_ticks += whole_of(event.value("late_ticks"));
-      result.faults += whole_of(event.value("faults"));
+      add_count(event, "late_ticks", result.late_ticks);
+      add_count(event, "faults", result.faults);
     } else if (event.event == "audible") {
       if (!result.audible) result.audible.emplace();
-      result.audible->trials += whole_of(event.value("trials"));
-      result.audible->counted += whole_of(event.value("correct"));
+      add_count(event, "trials", result.audible->trials);
+      add_count(event, "correct", result.audible->counted);
     }
   }
   if (result.audible && result.audible->trials > 0) {
-    result.heard = 4 * result.audible->counted >= 3 * result.audible->trials;
+    result.heard = 4.0 * result.audible->counted >= 3.0 * result.audible->trials;
   }
 }
 

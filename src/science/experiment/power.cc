@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/json_text.h"
 #include "palpate/error.h"
 #include "science/experiment/analysis.h"
 #include "science/experiment/analysis_parts.h"
@@ -140,7 +141,7 @@ std::vector<PowerRow> rows_of(const std::string& effect, const std::string& anal
     row.analysis = analysis;
     row.participants = request.participants[i];
     for (int group = 0; group < request.groups; ++group) {
-      const Json outcome = Json::parse(results[first + static_cast<std::size_t>(group)]).at(i);
+      const Json outcome = parse_json(results[first + static_cast<std::size_t>(group)]).at(i);
       row.power += (outcome[0].get<bool>() ? 1.0 : 0.0) / request.groups;
       row.mean_effect += outcome[1].get<double>() / request.groups;
       row.width += outcome[2].get<double>() / request.groups;

@@ -23,7 +23,8 @@
 #include "core/base/text.h"
 #include "io/system/clock.h"
 #include "io/system/input_file.h"
-#include "io/system/whole_json.h"
+#include "io/system/json_field.h"
+#include "io/system/json_text.h"
 #include "palpate/error.h"
 
 namespace palpate::experiment {
@@ -54,14 +55,14 @@ Json json_of_cues(const IntervalCues& cues) {
   return json;
 }
 
-IntervalCues cues_of(const Json& json) {
+IntervalCues cues_of(const JsonField& json) {
   IntervalCues cues;
-  cues.from_tick = whole_number<std::uint64_t>(json, "from_tick");
-  cues.to_tick = whole_number<std::uint64_t>(json, "to_tick");
-  json.at("peak_force_N").get_to(cues.peak_force);
-  json.at("mean_force_N").get_to(cues.mean_force);
-  json.at("depth_m").get_to(cues.depth);
-  json.at("work_J").get_to(cues.work);
+  cues.from_tick = json.at("from_tick").whole<std::uint64_t>();
+  cues.to_tick = json.at("to_tick").whole<std::uint64_t>();
+  cues.peak_force = json.at("peak_force_N").number();
+  cues.mean_force = json.at("mean_force_N").number();
+  cues.depth = json.at("depth_m").number();
+  cues.work = json.at("work_J").number();
   return cues;
 }
 
@@ -90,29 +91,28 @@ Json json_of_trial(const TrialRecord& trial) {
   return json;
 }
 
-TrialRecord trial_of(const Json& json) {
+TrialRecord trial_of(const JsonField& json) {
   TrialRecord trial;
-  json.at("time").get_to(trial.time);
-  trial.session = whole_number<int>(json, "session");
-  trial.block = whole_number<int>(json, "block");
-  json.at("task").get_to(trial.task);
-  json.at("repeat").get_to(trial.repeat);
-  json.at("practice").get_to(trial.practice);
-  json.at("catch").get_to(trial.catch_trial);
-  trial.number = whole_number<int>(json, "number");
-  json.at("code").get_to(trial.code);
-  json.at("level").get_to(trial.level);
-  json.at("second").get_to(trial.second);
-  trial.answer = whole_number<int>(json, "answer");
-  json.at("counted").get_to(trial.counted);
-  json.at("response_time_s").get_to(trial.response_time);
-  json.at("spoiled").get_to(trial.spoiled);
-  const Json& intervals = json.at("intervals");
-  if (intervals.size() != trial.intervals.size()) throw InputError("intervals must have two entries");
-  for (std::size_t i = 0; i < trial.intervals.size(); ++i) trial.intervals[i] = cues_of(intervals.at(i));
-  json.at("rms_error_N").get_to(trial.rms_error);
-  json.at("variation").get_to(trial.variation);
-  json.at("observer").get_to(trial.observer);
+  trial.time = json.at("time").text();
+  trial.session = json.at("session").whole<std::uint16_t>();
+  trial.block = json.at("block").whole<std::uint16_t>();
+  trial.task = json.at("task").text();
+  trial.repeat = json.at("repeat").flag();
+  trial.practice = json.at("practice").flag();
+  trial.catch_trial = json.at("catch").flag();
+  trial.number = json.at("number").whole<int>();
+  trial.code = json.at("code").text();
+  trial.level = json.at("level").number();
+  trial.second = json.at("second").flag();
+  trial.answer = json.at("answer").whole<std::uint8_t>(2);
+  trial.counted = json.at("counted").flag();
+  trial.response_time = json.at("response_time_s").number();
+  trial.spoiled = json.at("spoiled").texts();
+  const std::vector<JsonField> intervals = json.at("intervals").exactly(trial.intervals.size());
+  for (std::size_t i = 0; i < trial.intervals.size(); ++i) trial.intervals[i] = cues_of(intervals[i]);
+  trial.rms_error = json.at("rms_error_N").number();
+  trial.variation = json.at("variation").number();
+  trial.observer = json.at("observer").text();
   return trial;
 }
 
@@ -132,13 +132,14 @@ Json json_of_event(const EventRecord& event) {
   return json;
 }
 
-EventRecord event_of(const Json& json) {
+EventRecord event_of(const JsonField& json, std::string_view text) {
   EventRecord event;
-  json.at("time").get_to(event.time);
-  json.at("event").get_to(event.event);
-  for (const auto& [name, value] : json.items()) {
+  event.time = json.at("time").text();
+  event.event = json.at("event").text();
+  const Json ordered = parse_ordered_json(text);
+  for (const auto& [name, value] : ordered.items()) {
     if (std::find(kLineKeys.begin(), kLineKeys.end(), name) != kLineKeys.end()) continue;
-    event.values.emplace_back(name, value.get<std::string>());
+    event.values.emplace_back(name, json.at(name).text());
   }
   return event;
 }
@@ -146,7 +147,7 @@ EventRecord event_of(const Json& json) {
 /// A line of a log and what the chain needs of it.
 struct LogLine {
   std::string_view text;
-  Json json;
+  nlohmann::json json;
   std::string hash;  // of the text
 };
 
@@ -160,13 +161,22 @@ struct LogLines {
   throw InputError(fmt::format("{}:{}: {}", file.string(), line, what));
 }
 
+/// The JSON of a line; null for a text that is no JSON.
+nlohmann::json json_of_line(std::string_view text) {
+  try {
+    return parse_json(text);
+  } catch (const InputError&) {
+    return nullptr;
+  }
+}
+
 LogLines split_log(const fs::path& file, std::string_view bytes) {
   LogLines found;
   while (found.complete < bytes.size()) {
     const std::size_t end = bytes.find('\n', found.complete);
     if (end == std::string_view::npos) break;
     const std::string_view text = bytes.substr(found.complete, end - found.complete);
-    Json json = Json::parse(text, nullptr, false);
+    nlohmann::json json = json_of_line(text);
     if (!json.is_object()) {
       // A file system may leave zeros for a part of the last line that it lost in a power failure.
       if (end + 1 == bytes.size() && text.find('\0') != std::string_view::npos) break;
@@ -200,16 +210,17 @@ void check_chain(const fs::path& file, const std::vector<LogLine>& lines, const 
 }
 
 void add_line(ParticipantLog& log, const LogLine& line, std::size_t number) {
-  if (whole_number<std::uint64_t>(line.json, "n") != number) {
+  const JsonField json(line.json);
+  if (json.at("n").whole<std::uint64_t>() != number) {
     throw InputError(fmt::format("n must be {}, the number of the line", number));
   }
-  const auto type = line.json.at("type").get<std::string>();
-  if (type == "trial") {
-    log.trials.push_back(trial_of(line.json));
-  } else if (type == "event") {
-    log.events.push_back(event_of(line.json));
+  const JsonField type = json.at("type");
+  if (type.text() == "trial") {
+    log.trials.push_back(trial_of(json));
+  } else if (type.text() == "event") {
+    log.events.push_back(event_of(json, line.text));
   } else {
-    throw InputError("type is \"" + excerpt(type) + "\", must be trial or event");
+    type.fail("trial or event");
   }
 }
 
@@ -286,7 +297,7 @@ std::string utc_time(std::int64_t milliseconds) {
 double seconds_of(const std::string& time) {
   std::tm parts{};
   double seconds = 0.0;
-  const int read = std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &parts.tm_year, &parts.tm_mon,
+  const int read = std::sscanf(time.c_str(), "%4d-%2d-%2dT%2d:%2d:%lf", &parts.tm_year, &parts.tm_mon,
                                &parts.tm_mday, &parts.tm_hour, &parts.tm_min, &seconds);
   if (read != 6) return 0.0;
   parts.tm_year -= 1900;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/content_hash.h"
+#include "io/system/json_text.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
@@ -196,14 +197,14 @@ std::string record_line(const std::string& key, const SpecimenFit& fit) {
 
 SpecimenFit parse_record_line(const std::string& line) {
   try {
-    return fit_of_json(Json::parse(line));
+    return fit_of_json(parse_json(line));
   } catch (const Json::exception& error) {
     throw InputError(std::string("results line: ") + error.what());
   }
 }
 
 void check_line(const std::string& line) {
-  if (!Json::parse(line).contains("points_swept")) {
+  if (!parse_json(line).contains("points_swept")) {
     (void)parse_record_line(line);
     return;
   }

@@ -10,6 +10,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
+#include "io/system/json_text.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "science/identify/intervals.h"
@@ -302,7 +303,7 @@ std::string sweep_line(const SweepPiece& piece, const std::string& key,
 
 void add_sweep_line(const std::string& line, Sweep& sweep) {
   try {
-    const Json json = Json::parse(line);
+    const Json json = parse_json(line);
     sweep.best_nrmse = json.at("best_nrmse").get<double>();
     sweep.found_better = sweep.found_better || json.at("found_better").get<bool>();
     const Json& points = json.at("points_swept");

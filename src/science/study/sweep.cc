@@ -16,6 +16,7 @@
 #include "io/record/scene_json.h"
 #include "io/scene/scene_keys.h"
 #include "io/system/input_file.h"
+#include "io/system/json_text.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "palpate/session.h"
@@ -124,7 +125,7 @@ std::string line_of(const std::string& key, const std::vector<Axis>& axes, const
 
 /// @throws InputError or Json::exception when the line does not belong to these axes.
 SweepRow row_of(const std::string& line, const std::vector<Axis>& axes) {
-  const Json json = Json::parse(line);
+  const Json json = parse_json(line);
   SweepRow row;
   for (const Axis& axis : axes) row.settings.push_back(json.at("set").at(axis.key).get<std::string>());
   row.ended = json.at("ended").get<std::string>();

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/system/input_file.h"
+#include "io/system/json_text.h"
 #include "palpate/error.h"
 
 namespace palpate::tasks {
@@ -22,7 +23,7 @@ std::map<std::string, std::string> read_record(const std::string& file, const Ch
   std::istringstream in(InputFile(file, kTaskRecordInput).read_rest());
   for (std::string line; std::getline(in, line);) {
     try {
-      std::string key = nlohmann::json::parse(line).at("key").get<std::string>();
+      std::string key = parse_json(line).at("key").get<std::string>();
       check(line);
       lines[std::move(key)] = line;
     } catch (const std::exception&) {

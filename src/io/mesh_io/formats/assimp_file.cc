@@ -20,6 +20,7 @@
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/mesh_io/formats/scan.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -70,14 +71,14 @@ class CheckedFiles final : public Assimp::DefaultIOSystem {
   /// The base class opens a file to test its existence, which blocks on a FIFO.
   bool Exists(const char* name) const override {
     std::error_code error;
-    return std::filesystem::exists(name, error);
+    return std::filesystem::exists(to_path(name), error);
   }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     if (std::strchr(mode, 'w') != nullptr || std::strchr(mode, 'a') != nullptr) return nullptr;
     const auto* start = reinterpret_cast<const std::uint8_t*>(file_.bytes.data());
-    if (file_.path == name) return new Assimp::MemoryIOStream(start, file_.bytes.size());
+    if (file_.path == to_path(name)) return new Assimp::MemoryIOStream(start, file_.bytes.size());
     try {
-      const std::string bytes = InputFile(name, kMeshInput).read_rest();
+      const std::string bytes = InputFile(to_path(name), kMeshInput).read_rest();
       auto* copy = new std::uint8_t[bytes.size()];  // the stream owns it, and the importer the stream
       std::memcpy(copy, bytes.data(), bytes.size());
       return new Assimp::MemoryIOStream(copy, bytes.size(), true);
@@ -128,7 +129,7 @@ class SceneReader final {
 
  private:
   void add_node(const aiNode& node, const Mat4& outer, int depth) {
-    if (depth > kDeepestNode) throw InputError(file_.path.string() + ": its parts are nested too deeply");
+    if (depth > kDeepestNode) throw InputError(to_text(file_.path) + ": its parts are nested too deeply");
     const Mat4 to_file = outer * matrix_of(node.mTransformation);
     for (unsigned n = 0; n < node.mNumMeshes; ++n) add_part(*scene_.mMeshes[node.mMeshes[n]], to_file);
     for (unsigned n = 0; n < node.mNumChildren; ++n) add_node(*node.mChildren[n], to_file, depth + 1);
@@ -138,7 +139,7 @@ class SceneReader final {
     TriangleMesh& mesh = imported_.mesh;
     if (mesh.triangles.size() + part.mNumFaces > kMaxTriangles ||
         mesh.vertices.size() + part.mNumVertices > 3 * kMaxTriangles) {
-      throw InputError(fmt::format("{}: more than {} triangles", file_.path.string(), kMaxTriangles));
+      throw InputError(fmt::format("{}: more than {} triangles", to_text(file_.path), kMaxTriangles));
     }
     const bool is_mirrored = to_file.topLeftCorner<3, 3>().determinant() < 0.0;
     mirrored_ += is_mirrored ? 1 : 0;
@@ -151,7 +152,7 @@ class SceneReader final {
       // Nested transforms may have scaled it beyond what a file's numbers can be.
       if ((mesh.vertices.back().array().abs() <= kLargestCoordinate).all()) continue;  // false for NaN
       throw InputError(fmt::format("{}: vertex {} is not finite (NaN, infinite or past 3.4e38)",
-                                   file_.path.string(), mesh.vertices.size()));
+                                   to_text(file_.path), mesh.vertices.size()));
     }
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
@@ -164,7 +165,7 @@ class SceneReader final {
         if (face.mIndices[k] >= part.mNumVertices) {
           throw InputError(
               fmt::format("{}: a triangle's vertex index {} is out of range: the part has {} vertices",
-                          file_.path.string(), face.mIndices[k], part.mNumVertices));
+                          to_text(file_.path), face.mIndices[k], part.mNumVertices));
         }
         triangle[k] = offset + static_cast<std::int32_t>(face.mIndices[k]);
       }
@@ -181,7 +182,7 @@ class SceneReader final {
 };
 
 std::string cannot_read(const MeshFile& file, const std::string& why) {
-  return file.path.string() + ": cannot be read: " + first_line(why);
+  return to_text(file.path) + ": cannot be read: " + first_line(why);
 }
 
 ImportedMesh read_by_assimp(const MeshFile& file) {
@@ -189,7 +190,7 @@ ImportedMesh read_by_assimp(const MeshFile& file) {
   Assimp::Importer importer;
   auto* files = new CheckedFiles(file);  // now owned by the importer
   importer.SetIOHandler(files);
-  const aiScene* scene = importer.ReadFile(file.path.string(), 0);
+  const aiScene* scene = importer.ReadFile(to_text(file.path), 0);
   if (scene == nullptr) {
     throw InputError(
         cannot_read(file, files->refusal().empty() ? importer.GetErrorString() : files->refusal()));
@@ -202,7 +203,7 @@ ImportedMesh read_by_assimp(const MeshFile& file) {
 void check_3ds_track(const MeshFile& file, std::size_t begin, std::size_t end) {
   constexpr std::size_t kBeforeCount = 10;  // flags and unused bytes
   constexpr std::size_t kLeastKey = 6;      // bytes
-  const std::string where = fmt::format("{}, byte {}: a track of key frames ", file.path.string(), begin);
+  const std::string where = fmt::format("{}, byte {}: a track of key frames ", to_text(file.path), begin);
   if (end - begin < kBeforeCount + 4) throw InputError(where + "is too short");
   const std::size_t keys = little_endian_32(file.bytes, begin + kBeforeCount);
   if (keys > (end - begin) / kLeastKey) {
@@ -223,7 +224,7 @@ void check_3ds_chunks(const MeshFile& file, std::size_t begin, std::size_t end, 
     if (length < kHead || length > end - begin) {
       throw InputError(fmt::format(
           "{}, byte {}: a chunk declares {} bytes, must be 6 to {}, which are left of the one around it",
-          file.path.string(), begin, length, end - begin));
+          to_text(file.path), begin, length, end - begin));
     }
     const auto low = static_cast<unsigned char>(file.bytes[begin]);
     const auto high = static_cast<unsigned char>(file.bytes[begin + 1]);
@@ -242,12 +243,12 @@ void check_3ds_chunks(const MeshFile& file, std::size_t begin, std::size_t end, 
 void check_3ds(const MeshFile& file) {
   const std::string& bytes = file.bytes;
   if (bytes.size() < 6 || bytes.compare(0, 2, "MM") != 0) {
-    throw InputError(file.path.string() + ": not a 3DS file: must start with the chunk 4D4D");
+    throw InputError(to_text(file.path) + ": not a 3DS file: must start with the chunk 4D4D");
   }
   const std::size_t declared = little_endian_32(bytes, 2);
   if (declared > bytes.size()) {
     throw InputError(
-        fmt::format("{}: truncated: declares {} bytes, has {}", file.path.string(), declared, bytes.size()));
+        fmt::format("{}: truncated: declares {} bytes, has {}", to_text(file.path), declared, bytes.size()));
   }
   check_3ds_chunks(file, 0, bytes.size(), 0);
 }

@@ -14,6 +14,8 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/formats/scan.h"
+#include "io/system/json_text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -21,17 +23,15 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kDeepestJson = 100;
 constexpr int kDeepestGltfNode = 200;
 constexpr std::size_t kMostNodes = 100'000;
-constexpr std::size_t kMostValues = 4'000'000;            // of the JSON text, about 0.5 GB
 constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
 constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // values that have a count but no buffer
 
 /// The JSON chunk of a .glb file, which is the first one.
 std::string_view json_of_glb(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
-  const auto refuse = [&](const std::string& words) { throw InputError(file.path.string() + ": " + words); };
+  const auto refuse = [&](const std::string& words) { throw InputError(to_text(file.path) + ": " + words); };
   constexpr std::size_t kHeader = 20;  // 12 bytes of the file, 8 of the chunk
   if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
     refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
@@ -62,9 +62,12 @@ class GltfCheck final {
   }
 
   void parse() {
-    check_size();
-    root_ = json::parse(text_.begin(), text_.end(), nullptr, /*allow_exceptions=*/false);
-    if (!root_.is_object()) refuse("not a JSON document");
+    try {
+      root_ = parse_json(text_);
+    } catch (const InputError& error) {
+      refuse(std::string("its JSON: ") + error.what());
+    }
+    if (!root_.is_object()) refuse("its JSON: must be an object");
   }
 
   /// The names of the buffers that are separate files.
@@ -82,28 +85,7 @@ class GltfCheck final {
 
  private:
   [[noreturn]] void refuse(const std::string& words) const {
-    throw InputError(file_.path.string() + ": " + words);
-  }
-
-  void check_size() const {
-    int depth = 0;
-    std::size_t values = 0;
-    bool in_string = false;
-    for (std::size_t i = 0; i < text_.size(); ++i) {
-      const char c = text_[i];
-      if (in_string) {
-        if (c == '\\') ++i;
-        in_string = c != '"';
-      } else if (c == '"') {
-        in_string = true;
-      } else if (c == '[' || c == '{') {
-        if (++depth > kDeepestJson) refuse(fmt::format("its JSON is nested more than {} deep", kDeepestJson));
-      } else if (c == ']' || c == '}') {
-        --depth;
-      }
-      if (!in_string && (c == ',' || c == '[' || c == '{') && ++values > kMostValues)
-        refuse(fmt::format("its JSON has more than {} values", kMostValues));
-    }
+    throw InputError(to_text(file_.path) + ": " + words);
   }
 
   [[nodiscard]] const json& list(const json& owner, const char* name) const {
@@ -157,7 +139,7 @@ class GltfCheck final {
   /// A buffer in its own file must be in or below the mesh file's folder; no other file is opened.
   void check_buffers() const {
     for (const std::string& name : buffer_names()) {
-      const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+      const std::filesystem::path path = to_path(name).lexically_normal();
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
                           name.find(':') != std::string::npos || hides_a_path(name) || leads_out(path);
       if (leaves) {

@@ -170,6 +170,66 @@ TEST(ForeignFile, RowsOutOfOrderInACompleteRecordingAreRefused) {
   EXPECT_THAT(message_for(file), HasSubstr("row 6 of /ticks is out of order"));
 }
 
+/// Replaces the rows of a recording of 10 ticks by `rows`.
+void write_rows(hid_t file, const std::vector<haptics::TickRow>& rows) {
+  const hid_t set = H5Dopen2(file, "/ticks", H5P_DEFAULT);
+  H5Dwrite(set, tick_row_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
+  H5Dclose(set);
+}
+
+TEST(ForeignFile, ARowWithAPhaseOrFaultThatDoesNotExistIsRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&folder](std::uint32_t haptics::TickRow::*number, std::uint32_t value) {
+    return message_for(changed_file(folder, [&](hid_t id) {
+      std::vector<haptics::TickRow> rows(10);
+      for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = sample_row(i, 0);
+      rows[4].*number = value;
+      write_rows(id, rows);
+    }));
+  };
+  EXPECT_THAT(refusal(&haptics::TickRow::phase, 3), HasSubstr("row 4 of /ticks has the phase 3"));
+  EXPECT_THAT(refusal(&haptics::TickRow::fault, 200), HasSubstr("row 4 of /ticks has the fault 200"));
+  EXPECT_THAT(refusal(&haptics::TickRow::device_fault, 257),
+              HasSubstr("row 4 of /ticks has the device_fault 257"))
+      << "not taken for fault 1";
+  EXPECT_EQ(refusal(&haptics::TickRow::fault, 5), "no error");
+}
+
+void set_rows(hid_t file, hsize_t count) {
+  const hid_t set = H5Dopen2(file, "/ticks", H5P_DEFAULT);
+  H5Dset_extent(set, &count);
+  H5Dclose(set);
+}
+
+TEST(ForeignFile, ACompleteRecordingWithFewerRowsThanItsRunWroteIsRefusedUntilItIsRepaired) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) { set_rows(id, 1); });
+  EXPECT_THAT(message_for(file), HasSubstr("/ticks has 1 row, /run says 10: palpate repair keeps"));
+  const RepairResult repaired = repair_recording(file);
+  EXPECT_TRUE(repaired.was_damaged);
+  EXPECT_EQ(repaired.rows, 1U);
+  const Recording recording = read_recording(file);
+  EXPECT_EQ(recording.rows.size(), 1U);
+  EXPECT_FALSE(recording.facts.complete) << "rows are missing, and it says so";
+}
+
+TEST(ForeignFile, AnOlderRecordingThatDoesNotSayHowManyRowsItHasIsRead) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) { H5Ldelete(id, "/run/rows", H5P_DEFAULT); });
+  EXPECT_EQ(message_for(file), "no error");
+}
+
+TEST(ForeignFile, ANegativeCountOfARunIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = changed_file(folder, [](hid_t id) {
+    const std::int64_t wrong = -1;
+    const hid_t set = H5Dopen2(id, "/run/watchdog_stops", H5P_DEFAULT);
+    H5Dwrite(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &wrong);
+    H5Dclose(set);
+  });
+  EXPECT_THAT(message_for(file), HasSubstr("/run/watchdog_stops is -1, want at least 0"));
+}
+
 TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
   const TemporaryFolder folder;
   scene::Scene setup = sample_setup(1);
@@ -179,7 +239,8 @@ TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
     recorder.on_start(0);
     recorder.finish({});
   }
-  EXPECT_THAT(message_for(folder / "a.h5"), AllOf(HasSubstr("a.h5"), HasSubstr("rate_Hz is 0")));
+  EXPECT_THAT(message_for(folder / "a.h5"),
+              AllOf(HasSubstr("a.h5"), HasSubstr("rate_Hz = 0.0: must be a number from 100 to 20000")));
 }
 
 }  // namespace

@@ -328,6 +328,36 @@ TEST(ParameterUpdatesRecorded, ChangesThatAreNoneAreRefusedAndAFileFromBeforeThe
   EXPECT_THAT(refusal_of({change}, make_list_with_one_column), HasSubstr("/changes has no column number"));
 }
 
+TEST(ParameterUpdatesRecorded, ANumberThatNoUpdateHasIsRefusedByName) {
+  const auto defect = [](auto UpdateRow::*number, auto value) {
+    haptics::ParameterUpdate change =
+        haptics::parameter_update(block_and_ball().tissue, {}, haptics::kInclusionChanged);
+    UpdateRow row = record::row_of(change);
+    row.*number = value;
+    return defect_of(row);
+  };
+  constexpr std::uint64_t kBeyond32Bits = (std::uint64_t{1} << 32) + 1;  // truncated, it would be 1
+  EXPECT_EQ(defect(&UpdateRow::law, 1U), "");
+  EXPECT_EQ(defect(&UpdateRow::law, 7U), "has law 7, want 0 or 1");
+  EXPECT_EQ(defect(&UpdateRow::what, 16U), "has what 16, want bits up to 15");
+  EXPECT_EQ(defect(&UpdateRow::noise_enabled, 2U), "has noise_enabled 2, want 0 or 1");
+  EXPECT_EQ(defect(&UpdateRow::inclusion, 8U), "");
+  EXPECT_EQ(defect(&UpdateRow::inclusion, 9U), "has inclusion 9, want at most 8");
+  EXPECT_EQ(defect(&UpdateRow::inclusion, kBeyond32Bits), "has inclusion 4294967297, want at most 8");
+  EXPECT_EQ(defect(&UpdateRow::inclusion, 0U), "has inclusion 0, want the number of the one that changes");
+  EXPECT_EQ(defect(&UpdateRow::stimulus_interval, kBeyond32Bits),
+            "has stimulus_interval 4294967297, want 0, 1 or 2");
+}
+
+TEST(ParameterUpdatesRecorded, AnUpdateWithALawThatDoesNotExistIsRefusedAsTheFilesRow) {
+  haptics::ParameterUpdate change =
+      haptics::parameter_update(block_and_ball().tissue, {}, haptics::kTissueChanged);
+  change.tick = 5;
+  change.number = 1;
+  change.tissue.law = static_cast<model::LawKind>(7);
+  EXPECT_THAT(refusal_of({change}, {}), HasSubstr("row 0 of /changes has law 7, want 0 or 1"));
+}
+
 /// Writes updates without one of the columns, as recordings from before its parameter existed have them.
 void write_without(std::string_view left_out, hid_t file,
                    const std::vector<haptics::ParameterUpdate>& changes) {

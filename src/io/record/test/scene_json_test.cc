@@ -26,6 +26,7 @@ std::string changed(const std::string& from, const std::string& to) {
   setup.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
   setup.devices[0].kind = "emulated";
   setup.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
+  setup.inclusions.resize(1);
   std::string text = setup_to_json(setup);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
@@ -47,9 +48,10 @@ TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) 
   EXPECT_THAT(refusal(changed(R"("task": "pull")", R"("task": "push")")),
               AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press, pull or palpate")));
   EXPECT_THAT(refusal(changed(R"("kind": "heartbeat")", R"("kind": "hiccup")")),
-              AllOf(StartsWith("scene: motion"), HasSubstr("hiccup"), HasSubstr("breathing or heartbeat")));
+              AllOf(StartsWith("scene: organ.motion[0].kind"), HasSubstr("hiccup"),
+                    HasSubstr("breathing or heartbeat")));
   EXPECT_THAT(refusal(changed(R"("kind": "freeze")", R"("kind": "found")")),
-              AllOf(StartsWith("scene: fault"), HasSubstr("found")));
+              AllOf(StartsWith("scene: devices[0].emulated.faults[0].kind"), HasSubstr("found")));
 }
 
 TEST(SceneJson, ASearchMakesTheRoundTrip) {
@@ -62,7 +64,7 @@ TEST(SceneJson, ASearchMakesTheRoundTrip) {
   EXPECT_EQ(read.search.mark_button, 5U);
   std::string text = setup_to_json(setup);
   text.replace(text.find("\"mark_button\": 5"), 16, "\"mark_button\": 32");
-  EXPECT_THAT(refusal(text), HasSubstr("mark_button is over 31"));
+  EXPECT_EQ(refusal(text), "scene: search.mark_button = 32: must be a whole number from 0 to 31");
 }
 
 TEST(SceneJson, APathsSpeedIsInTheRangeOfTheScenesKey) {
@@ -70,7 +72,8 @@ TEST(SceneJson, APathsSpeedIsInTheRangeOfTheScenesKey) {
   for (const std::string least_or_most : {"0.01", "100.0"})
     EXPECT_EQ(refusal(changed(speed, R"("path_speed": )" + least_or_most)), "no refusal");
   for (const std::string beyond : {"0.0", "0.0099", "100.1", "-1.0"}) {
-    EXPECT_THAT(refusal(changed(speed, R"("path_speed": )" + beyond)), HasSubstr("want >= 0.01 and <= 100"));
+    EXPECT_THAT(refusal(changed(speed, R"("path_speed": )" + beyond)),
+                HasSubstr("must be a number from 0.01 to 100"));
   }
 }
 
@@ -103,14 +106,46 @@ TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
   for (const std::string number : {"1.5", "1.83648e+20", "18446744073709551616", "-1", "\"7\"", "[7]"}) {
     for (const std::string seed : {"77", "18364758544493064720"}) {
       EXPECT_THAT(refusal(with("seed", seed, number)),
-                  AllOf(StartsWith("scene: seed is "), HasSubstr("from 0 to 18446744073709551615")))
+                  AllOf(HasSubstr("seed = "), HasSubstr("from 0 to 18446744073709551615")))
           << seed << " replaced by " << number;
     }
   }
-  for (const std::string number : {"4294967296", "-1", "2.5"}) {
+  for (const std::string number : {"32", "40", "4294967296", "-1", "2.5"}) {
     EXPECT_EQ(refusal(with("clutch_button", "3", number)),
-              "scene: clutch_button is " + number + ", want a whole number from 0 to 4294967295");
+              "scene: devices[0].clutch_button = " + number + ": must be a whole number from 0 to 31");
   }
+}
+
+TEST(SceneJson, ANumberOutsideTheRangeOfItsKeyIsRefusedByName) {
+  const auto expect = [](const std::string& from, const std::string& to, const std::string& words) {
+    EXPECT_THAT(refusal(changed(from, to)), HasSubstr(words));
+  };
+  expect(R"("rate_Hz": 1000.0)", R"("rate_Hz": 1e300)", "scene: rate_Hz = 1e+300: must be a number from 100");
+  expect(R"("workspace_scale": 2.5)", R"("workspace_scale": 0)", "workspace_scale = 0: must be a number > 0");
+  expect(R"("force_scale": 1.0)", R"("force_scale": 1.1)",
+         "force_scale = 1.1: must be a number > 0 and <= 1");
+  expect(R"("max_force_N": 19.0)", R"("max_force_N": 51)",
+         "safety.max_force_N = 51: must be a number from 0");
+  expect(R"("tip_radius_m": 0.3)", R"("tip_radius_m": -0.3)", "tools[0].tip_radius_m = -0.3");
+  expect("0.5000000000000001", "0.6", "organ.pose.rotation_wxyz = an array: must be a unit quaternion");
+  expect(R"("visible": true)", R"("visible": 1)", "organ.inclusions[0].visible = 1: must be true or false");
+}
+
+TEST(SceneJson, MoreHandsThanASceneMayHaveAreRefused) {
+  EXPECT_EQ(refusal(setup_to_json(sample_setup(scene::kMaxHands))), "no refusal");
+  EXPECT_EQ(refusal(setup_to_json(sample_setup(scene::kMaxHands + 1))),
+            "scene: tools: has 5 elements, must have at most 4");
+}
+
+TEST(SceneJson, ASceneNestedSoDeepThatACopyWouldTakeTheStackIsRefused) {
+  const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
+  EXPECT_THAT(refusal(changed(R"("soft")", deep)), HasSubstr("is nested deeper than 64 levels"));
+  EXPECT_THAT(refusal(deep), AllOf(StartsWith("scene: "), HasSubstr("byte 65 of 600000")));
+}
+
+TEST(SceneJson, AValueOfAnotherTypeIsNamedWithItsFieldInPlainWords) {
+  EXPECT_EQ(refusal(changed(R"("name": "soft")", R"("name": 7)")), "scene: tissue.name = 7: must be a text");
+  EXPECT_EQ(refusal("[]"), "scene: it = an array: must be an object");
 }
 
 TEST(SceneJson, TheLargestSeedIsReadBack) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "io/scene/test/temporary_folder.h"
+#include "io/scene/toml_reader.h"
 
 namespace palpate::scene {
 namespace {
@@ -179,6 +180,29 @@ TEST(SceneFile, NamesTheNearestKnownKeyInEveryTable) {
            {"[safety]\nmax_force = 3\n", "safety.max_force = 3: unknown key, did you mean max_force_N?"}}) {
     EXPECT_THAT(scene_error_in(kShort + line), HasSubstr(hint));
   }
+}
+
+TEST(SceneFile, NestedSoDeepThatTheTreeWouldTakeTheStackIsRefusedAtItsLine) {
+  std::string key;
+  for (int i = 0; i < 60'000; ++i) key += "a.";
+  const std::string brackets(60'000, '[');
+  for (const std::string& content :
+       {key + "a = 1", "[" + key + "a]", "[[" + key + "a]]", "a = " + brackets, "a = {" + key + "a = 1}"}) {
+    const std::string error = scene_error_in("# a comment\n\n" + content + "\n");
+    EXPECT_EQ(
+        error,
+        "press.toml:3: nested deeper than 64 levels, must be at most that; each part of a dotted key is "
+        "a level");
+    EXPECT_EQ(error_of([&] { (void)read_scene_text(content, {}); }).substr(0, 43),
+              "scene text:1: nested deeper than 64 levels,");
+    EXPECT_THROW((void)parse_toml(content, "tissue"), InputError);
+  }
+}
+
+TEST(SceneFile, ATextLargerThanAFileMayBeIsRefused) {
+  const std::string large(1'048'577, '\n');
+  EXPECT_EQ(error_of([&] { (void)read_scene_text(large, {}); }),
+            "scene text: has 1048577 bytes, must be a TOML text of at most 1048576");
 }
 
 TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {

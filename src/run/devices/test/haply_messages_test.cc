@@ -132,7 +132,7 @@ TEST(HaplyMessages, TextThatIsNoJsonIsRefusedWithItsLineAndByte) {
 TEST(HaplyMessages, DeepNestingIsRefusedSinceItWouldEndTheProgram) {
   const std::string deep = std::string(500'000, '[') + std::string(500'000, ']');
   EXPECT_EQ(refusal_of(json("{\"inverse3\": " + deep + "}")),
-            "message: is nested deeper than 32 levels at byte 45");
+            "message: line 1, byte 45 of 1000014: is nested deeper than 32 levels");
   json brackets = message();
   brackets["inverse3"][0]["config"]["name"] = "\\\"" + std::string(100, '[');  // in a text they do not nest
   EXPECT_EQ(read_haply_state(brackets.dump(), "049D", "").state.position_D, Vec3(0.01, -0.12, 0.15));

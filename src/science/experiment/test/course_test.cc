@@ -260,6 +260,22 @@ TEST(Course, ALogOfAnotherStudyIsRefused) {
   other.begin_session(1);
 }
 
+TEST(Course, ALogWhoseSessionHasNoNumberIsRefusedInWords) {
+  const Study study = small_study();
+  for (const std::string number : {"", "x", "0", "1.5", "1e99", "nan"}) {
+    ParticipantLog log;
+    log.events.push_back({"", "session", {{"session", number}}});
+    Course course(study, kCourseKey, 0);
+    try {
+      (void)course.replay(log);
+      ADD_FAILURE() << number;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(),
+                "a session of the log: session = \"" + number + "\": must be a whole number from 1");
+    }
+  }
+}
+
 TEST(SimulatedPerson, NoiseLowersTheReferenceObserversForceThresholdAsInTheDesign) {
   psychophysics::Observer sr = psychophysics::make_observer("sr");
   EXPECT_NEAR(force_threshold_of(sr, 0.6 * 0.5817562888) / force_threshold_of(sr, 0.0), 0.76, 0.015);

@@ -18,6 +18,7 @@ namespace palpate::experiment {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
@@ -221,12 +222,25 @@ TEST_F(Folder, WithAnotherLockIsRefused) {
   EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
             lock + ": format = \"x\": must be \"palpate study 1\"");
   write_output(lock, "{}");
-  EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }), HasSubstr("key 'format' not found"));
+  EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
+            lock + ": format: missing, must be a text");
+  write_output(lock, "{\"format\": \"palpate study 1\", \"program\": 1}");
+  EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }), lock + ": program = 1: must be a text");
   write_output(lock, "{");
   EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }), StartsWith(lock + ": "));
   fs::remove(lock);
   EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
             study_.string() + ": has no lock.json, must be a folder made by `palpate study prepare`");
+}
+
+TEST_F(Folder, WithALockNestedSoDeepThatACopyWouldTakeTheStackIsRefused) {
+  prepare();
+  std::string lock = text_of(study_ / "lock.json");
+  lock.insert(1, "\n\"z\": " + std::string(300'000, '[') + std::string(300'000, ']') + ",");
+  write_output(study_ / "lock.json", lock);
+  EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }),
+              AllOf(StartsWith((study_ / "lock.json").string() + ": line 2, byte 71 of "),
+                    EndsWith(": is nested deeper than 64 levels")));
 }
 
 TEST_F(Folder, MayBeEmptyButNotInUse) {

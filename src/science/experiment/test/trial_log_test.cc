@@ -173,10 +173,18 @@ TEST_F(TrialLog, WithAMalformedLineIsRefused) {
   EXPECT_EQ(read_error(bytes_ + "{]\n"), file_.string() + ":4: is not a JSON object: the line was changed");
   const std::string start = R"({"n":1,"previous":")" + kLock + R"(",)";
   EXPECT_EQ(read_error(start + "\"type\":\"other\"}\n"),
-            file_.string() + ":1: type is \"other\", must be trial or event");
-  EXPECT_THAT(read_error(start + "\"type\":\"trial\"}\n"), HasSubstr("key 'time' not found"));
+            file_.string() + ":1: type = \"other\": must be trial or event");
+  EXPECT_EQ(read_error(start + "\"type\":\"trial\"}\n"),
+            file_.string() + ":1: time: missing, must be a text");
+  EXPECT_EQ(read_error(start + "\"type\":\"trial\",\"time\":\"\",\"session\":4294967297}\n"),
+            file_.string() + ":1: session = 4294967297: must be a whole number from 0 to 65535");
   EXPECT_EQ(read_error(R"({"n":2,"previous":")" + kLock + "\"}\n"),
             file_.string() + ":1: n must be 1, the number of the line");
+}
+
+TEST_F(TrialLog, WithALineNestedSoDeepThatACopyWouldTakeTheStackIsRefused) {
+  EXPECT_EQ(read_error(bytes_ + "{\"z\":" + std::string(300'000, '[') + std::string(300'000, ']') + "}\n"),
+            file_.string() + ":4: is not a JSON object: the line was changed");
 }
 
 TEST_F(TrialLog, CutAnywhereInItsLastLineLosesOnlyThisLine) {

@@ -1,0 +1,112 @@
+#include "io/system/json_field.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "palpate/error.h"
+
+namespace palpate {
+
+using nlohmann::json;
+
+void JsonField::fail(const std::string& want) const {
+  const std::string name = where_ + (name_.empty() ? "it" : one_line(name_));
+  if (!there()) throw InputError(name + ": missing, must be " + want);
+  const std::string value = value_->is_primitive()
+                                ? value_->dump(-1, ' ', false, json::error_handler_t::replace)
+                                : std::string("an ") + value_->type_name();
+  throw InputError(name + " = " + excerpt(value) + ": must be " + want);
+}
+
+JsonField JsonField::at(const std::string& key) const {
+  const std::string name = name_.empty() ? key : name_ + "." + key;
+  if (!there()) return {nullptr, where_, name};
+  if (!value_->is_object()) fail("an object");
+  const auto found = value_->find(key);
+  return {found == value_->end() || found->is_null() ? nullptr : &*found, where_, name};
+}
+
+bool JsonField::has(const std::string& key) const { return there() && value_->contains(key); }
+
+std::vector<std::pair<std::string, JsonField>> JsonField::members() const {
+  if (!there() || !value_->is_object()) fail("an object");
+  std::vector<std::pair<std::string, JsonField>> all;
+  for (const auto& [key, value] : value_->items()) {
+    if (!value.is_null()) all.emplace_back(key, at(key));
+  }
+  return all;
+}
+
+std::vector<JsonField> JsonField::elements(std::size_t most) const {
+  std::vector<JsonField> all;
+  if (!there()) return all;
+  if (!value_->is_array()) fail("an array");
+  if (value_->size() > most) {
+    throw InputError(where_ + one_line(name_) + ": has " + std::to_string(value_->size()) +
+                     " elements, must have at most " + std::to_string(most));
+  }
+  all.reserve(value_->size());
+  for (std::size_t i = 0; i < value_->size(); ++i) {
+    const json& element = (*value_)[i];
+    all.push_back({element.is_null() ? nullptr : &element, where_, name_ + "[" + std::to_string(i) + "]"});
+  }
+  return all;
+}
+
+std::vector<JsonField> JsonField::exactly(std::size_t count) const {
+  std::vector<JsonField> all = elements();
+  if (all.size() != count) fail("an array of " + std::to_string(count));
+  return all;
+}
+
+double JsonField::number() const {
+  if (!there() || !value_->is_number()) fail("a number");
+  return value_->get<double>();
+}
+
+double JsonField::number(double low, double high) const {
+  const double value = number();
+  if (!(value >= low && value <= high)) fail("a number from " + shortest(low) + " to " + shortest(high));
+  return value;
+}
+
+double JsonField::positive(double most) const {
+  const double value = number();
+  if (!(value > 0.0 && value <= most)) fail("a number > 0 and <= " + shortest(most));
+  return value;
+}
+
+std::optional<double> JsonField::optional_number() const {
+  return there() ? std::optional(number()) : std::nullopt;
+}
+
+bool JsonField::flag() const {
+  if (!there() || !value_->is_boolean()) fail("true or false");
+  return value_->get<bool>();
+}
+
+std::string JsonField::text() const {
+  if (!there() || !value_->is_string()) fail("a text");
+  return value_->get<std::string>();
+}
+
+std::vector<std::string> JsonField::texts() const {
+  std::vector<std::string> all;
+  for (const JsonField& element : elements()) all.push_back(element.text());
+  return all;
+}
+
+std::uint64_t JsonField::whole_from(std::int64_t least, std::uint64_t most) const {
+  if (there() && value_->is_number_unsigned() && value_->get<std::uint64_t>() <= most) {
+    return value_->get<std::uint64_t>();
+  }
+  if (there() && value_->is_number_integer() && !value_->is_number_unsigned() &&
+      value_->get<std::int64_t>() >= least && value_->get<std::int64_t>() < 0) {
+    return static_cast<std::uint64_t>(value_->get<std::int64_t>());
+  }
+  fail("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+}
+
+}  // namespace palpate
