@@ -150,6 +150,7 @@ TEST(ForeignFile, HugeClaimedSizesAreRefusedOrIgnoredWithoutTakingMemory) {
   });
   EXPECT_THAT(message_for(mesh), HasSubstr("more rows than the file can hold"));
   const auto ticks = changed_file(folder, [](hid_t id) {
+    H5Ldelete(id, "/run/rows", H5P_DEFAULT);  // as an older recording, which does not have this number
     const hsize_t rows = hsize_t{1} << 50;
     const hid_t set = H5Dopen2(id, "/ticks", H5P_DEFAULT);
     H5Dset_extent(set, &rows);
