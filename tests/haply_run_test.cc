@@ -77,6 +77,25 @@ TEST(HaplyRun, EndedBySigtermLeavesTheServiceWithZeroForce) {
   EXPECT_TRUE(code == 0 || code == 3) << code;
 }
 
+TEST(HaplyRun, EndedByACrashLeavesTheServiceWithZeroForce) {
+  PressedArm arm;
+  HaplyService service(*arm().text, [&](std::size_t command) {
+    if (command == 0) arm.begin();
+    return arm();
+  });
+  const Folder folder;
+  Program program(folder.path(),
+                  {"run", "--device", "haply:" + service.address(), "--headless", "--no-noise"});
+  while (!(service.force().norm() > 0.1) && !program.ended() && !arm.over()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (takes_resets(program.id())) program.signal(SIGUSR1);
+  }
+  program.signal(SIGSEGV);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, -1) << "it dies of the signal";
+  EXPECT_EQ(service.force(), Vec3::Zero()) << outcome.err;
+}
+
 TEST(HaplyRun, EndedAfterAFaultLeavesTheServiceWithZeroForce) {
   const int code = exit_code_after([](PressedArm& arm, Program& program, const HaplyService& service) {
     arm.broken = true;

@@ -36,7 +36,8 @@ scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
   return path;
 }
 
-std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& setup, std::size_t hand,
+                                               const OnWait& /*on_wait*/) {
   const scene::DeviceSetup& device = setup.devices[hand];
   const scene::ToolPath path =
       device.path.empty() ? scene::default_path(setup, hand) : path_from(device, setup.task);
@@ -53,14 +54,16 @@ scene::ToolPath default_path_of_a_hand(const scene::Scene& setup, std::size_t ha
   return scene::ToolPath(std::move(rows));
 }
 
-std::unique_ptr<haptics::Device> open_emulated(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_emulated(const scene::Scene& setup, std::size_t hand,
+                                               const OnWait& /*on_wait*/) {
   const scene::DeviceSetup& device = setup.devices[hand];
   scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
                                              : path_from(device, setup.task).faster(device.path_speed);
   return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
 }
 
-std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::size_t hand,
+                                             const OnWait& /*on_wait*/) {
   const std::string& file = setup.devices[hand].path;
   if (file.empty()) throw InputError("device replay: needs the path of a recording");
   const record::Recording recording = record::read_recording(file);
@@ -77,7 +80,8 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::siz
 }
 
 /// Opens a Haply device. Hands with the same service address take the arms of that service in order.
-std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size_t hand,
+                                            const OnWait& /*on_wait*/) {
   const std::string& address = setup.devices[hand].path;
   std::size_t place = 0;
   for (std::size_t other = 0; other < hand; ++other) {
@@ -90,7 +94,8 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size
 
 /// Opens a device whose input comes from the window of a run.
 template <typename WindowDevice>
-std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& setup, std::size_t hand,
+                                                const OnWait& /*on_wait*/) {
   return std::make_unique<WindowDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
 }
 
@@ -116,7 +121,8 @@ Probe probe_emulated(const Machine& /*machine*/) {
 }
 
 /// Refuses the device "host". Its samples come through the C interface from the program that embeds palpate.
-std::unique_ptr<haptics::Device> open_host(const scene::Scene& /*setup*/, std::size_t /*hand*/) {
+std::unique_ptr<haptics::Device> open_host(const scene::Scene& /*setup*/, std::size_t /*hand*/,
+                                           const OnWait& /*on_wait*/) {
   throw InputError(
       "device host: is the device of a program that embeds palpate (palpate.h); "
       "here it must be another kind");
@@ -130,7 +136,8 @@ Probe probe_replay(const Machine& /*machine*/) {
   return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
 }
 
-std::unique_ptr<haptics::Device> open_forcedimension(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_forcedimension(const scene::Scene& setup, std::size_t hand,
+                                                     const OnWait& /*on_wait*/) {
   std::size_t ordinal = 0;
   for (std::size_t other = 0; other < hand; ++other) {
     if (setup.devices[other].kind == "forcedimension") ++ordinal;
@@ -172,12 +179,14 @@ OpenedDevice connect_forcedimension(const std::string& path) {
 OpenedDevice connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
 OpenedDevice connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
 
-std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size_t hand,
+                                            const OnWait& /*on_wait*/) {
   return std::make_unique<TouchDevice>(setup.devices[hand].path);
 }
 
-std::unique_ptr<haptics::Device> open_igtl(const scene::Scene& setup, std::size_t hand) {
-  return std::make_unique<IgtlDevice>(setup.devices[hand].path);
+std::unique_ptr<haptics::Device> open_igtl(const scene::Scene& setup, std::size_t hand,
+                                           const OnWait& on_wait) {
+  return std::make_unique<IgtlDevice>(setup.devices[hand].path, IgtlTimes{}, on_wait);
 }
 OpenedDevice connect_igtl(const std::string& source) { return connected<IgtlDevice>(source); }
 
@@ -185,16 +194,21 @@ Probe probe_igtl(const Machine& /*machine*/) {
   return {"igtl", true, "a client's OpenIGTLink TRANSFORM messages: igtl:PORT/NAME, as in igtl:18945/Hand"};
 }
 
+std::unique_ptr<RosDevice> open_ros_topic(const std::string& topic, const OnWait& on_wait) {
+  return std::make_unique<RosDevice>(ros::open_node(ros::options_of_environment()), topic,
+                                     RosDevice::kOpening, on_wait);
+}
+
 OpenedDevice connect_ros(const std::string& topic) {
-  auto device = std::make_unique<RosDevice>(ros::open_node(ros::options_of_environment()),
-                                            topic.empty() ? default_ros_topic(0) : topic);
+  auto device = open_ros_topic(topic.empty() ? default_ros_topic(0) : topic, {});
   std::string name = device->description();
   return {std::move(device), std::move(name)};
 }
 
-std::unique_ptr<haptics::Device> open_ros(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_ros(const scene::Scene& setup, std::size_t hand,
+                                          const OnWait& on_wait) {
   const std::string& topic = setup.devices[hand].path;
-  return connect_ros(topic.empty() ? default_ros_topic(hand) : topic).device;
+  return open_ros_topic(topic.empty() ? default_ros_topic(hand) : topic, on_wait);
 }
 
 Probe probe_ros_plugin(const Machine& /*machine*/) { return probe_ros(); }
@@ -202,7 +216,8 @@ Probe probe_ros_plugin(const Machine& /*machine*/) { return probe_ros(); }
 /// Functions for one kind of device.
 struct Kind {
   std::string_view name;
-  std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand);
+  std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand,
+                                           const OnWait& on_wait);
   Probe (*probe)(const Machine& machine);
   OpenedDevice (*connect)(const std::string& path);  // null: not hardware that a run can connect to
 };
@@ -245,12 +260,13 @@ std::string names_of_kinds(bool connected) {
 
 }  // namespace
 
-std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand) {
+std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand,
+                                             const OnWait& on_wait) {
   if (hand >= setup.devices.size()) {
     throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, setup.devices.size()));
   }
   const std::string& name = setup.devices[hand].kind;
-  if (const Kind* kind = find_kind(name)) return kind->open(setup, hand);
+  if (const Kind* kind = find_kind(name)) return kind->open(setup, hand, on_wait);
   throw InputError(fmt::format("device kind = \"{}\": must be {}", name, names_of_kinds(false)));
 }
 

@@ -5,6 +5,7 @@
 
 #include "palpate/device.h"
 #include "palpate/scene.h"
+#include "run/devices/pose_stream.h"
 #include "run/devices/probe.h"
 #include "run/devices/reasons.h"
 
@@ -19,8 +20,10 @@ namespace palpate::devices {
 /// - "touch": the device with that name in Touch_Setup;
 /// - "igtl": waits until a client sends poses, IgtlTimes::opening at most.
 /// - "ros": poses from a ROS 2 topic.
+/// @param on_wait called while "igtl" and "ros" wait
 /// @throws InputError naming the kind, the file or address and the cause.
-[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand);
+[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand,
+                                                           const OnWait& on_wait = {});
 
 /// [setup] Which devices of each kind are available, and why others are not, in the order of
 /// scene::device_kinds(). Opens no device. @param machine searched for the reasons

@@ -16,7 +16,7 @@ class ForceHandover final {
   void stop() noexcept;
   /// [rt] Called by the device's thread: the command at a monotonic time [ns]. Zero before the first
   /// write(), after stop(), and when the last write() is older than `write_timeout_ns`, because the loop then
-  /// hangs.
+  /// hangs; also when is_crashing().
   [[nodiscard]] haptics::ForceCommand wanted(std::int64_t now_ns, std::int64_t write_timeout_ns) noexcept;
 
  private:

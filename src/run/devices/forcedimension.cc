@@ -110,6 +110,8 @@ void ForceDimensionDevice::begin() {
       !falcon_ && call.GetGripperAngleRad != nullptr && (call.HasGripper == nullptr || call.HasGripper(id_));
   require_calibrated();
   set_force({});
+  crash_stop_.emplace([](void* self) noexcept { static_cast<ForceDimensionDevice*>(self)->switch_off(); },
+                      this);
   if (call.EnableForce(kOn, id_) < 0) {
     throw InputError(message_prefix_ + "its force cannot be switched on: " + library_.last_error());
   }
@@ -132,11 +134,21 @@ void ForceDimensionDevice::require_calibrated() const {
   if (status[kDhdStatusReset] == kOn) throw InputError(message_prefix_ + calibration_text());
 }
 
-void ForceDimensionDevice::close() noexcept {
+/// Zero force, force off, brakes on. A program that crashes calls it, too: another thread may be about to
+/// write a force, which has no effect after dhdStop.
+void ForceDimensionDevice::switch_off() noexcept {
   set_force({});
-  if (watchdog_armed_) arm_watchdog(0);  // otherwise the firmware's watchdog stays armed after this program
   library_.call().SetBrakes(kOn, id_);
   library_.call().Stop(id_);
+}
+
+void ForceDimensionDevice::close() noexcept {
+  crash_stop_.reset();
+  if (watchdog_armed_) {
+    set_force({});
+    arm_watchdog(0);  // otherwise the firmware's watchdog stays armed after this program
+  }
+  switch_off();
   library_.call().Close(id_);
 }
 
@@ -222,9 +234,10 @@ bool ForceDimensionDevice::write(const haptics::ForceCommand& command_D) noexcep
 }
 
 bool ForceDimensionDevice::set_force(const haptics::ForceCommand& command_D) noexcept {
-  const Vec3& f = command_D.force;
-  const Vec3 t = has_wrist_ ? command_D.torque : Vec3(Vec3::Zero());
-  const double gripper = has_gripper_ ? command_D.gripper_force : 0.0;
+  const bool off = is_crashing();
+  const Vec3 f = off ? Vec3(Vec3::Zero()) : command_D.force;
+  const Vec3 t = off || !has_wrist_ ? Vec3(Vec3::Zero()) : command_D.torque;
+  const double gripper = off || !has_gripper_ ? 0.0 : command_D.gripper_force;
   // A result of 0 or more is a success. The vendor returns a positive one for a time-guarded call or a
   // saturated motor.
   const int result = library_.call().SetForceAndTorqueAndGripperForce(f.x(), f.y(), f.z(), t.x(), t.y(),

@@ -2,9 +2,11 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "palpate/device.h"
+#include "run/devices/crash_stop.h"
 #include "run/devices/forcedimension_library.h"
 #include "run/devices/probe.h"
 
@@ -56,6 +58,7 @@ class ForceDimensionDevice final : public haptics::Device {
   void begin();
   void require_calibrated() const;
   void close() noexcept;
+  void switch_off() noexcept;
   bool set_force(const haptics::ForceCommand& command_D) noexcept;
   int read_pose(haptics::DeviceState& state) noexcept;
   void read_gripper() noexcept;
@@ -77,6 +80,7 @@ class ForceDimensionDevice final : public haptics::Device {
   double sampled_ = 0.0;                   // time of the last new sample [s]
   double next_status_ = 0.0;               // [s]
   std::atomic<std::uint32_t> trouble_{0};  // what << 16 | code; 0: none
+  std::optional<CrashStop> crash_stop_;    // from the force's switching on to close()
 };
 
 /// [setup] Whether the library is installed and how many devices it finds. Opens none. @param library as in

@@ -7,6 +7,7 @@
 
 #include "palpate/device.h"
 #include "palpate/triple_buffer.h"
+#include "run/devices/crash_stop.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
@@ -96,6 +97,7 @@ class HaplyDevice final : public haptics::Device {
   HaplyForceField force_field_ = HaplyForceField::kValues;
   Sample newest_;
 
+  CrashStop crash_stop_;
   std::thread thread_;
 };
 

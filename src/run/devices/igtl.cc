@@ -48,9 +48,9 @@ IgtlSource parse_igtl_source(const std::string& text) {
   return source;
 }
 
-IgtlDevice::IgtlDevice(const std::string& source, const IgtlTimes& times)
+IgtlDevice::IgtlDevice(const std::string& source, const IgtlTimes& times, const OnWait& on_wait)
     : IgtlDevice(parse_igtl_source(source), times) {
-  wait_for_poses();
+  wait_for_poses(on_wait);
 }
 
 IgtlDevice::IgtlDevice(IgtlSource source, const IgtlTimes& times)
@@ -88,13 +88,14 @@ std::string IgtlDevice::description() const {
   return fmt::format("TRANSFORM {} at {}", source_.name, source_.address.text());
 }
 
-void IgtlDevice::wait_for_poses() {
+void IgtlDevice::wait_for_poses(const OnWait& on_wait) {
   const std::int64_t deadline = monotonic_ns() + times_.opening;
   for (;;) {
     const std::int64_t now = monotonic_ns();
     const haptics::DeviceState sample = poses_.at(now);
     if (sample.fault == haptics::Fault::kNone && sample.age == 0.0) return;
     if (now >= deadline) throw InputError(why_no_poses());
+    if (on_wait) on_wait();
     sleep_until_ns(std::min(deadline, now + kOpeningPoll));
   }
 }

@@ -10,6 +10,7 @@
 #include "io/igtl/igtl_reader.h"
 #include "io/igtl/igtl_socket.h"
 #include "palpate/device.h"
+#include "run/devices/crash_stop.h"
 #include "run/devices/force_hand_over.h"
 #include "run/devices/pose_stream.h"
 
@@ -45,7 +46,7 @@ class IgtlDevice final : public haptics::Device {
   /// [setup] Listens and waits until a client has sent enough poses. @param source [ADDRESS:]PORT/NAME
   /// @throws InputError when `source` is invalid, the port cannot be listened at, or no client sends poses
   /// within IgtlTimes::opening.
-  explicit IgtlDevice(const std::string& source, const IgtlTimes& times = {});
+  explicit IgtlDevice(const std::string& source, const IgtlTimes& times = {}, const OnWait& on_wait = {});
   /// [setup] Sends zero force, closes the connection and joins the thread; a fifth of a second at most.
   ~IgtlDevice() override;
   IgtlDevice(const IgtlDevice&) = delete;
@@ -65,7 +66,7 @@ class IgtlDevice final : public haptics::Device {
  private:
   IgtlDevice(IgtlSource source, const IgtlTimes& times);  // listens, and starts the thread
 
-  void wait_for_poses();
+  void wait_for_poses(const OnWait& on_wait);
   [[nodiscard]] std::string why_no_poses() const;
   void run() noexcept;
   void serve();
@@ -100,6 +101,7 @@ class IgtlDevice final : public haptics::Device {
   net::Bytes pending_;  // messages that are being sent
   std::size_t sent_ = 0;
 
+  CrashStop crash_stop_;
   std::thread thread_;
 };
 

@@ -3,12 +3,16 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "palpate/device.h"
 #include "palpate/triple_buffer.h"
 
 namespace palpate::devices {
+
+/// Called every few milliseconds while a device waits for its first poses. It may throw to give up.
+using OnWait = std::function<void()>;
 
 /// One pose of a tracked tool, as a message gives it, in the device's frame D.
 struct StreamedPose {

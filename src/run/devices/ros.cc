@@ -18,11 +18,12 @@ constexpr std::int64_t kRosOpeningPoll = 5'000'000;  // ns between two checks fo
 
 std::string default_ros_topic(std::size_t hand) { return ros::topic_prefix(hand) + "/target_pose"; }
 
-RosDevice::RosDevice(std::unique_ptr<ros::Node> node, const std::string& topic, std::int64_t opening_ns)
+RosDevice::RosDevice(std::unique_ptr<ros::Node> node, const std::string& topic, std::int64_t opening_ns,
+                     const OnWait& on_wait)
     : topic_(topic), node_(std::move(node)) {
   ros::require_topic_name(topic, "device ros:");
   subscription_ = node_->subscribe(topic, *this);
-  wait_for_poses(opening_ns);
+  wait_for_poses(opening_ns, on_wait);
 }
 
 RosDevice::~RosDevice() = default;
@@ -57,13 +58,14 @@ void RosDevice::on_loss(const char* what) noexcept {
   poses_.break_off();
 }
 
-void RosDevice::wait_for_poses(std::int64_t opening_ns) {
+void RosDevice::wait_for_poses(std::int64_t opening_ns, const OnWait& on_wait) {
   const std::int64_t deadline = monotonic_ns() + opening_ns;
   for (;;) {
     const std::int64_t now = monotonic_ns();
     const haptics::DeviceState sample = poses_.at(now);
     if (sample.fault == haptics::Fault::kNone && sample.age == 0.0) return;
     if (now >= deadline) break;
+    if (on_wait) on_wait();
     sleep_until_ns(std::min(deadline, now + kRosOpeningPoll));
   }
   const std::string trouble = last_error();

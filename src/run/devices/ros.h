@@ -25,7 +25,8 @@ class RosDevice final : public haptics::Device, private ros::PoseListener {
 
   /// [setup] Subscribes and waits until enough poses have come. @param topic name in ROS 2
   /// @throws InputError when `topic` is not a name, or no poses come within `opening_ns`.
-  RosDevice(std::unique_ptr<ros::Node> node, const std::string& topic, std::int64_t opening_ns = kOpening);
+  RosDevice(std::unique_ptr<ros::Node> node, const std::string& topic, std::int64_t opening_ns = kOpening,
+            const OnWait& on_wait = {});
   ~RosDevice() override;
   RosDevice(const RosDevice&) = delete;
   RosDevice& operator=(const RosDevice&) = delete;
@@ -44,7 +45,7 @@ class RosDevice final : public haptics::Device, private ros::PoseListener {
  private:
   void on_pose(const ros::ReceivedPose& pose) noexcept override;
   void on_loss(const char* what) noexcept override;
-  void wait_for_poses(std::int64_t opening_ns);
+  void wait_for_poses(std::int64_t opening_ns, const OnWait& on_wait);
 
   const std::string topic_;
   std::unique_ptr<ros::Node> node_;

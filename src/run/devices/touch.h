@@ -4,6 +4,7 @@
 #include <string>
 
 #include "palpate/device.h"
+#include "run/devices/crash_stop.h"
 #include "run/devices/probe.h"
 #include "run/devices/touch_scheduler.h"
 
@@ -50,6 +51,7 @@ class TouchDevice final : public haptics::Device {
  private:
   void wait_until_ready();
 
+  CrashStop crash_stop_;
   TouchArm arm_;
   std::shared_ptr<TouchScheduler> scheduler_;
   double gripper_ = 1.0;

@@ -88,8 +88,11 @@ bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world
 std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::Preparation& how) {
   auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(setup_, how));
   if (devices_.empty()) {
+    const auto on_wait = [&how] {
+      if (how.progress) how.progress(1.0, "waiting for the device");
+    };
     for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
-      devices_.push_back(devices::open_device(setup_, hand));
+      devices_.push_back(devices::open_device(setup_, hand, on_wait));
     }
     append(setup_.remarks, scene::default_path_remarks(setup_));
   }

@@ -1,0 +1,103 @@
+#include "run/devices/crash_stop.h"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <ctime>
+#include <mutex>
+#include <stdexcept>
+
+#include <unistd.h>
+
+namespace palpate::devices {
+namespace {
+
+constexpr std::array<int, 5> kFatal{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
+constexpr std::size_t kMostEntries = 32;  // open devices
+constexpr std::size_t kSignalStackBytes = 1 << 16;
+
+struct CrashEntry {
+  std::atomic<CrashStop::Stop> stop{nullptr};
+  std::atomic<void*> device{nullptr};
+  bool used = false;  // guarded by the mutex
+};
+
+// Mutable globals, because a signal handler has no arguments that could carry them.
+std::atomic<bool> crashing{false};
+std::array<CrashEntry, kMostEntries> crash_entries;
+std::array<struct sigaction, kFatal.size()> actions_before;
+std::mutex crash_mutex;        // of set-up, never locked by the handler
+std::size_t open_devices = 0;  // entries in use
+static_assert(std::atomic<CrashStop::Stop>::is_always_lock_free && std::atomic<void*>::is_always_lock_free);
+
+void rest_ns(long time) noexcept {
+  timespec rest{0, time};
+  while (nanosleep(&rest, &rest) != 0) continue;
+}
+
+/// The handler of a fatal signal. The signal is blocked while it runs; raise() takes effect at its return.
+extern "C" void stop_and_die(int number) {
+  if (crashing.exchange(true)) {  // another thread is doing the same
+    for (;;) rest_ns(CrashStop::kLastWords);
+  }
+  std::signal(SIGALRM, SIG_DFL);
+  alarm(1);
+  for (const CrashEntry& entry : crash_entries) {
+    const CrashStop::Stop stop = entry.stop.load();
+    if (stop != nullptr) stop(entry.device.load());
+  }
+  rest_ns(CrashStop::kLastWords);
+  for (std::size_t i = 0; i < kFatal.size(); ++i) {
+    if (kFatal[i] == number) sigaction(number, &actions_before[i], nullptr);
+  }
+  raise(number);
+}
+
+void install_handlers() {
+  struct sigaction action {};
+  action.sa_handler = stop_and_die;
+  action.sa_flags = SA_ONSTACK;
+  sigemptyset(&action.sa_mask);
+  for (std::size_t i = 0; i < kFatal.size(); ++i) sigaction(kFatal[i], &action, &actions_before[i]);
+}
+
+void restore_handlers() {
+  for (std::size_t i = 0; i < kFatal.size(); ++i) {
+    struct sigaction now {};
+    sigaction(kFatal[i], nullptr, &now);
+    if (now.sa_handler == stop_and_die) sigaction(kFatal[i], &actions_before[i], nullptr);
+  }
+}
+
+}  // namespace
+
+bool is_crashing() noexcept { return crashing.load(std::memory_order_relaxed); }
+
+CrashStop::CrashStop(Stop stop, void* device) : entry_(0) {
+  const std::lock_guard lock(crash_mutex);
+  while (entry_ < kMostEntries && crash_entries[entry_].used) ++entry_;
+  if (entry_ == kMostEntries) throw std::length_error("CrashStop: too many devices are open");
+  CrashEntry& entry = crash_entries[entry_];
+  entry.used = true;
+  entry.device.store(device);
+  entry.stop.store(stop);
+  if (open_devices++ == 0) install_handlers();
+}
+
+CrashStop::~CrashStop() {
+  const std::lock_guard lock(crash_mutex);
+  crash_entries[entry_].stop.store(nullptr);
+  crash_entries[entry_].used = false;
+  if (--open_devices == 0) restore_handlers();
+}
+
+SignalStack::SignalStack() : stack_(std::make_unique<char[]>(kSignalStackBytes)) {
+  stack_t own{};
+  own.ss_sp = stack_.get();
+  own.ss_size = kSignalStackBytes;
+  sigaltstack(&own, &before_);
+}
+
+SignalStack::~SignalStack() { sigaltstack(&before_, nullptr); }
+
+}  // namespace palpate::devices

@@ -1,0 +1,53 @@
+#pragma once
+#include <csignal>
+#include <memory>
+
+namespace palpate::devices {
+
+/// [rt] Whether a fatal signal is ending this program. Devices then display zero force only.
+[[nodiscard]] bool is_crashing() noexcept;
+
+/// Zero force before a fatal signal ends the program.
+///
+/// While at least one object exists, SIGSEGV, SIGABRT, SIGBUS, SIGFPE and SIGILL have a handler. It sets
+/// is_crashing(), so that the threads of the devices send zero force, and calls the vendors' stop functions.
+/// After kLastWords it ends the program by the same signal and the action that it had before, such as a core
+/// dump.
+///
+/// The handler calls only async-signal-safe functions, except a vendor's stop function, of which no maker
+/// promises that. If it waits for a lock that the program held when it crashed, SIGALRM ends the program
+/// after a second. If it crashes, the system ends the program at once. Either way the device gets no further
+/// command, as without a handler, and its own watchdog acts.
+class CrashStop final {
+ public:
+  using Stop = void (*)(void* device) noexcept;
+  static constexpr long kLastWords = 20'000'000;  // ns; devices' threads send every 10 ms or more often
+
+  /// [setup] @param stop called with `device` by the handler; null for a device with its own thread, which
+  /// sends zero force when is_crashing()
+  explicit CrashStop(Stop stop = nullptr, void* device = nullptr);
+  /// [setup] Call it before the device is closed.
+  ~CrashStop();
+  CrashStop(const CrashStop&) = delete;
+  CrashStop& operator=(const CrashStop&) = delete;
+
+ private:
+  std::size_t entry_;
+};
+
+/// A stack on which the calling thread handles signals during the lifetime of this object, because a thread
+/// whose own stack has overflowed cannot use that.
+class SignalStack final {
+ public:
+  /// [setup]
+  SignalStack();
+  ~SignalStack();
+  SignalStack(const SignalStack&) = delete;
+  SignalStack& operator=(const SignalStack&) = delete;
+
+ private:
+  std::unique_ptr<char[]> stack_;
+  stack_t before_{};
+};
+
+}  // namespace palpate::devices
