@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/core.h>
@@ -183,6 +184,7 @@ SearchTable read_search(const std::optional<TomlTable>& table) {
     preset = table->text("preset").value_or(preset);
   }
   const std::optional<InclusionTable> known = find_inclusion_preset(preset);
+  if (!known && !table) throw std::logic_error("read_search: there is no preset \"" + preset + "\"");
   if (!known) table->fail("preset", "must be " + inclusion_preset_names());
   search.lump = known->setup.inclusion;
   search.depth = known->depth;

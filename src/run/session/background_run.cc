@@ -11,6 +11,8 @@ BackgroundRun::BackgroundRun(haptics::RunControl& control, std::function<RunResu
           result_ = run();
         } catch (const std::exception& error) {
           failure_ = error.what();
+        } catch (...) {  // of a device that the user has written
+          failure_ = "an exception that is none of the standard library's";
         }
         const std::lock_guard lock(mutex_);
         ended_ = true;

@@ -323,5 +323,13 @@ TEST(BackgroundRun, SaysWhyItFailed) {
   EXPECT_THAT(run->failure(), testing::HasSubstr("a.h5"));
 }
 
+TEST(BackgroundRun, SaysThatItFailedByAnExceptionOfAnyType) {
+  Session session(block(), with(std::make_unique<Presser>(), 0.1));
+  BackgroundRun run(session.control(), []() -> RunResult { throw 42; });
+  run.wait();
+  EXPECT_FALSE(run.result());
+  EXPECT_EQ(run.failure(), "an exception that is none of the standard library's");
+}
+
 }  // namespace
 }  // namespace palpate::session
