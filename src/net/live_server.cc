@@ -15,6 +15,7 @@
 #include "net/live_access.h"
 #include "net/live_connection.h"
 #include "palpate/version.h"
+#include "run/realtime/realtime.h"
 
 namespace palpate::net {
 namespace {
@@ -100,6 +101,7 @@ class LiveServer::Server final : public ConnectionHandler {
   [[nodiscard]] const LiveStatistics& statistics() const noexcept { return statistics_; }
 
   void run(const std::atomic<bool>& stop) {
+    haptics::yield_to_loop();
     accept();
     poll(stop);
     context_.run();

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include <gmock/gmock.h>
+#include <sched.h>
 
 #include "net/live_connection.h"
 #include "net/test/live_client.h"
@@ -39,6 +40,7 @@ class Host final : public RunService {
     return {1, {}, &tick_};
   }
   std::vector<Event> poll(std::size_t clients) override {
+    policy_ = sched_getscheduler(0);
     if (clients_.exchange(clients) == 0 && clients > 0) ++arrivals_;
     std::vector<Event> events;
     if (late_) events.push_back({std::exchange(late_, std::nullopt), "", {{"late", true}}});
@@ -48,6 +50,8 @@ class Host final : public RunService {
   [[nodiscard]] std::size_t clients() const { return clients_; }
   [[nodiscard]] std::size_t arrivals() const { return arrivals_; }
   void alarm() { alarm_ = true; }
+  /// Scheduling policy of the server's thread.
+  [[nodiscard]] int policy() const { return policy_; }
 
  private:
   LiveTick tick_;
@@ -55,6 +59,7 @@ class Host final : public RunService {
   std::atomic<std::size_t> clients_{0};
   std::atomic<std::size_t> arrivals_{0};  // changes from no client to some
   std::atomic<bool> alarm_{false};
+  std::atomic<int> policy_{-1};
 };
 
 class Served : public testing::Test {
@@ -94,6 +99,13 @@ TEST_F(Served, AClientThatSaysHelloIsToldVersionAndLimits) {
   EXPECT_EQ(client.ask(R"({"do": "version", "id": "v"})")["id"], "v");
   EXPECT_EQ(client.ask(R"({"do": "state"})")["run"]["number"], 1);
   EXPECT_EQ(client.greet()["error"]["code"], "hello") << "once is enough";
+}
+
+TEST_F(Served, ItsThreadNeverInterruptsTheHapticLoop) {
+  serve();
+  test::LiveClient client(port());
+  EXPECT_EQ(client.greet()["answer"], "hello");
+  EXPECT_EQ(host_.policy(), SCHED_BATCH);
 }
 
 TEST_F(Served, NothingIsDoneBeforeHello) {

@@ -21,6 +21,12 @@ constexpr std::size_t kPage = 4096;
 
 std::string describe_error(int error) { return std::generic_category().message(error); }
 
+/// Gives the calling thread the policy `to`, if it has the policy `from`.
+void change_policy(int from, int to) noexcept {
+  const sched_param normal{};
+  if (sched_getscheduler(0) == from) (void)sched_setscheduler(0, to, &normal);  // 0: this thread alone
+}
+
 }  // namespace
 
 std::optional<std::string> request_priority(Urgency urgency) {
@@ -29,9 +35,12 @@ std::optional<std::string> request_priority(Urgency urgency) {
   wanted.sched_priority = urgency == Urgency::kLoop ? kLoopPriority : kWatchdogPriority;
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
   if (error == 0) return std::nullopt;
+  change_policy(SCHED_BATCH, SCHED_OTHER);  // see yield_to_loop()
   return "real-time priority (SCHED_FIFO) was not granted: " + describe_error(error) +
          "; ticks may begin late (palpate doctor says how to grant it)";
 }
+
+void yield_to_loop() noexcept { change_policy(SCHED_OTHER, SCHED_BATCH); }
 
 std::optional<RealtimeBudget> realtime_budget(const std::filesystem::path& root) {
   RealtimeBudget budget;

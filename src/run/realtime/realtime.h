@@ -14,6 +14,12 @@ enum class Urgency { kLoop, kWatchdog };
 /// was not granted; none: granted.
 [[nodiscard]] std::optional<std::string> request_priority(Urgency urgency);
 
+/// [setup] Lets the calling thread, which serves clients or reads their files, never interrupt the haptic
+/// loop on its core (SCHED_BATCH). Threads that it starts inherit that, except the loop and the watchdog:
+/// where request_priority() is not granted, it restores the normal policy. So it is no lower niceness, which
+/// a thread without privileges could not undo.
+void yield_to_loop() noexcept;
+
 /// Linux's real-time throttling: all real-time threads together may run for `runtime_us` in every period,
 /// then are stopped until the next.
 struct RealtimeBudget {

@@ -96,6 +96,21 @@ TEST(Loop, EndsWithDeviceStop) {
   EXPECT_GE(device.stops, 1);
 }
 
+// Without the right to real-time priority; with it, the loop has SCHED_FIFO anyway.
+TEST(Loop, OfAThreadThatYieldsToLoopsDoesNotYieldItself) {
+  std::thread([] {
+    yield_to_loop();
+    EXPECT_EQ(sched_getscheduler(0), SCHED_BATCH);
+    int policy = -1;
+    FakeDevice device([&policy](std::uint64_t, double time) {
+      policy = sched_getscheduler(0);
+      return pressing(time);
+    });
+    (void)run_with(device, calm({.ticks = 5, .offline = false}));
+    EXPECT_TRUE(policy == SCHED_OTHER || policy == SCHED_FIFO) << policy;
+  }).join();
+}
+
 TEST(Loop, ObserversAreStartedOnceWithTheWallTimeOfTheFirstTick) {
   const SimulationWorld world = block_and_balls(1, 1000.0);
   SimulationState state(world);
