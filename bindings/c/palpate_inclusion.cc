@@ -13,6 +13,7 @@
 using palpate::c_interface::guarded;
 using palpate::c_interface::require_given;
 using palpate::c_interface::require_size;
+using palpate::c_interface::require_usable;
 using palpate::c_interface::UseError;
 
 namespace {
@@ -34,7 +35,7 @@ size_t palpate_inclusion_count(const palpate_simulation* simulation) {
 palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_t index,
                                      palpate_inclusion* inclusion) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(inclusion, "inclusion");
     require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
     require_inclusion(*simulation, index);
@@ -54,7 +55,7 @@ palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_
 palpate_status palpate_set_inclusion(palpate_simulation* simulation, size_t index,
                                      const palpate_inclusion* inclusion) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(inclusion, "inclusion");
     require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
     require_inclusion(*simulation, index);

@@ -17,6 +17,7 @@
 using palpate::c_interface::DefaultFloatEnvironment;
 using palpate::c_interface::guarded;
 using palpate::c_interface::require_given;
+using palpate::c_interface::require_usable;
 using palpate::model::kTissueFields;
 using palpate::model::TissueField;
 using palpate::model::TissueParameters;
@@ -52,7 +53,7 @@ extern "C" {
 
 palpate_status palpate_set_tissue(palpate_simulation* simulation, const char* tissue) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(tissue, "tissue");
     const DefaultFloatEnvironment environment;
     const TissueParameters loaded = palpate::scene::load_tissue(tissue);
@@ -71,7 +72,7 @@ const char* palpate_tissue_field(size_t index) {
 
 palpate_status palpate_set_tissue_value(palpate_simulation* simulation, const char* field, double value) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(field, "field");
     const TissueField& number = tissue_field(field);
     const DefaultFloatEnvironment environment;
@@ -85,7 +86,7 @@ palpate_status palpate_set_tissue_value(palpate_simulation* simulation, const ch
 palpate_status palpate_get_tissue_value(const palpate_simulation* simulation, const char* field,
                                         double* value) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(field, "field");
     require_given(value, "value");
     const TissueField& number = tissue_field(field);
@@ -96,7 +97,7 @@ palpate_status palpate_get_tissue_value(const palpate_simulation* simulation, co
 palpate_status palpate_set_noise(palpate_simulation* simulation, int32_t enabled, double gain,
                                  double threshold) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     const DefaultFloatEnvironment environment;
     (void)simulation->updates().offer(palpate::haptics::LiveNoise{enabled != 0, gain, threshold});
   });
@@ -105,7 +106,7 @@ palpate_status palpate_set_noise(palpate_simulation* simulation, int32_t enabled
 palpate_status palpate_get_noise(const palpate_simulation* simulation, int32_t* enabled, double* gain,
                                  double* threshold) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(enabled, "enabled");
     require_given(gain, "gain");
     require_given(threshold, "threshold");

@@ -11,6 +11,7 @@
 using palpate::c_interface::guarded;
 using palpate::c_interface::require_given;
 using palpate::c_interface::require_size;
+using palpate::c_interface::require_usable;
 using palpate::c_interface::UseError;
 
 namespace {
@@ -44,7 +45,7 @@ void copy_triangles(std::span<const palpate::geometry::Triangle> triangles, std:
 /// @throws UseError if the part does not exist.
 const palpate::geometry::ToolPart& part_of(const palpate_simulation* simulation, std::uint32_t hand,
                                            std::uint32_t part) {
-  require_given(simulation, "simulation");
+  require_usable(simulation);
   const auto& tools = simulation->setup().tools;
   if (hand >= tools.size()) {
     throw UseError("hand = " + std::to_string(hand) + ": must be less than the " +
@@ -64,7 +65,7 @@ extern "C" {
 
 palpate_status palpate_surface_update(palpate_simulation* simulation, palpate_picture* picture) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(picture, "picture");
     require_size(picture->struct_size, sizeof *picture, "palpate_picture");
     simulation->update_surface(*picture);
@@ -73,7 +74,7 @@ palpate_status palpate_surface_update(palpate_simulation* simulation, palpate_pi
 
 palpate_status palpate_surface_vertices(const palpate_simulation* simulation, double* xyz, size_t capacity) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     copy_vertices(simulation->vertices(), xyz, capacity);
   });
 }
@@ -81,7 +82,7 @@ palpate_status palpate_surface_vertices(const palpate_simulation* simulation, do
 palpate_status palpate_surface_triangles(const palpate_simulation* simulation, int32_t* corners,
                                          size_t capacity) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     copy_triangles(simulation->rest_surface().triangles, corners, capacity);
   });
 }

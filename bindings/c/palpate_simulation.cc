@@ -10,9 +10,11 @@
 #include "bindings/c/simulation.h"
 
 using palpate::c_interface::guarded;
+using palpate::c_interface::kForked;
 using palpate::c_interface::refuse;
 using palpate::c_interface::require_given;
 using palpate::c_interface::require_size;
+using palpate::c_interface::require_usable;
 using palpate::c_interface::UseError;
 
 namespace {
@@ -50,15 +52,15 @@ palpate_status palpate_open(const palpate_options* options, palpate_simulation**
 }
 
 palpate_status palpate_close(palpate_simulation* simulation) {
-  const std::unique_ptr<palpate_simulation> owned(simulation);
+  const std::unique_ptr<palpate_simulation, palpate::c_interface::FreeOwn> owned(simulation);
   return guarded([&] {
-    if (owned) owned->finish_recording();
+    if (owned && owned->is_own()) owned->finish_recording();
   });
 }
 
 palpate_status palpate_get_info(const palpate_simulation* simulation, palpate_info* info) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     require_given(info, "info");
     require_size(info->struct_size, sizeof *info, "palpate_info");
     *info = simulation->info();
@@ -83,6 +85,7 @@ palpate_status palpate_tick(palpate_simulation* simulation, const palpate_sample
     return refuse(PALPATE_ERROR_USE,
                   "palpate_tick: simulation, samples and results must be given, one is null");
   }
+  if (!simulation->is_own()) return refuse(PALPATE_ERROR_USE, kForked);
   if (hands != simulation->hands()) {
     return refuse(PALPATE_ERROR_USE, "palpate_tick: hands must be palpate_info.hands");
   }
@@ -98,13 +101,14 @@ palpate_status palpate_reset_fault(palpate_simulation* simulation, uint32_t hand
   if (simulation == nullptr) {
     return refuse(PALPATE_ERROR_USE, "palpate_reset_fault: simulation: is null, must be given");
   }
+  if (!simulation->is_own()) return refuse(PALPATE_ERROR_USE, kForked);
   simulation->reset_faults(hand_bits);
   return PALPATE_OK;
 }
 
 palpate_status palpate_restart(palpate_simulation* simulation) {
   return guarded([&] {
-    require_given(simulation, "simulation");
+    require_usable(simulation);
     if (simulation->recording()) {
       throw UseError("palpate_restart: not while recording; close the simulation and open it again");
     }
@@ -117,6 +121,7 @@ palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t 
   if (simulation == nullptr || sample == nullptr) {
     return refuse(PALPATE_ERROR_USE, "palpate_scripted_sample: simulation and sample must be given");
   }
+  if (!simulation->is_own()) return refuse(PALPATE_ERROR_USE, kForked);
   if (hand >= simulation->hands()) {
     return refuse(PALPATE_ERROR_USE, "palpate_scripted_sample: hand must be less than palpate_info.hands");
   }

@@ -10,6 +10,7 @@
 #include "io/system/path_text.h"
 #include "palpate/surface.h"
 
+#include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"
 
 namespace palpate::c_interface {
@@ -63,6 +64,12 @@ geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest
 }
 
 }  // namespace
+
+void require_usable(const palpate_simulation* simulation) {
+  require_given(simulation, "simulation");
+  if (!simulation->is_own()) throw UseError(kForked);
+}
+
 }  // namespace palpate::c_interface
 
 namespace {

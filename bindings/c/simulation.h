@@ -9,6 +9,7 @@
 
 #include "core/haptics/simulation.h"
 #include "io/record/make_recorder.h"
+#include "io/system/own_process.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
 #include "palpate/scene.h"
@@ -32,6 +33,13 @@ struct Loaded {
 
 /// [setup] Prepares a scene that has been read. @param no_hand as palpate_options.no_hand
 [[nodiscard]] Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand);
+
+/// Error of a call in a child process for a simulation of its parent.
+inline constexpr const char* kForked =
+    "simulation: was opened before fork(), must be used by the process that opened it";
+
+/// [setup] @throws UseError when the simulation is null or of the parent process.
+void require_usable(const palpate_simulation* simulation);
 
 }  // namespace palpate::c_interface
 
@@ -67,6 +75,8 @@ struct palpate_simulation {
   /// [picture] Deforms the surface for palpate_surface_update().
   void update_surface(palpate_picture& picture);
 
+  /// [rt] False in a child process made by fork(), which must neither use nor destroy it.
+  [[nodiscard]] bool is_own() const noexcept { return process_.is_current(); }
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
   [[nodiscard]] const palpate::scene::Scene& setup() const noexcept { return setup_; }
@@ -82,6 +92,7 @@ struct palpate_simulation {
   void give_result(std::size_t hand, palpate_result& result) const noexcept;
   void publish() noexcept;
 
+  palpate::OwnProcess process_;
   palpate::scene::Scene setup_;
   std::vector<std::unique_ptr<palpate::haptics::Device>> scripted_;
   palpate::haptics::SimulationWorld world_;
@@ -99,3 +110,15 @@ struct palpate_simulation {
   palpate::deform::SurfaceDeformer deformer_;
   std::vector<palpate::Vec3> vertices_;
 };
+
+namespace palpate::c_interface {
+
+/// Frees a simulation, except in a child process made by fork(): there its recorder has no thread, and its
+/// file is the parent's.
+struct FreeOwn {
+  void operator()(palpate_simulation* simulation) const noexcept {
+    if (simulation->is_own()) delete simulation;
+  }
+};
+
+}  // namespace palpate::c_interface

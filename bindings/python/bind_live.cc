@@ -49,9 +49,12 @@ Live open(const SceneArguments& arguments, std::optional<double> duration_s, std
           std::optional<int> core, double keep_s, double surface_edge, bool cache, bool poll) {
   const py::gil_scoped_release others_may_run;
   const haptics::Waiting waiting = poll ? haptics::Waiting::kPoll : haptics::Waiting::kSleep;
-  return std::make_shared<LiveSimulation>(
-      arguments.load(),
-      LiveSimulation::Options{duration_s, std::move(record), {core, waiting}, keep_s, surface_edge, cache});
+  const LiveSimulation::Options options{duration_s, std::move(record), {core, waiting},
+                                        keep_s,     surface_edge,      cache};
+  const auto free_own = [](LiveSimulation* live) {
+    if (live->is_own()) delete live;
+  };
+  return Live(new LiveSimulation(arguments.load(), options), free_own);
 }
 
 /// After the end, throws once if the run failed or its recording is incomplete.

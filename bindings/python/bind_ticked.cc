@@ -28,7 +28,7 @@ using Samples = py::array_t<palpate_sample, py::array::c_style | py::array::forc
 class TickedSimulation final {
  public:
   TickedSimulation(const SceneArguments& arguments, const palpate_options& options, bool cache)
-      : simulation_(std::make_unique<palpate_simulation>(
+      : simulation_(new palpate_simulation(
             c_interface::load(arguments.load(), preparation_of(cache), options.no_hand != 0), options)) {}
   ~TickedSimulation() = default;
   TickedSimulation(const TickedSimulation&) = delete;
@@ -37,20 +37,23 @@ class TickedSimulation final {
   /// Calls `use` with the simulation. @throws std::logic_error if it is closed
   template <typename Use>
   auto with(const Use& use) {
+    if (!process_.is_current()) throw std::logic_error(c_interface::kForked);
     const std::lock_guard lock(mutex_);
     if (!simulation_) throw std::logic_error("the simulation is closed");
     return use(*simulation_);
   }
 
   void close() {
+    if (!process_.is_current()) return;  // it is the parent's
     const std::lock_guard lock(mutex_);
-    const std::unique_ptr<palpate_simulation> owned = std::move(simulation_);
+    const auto owned = std::move(simulation_);
     if (owned) owned->finish_recording();
   }
 
  private:
+  OwnProcess process_;
   std::mutex mutex_;
-  std::unique_ptr<palpate_simulation> simulation_;
+  std::unique_ptr<palpate_simulation, c_interface::FreeOwn> simulation_;
 };
 
 std::unique_ptr<TickedSimulation> ticked_open(const SceneArguments& arguments,

@@ -99,8 +99,14 @@ LiveSimulation::LiveSimulation(scene::Scene setup, Options options)
 
 LiveSimulation::~LiveSimulation() { stop(); }
 
+void LiveSimulation::require_own() const {
+  if (is_own()) return;
+  throw std::logic_error("the simulation was made before fork(), must be used by the process that made it");
+}
+
 void LiveSimulation::start() {
   using namespace std::chrono_literals;
+  require_own();
   const std::lock_guard lock(state_);
   if (run_ != nullptr) throw std::logic_error("the simulation was started before; make another one");
   session::RunOptions how;
@@ -114,11 +120,13 @@ void LiveSimulation::start() {
 
 /// Null before start().
 session::BackgroundRun* LiveSimulation::run() {
+  require_own();
   const std::lock_guard lock(state_);
   return run_.get();
 }
 
 void LiveSimulation::stop() {
+  if (!is_own()) return;
   session::BackgroundRun* under_way = run();
   if (under_way == nullptr) return;
   under_way->stop();
@@ -137,6 +145,7 @@ bool LiveSimulation::running() {
 }
 
 std::vector<haptics::TickRow> LiveSimulation::newest() {
+  require_own();
   const auto newest = rows_.newest();
   if (!newest) return {};
   return {newest->begin(), newest->begin() + static_cast<std::ptrdiff_t>(hands())};
@@ -150,12 +159,14 @@ std::string LiveSimulation::describe_fault(const haptics::TickRow& row) const {
 }
 
 std::uint64_t LiveSimulation::change() {
+  require_own();
   const std::lock_guard lock(looking_);
   (void)snapshots_.cell().refresh();
   return snapshots_.cell().value().change;
 }
 
 Surface LiveSimulation::surface() {
+  require_own();
   const std::lock_guard lock(looking_);
   if (!deformer_) {
     deformer_ = std::make_unique<deform::SurfaceDeformer>(visible_surface(setup(), options_.surface_edge));
@@ -166,9 +177,15 @@ Surface LiveSimulation::surface() {
   return surface_at(snapshot, *deformer_);
 }
 
-std::vector<haptics::TickRow> LiveSimulation::rows() { return rows_.rows(); }
+std::vector<haptics::TickRow> LiveSimulation::rows() {
+  require_own();
+  return rows_.rows();
+}
 
-std::uint64_t LiveSimulation::rows_missing() { return rows_.rows_missing(); }
+std::uint64_t LiveSimulation::rows_missing() {
+  require_own();
+  return rows_.rows_missing();
+}
 
 session::RunResult LiveSimulation::result() {
   const session::BackgroundRun* under_way = run();
@@ -179,6 +196,7 @@ session::RunResult LiveSimulation::result() {
 }
 
 std::string LiveSimulation::take_failure() {
+  if (!is_own()) return {};
   const std::lock_guard lock(state_);
   if (run_ == nullptr || !run_->ended() || std::exchange(failure_reported_, true)) return {};
   return run_->failure();

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/spsc_queue.h"
+#include "io/system/own_process.h"
 #include "palpate/session.h"
 #include "palpate/triple_buffer.h"
 
@@ -88,6 +89,10 @@ class LiveSimulation final {
   /// [any] Starts the run and returns after its first tick. Raises RuntimeError if it was started before,
   /// InputError if the recording cannot be created.
   void start();
+  /// [any] False in a child process made by fork(), where the run has no threads and its devices and its
+  /// recording are the parent's. There stop() does nothing, the object must not be destroyed, and other calls
+  /// raise RuntimeError.
+  [[nodiscard]] bool is_own() const noexcept { return process_.is_current(); }
   /// [any] Stops the run and waits until it has ended: zero force, recording closed. Does nothing before
   /// start() or after the end.
   void stop();
@@ -111,9 +116,15 @@ class LiveSimulation final {
 
   /// [any] Clears the latched faults of the hands in `hand_bits` at the next tick. The force of a held device
   /// starts again by a ramp, after the hand was still outside the tissue.
-  void reset_faults(std::uint32_t hand_bits) noexcept { session_.control().reset_faults(hand_bits); }
+  void reset_faults(std::uint32_t hand_bits) {
+    require_own();
+    session_.control().reset_faults(hand_bits);
+  }
   /// [any] Sends new tissue and noise parameters to the loop.
-  [[nodiscard]] haptics::ParameterUpdates& changes() noexcept { return session_.updates(); }
+  [[nodiscard]] haptics::ParameterUpdates& changes() {
+    require_own();
+    return session_.updates();
+  }
 
   [[nodiscard]] const scene::Scene& setup() const noexcept { return session_.setup(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
@@ -124,7 +135,9 @@ class LiveSimulation final {
 
  private:
   [[nodiscard]] session::BackgroundRun* run();
+  void require_own() const;
 
+  OwnProcess process_;
   Options options_;
   session::Session session_;
   RowCollector rows_;

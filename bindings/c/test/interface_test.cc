@@ -10,6 +10,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "palpate/builtin.h"
 #include "palpate/recording.h"
@@ -393,6 +395,36 @@ TEST(Library, ShowsItsOwnFunctionsAndNothingElse) {
 TEST(Library, HasTheInterfacesVersionAsItsName) {
   EXPECT_THAT(output_of("objdump -p '" PALPATE_LIBRARY "'"),
               HasSubstr("libpalpate.so." + std::to_string(PALPATE_ABI_VERSION) + "\n"));
+}
+
+TEST(Fork, AChildNeitherUsesNorClosesASimulationOfItsParent) {
+  const Folder folder;
+  const std::string file = folder / "run.h5";
+  palpate_options options = unheld();
+  options.record_file = file.c_str();
+  options.record_waits = 1;
+  Session session(options);
+  session.run(0, 100);
+  const pid_t child = fork();
+  if (child == 0) {
+    const auto refused = [](palpate_status status) {
+      return status == PALPATE_ERROR_USE &&
+             std::string(palpate_last_error()).find("fork()") != std::string::npos;
+    };
+    const bool right =
+        refused(palpate_tick(session.get(), session.samples.data(), session.results.data(), 1)) &&
+        refused(palpate_get_info(session.get(), &session.info)) && refused(palpate_restart(session.get())) &&
+        refused(palpate_reset_fault(session.get(), 1)) && session.close() == PALPATE_OK;
+    _exit(right ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  session.run(100, 200);
+  EXPECT_EQ(session.close(), PALPATE_OK);
+  const record::Recording recording = record::read_recording(file);
+  EXPECT_TRUE(recording.facts.complete);
+  EXPECT_EQ(recording.rows.size(), 200U);
 }
 
 TEST(CtypesExample, FindsTheForceOfTheProgram) {

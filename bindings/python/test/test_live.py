@@ -1,5 +1,6 @@
 """Simulations in real time, controlled from Python."""
 import gc
+import os
 import signal
 import subprocess
 import sys
@@ -188,6 +189,30 @@ def test_end_comes_with_ctrl_c():
         time.sleep(0.2)
         child.send_signal(signal.SIGINT)
         assert child.communicate(timeout=60)[0] == 'False True\n'
+
+
+def test_end_of_a_child_process_leaves_the_run_of_its_parent(tmp_path):
+    file = tmp_path / 'parents.h5'
+    simulation = palpate.Simulation(duration_s=600.0, record=file)
+    simulation.start()
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            simulation.set_noise(enabled=False)
+        except RuntimeError as error:
+            simulation.stop()
+            del simulation
+            gc.collect()
+            code = 0 if 'fork()' in str(error) else 2
+        finally:
+            os._exit(code)
+    assert os.waitpid(child, 0)[1] == 0
+    assert simulation.running
+    ticks = simulation.state.tick
+    until(lambda: simulation.state.tick > ticks + 10)
+    simulation.stop()
+    assert palpate.read_recording(file).complete
 
 
 def test_end_of_a_block_leaves_its_exception():
