@@ -26,6 +26,7 @@
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/scene_flags.h"
+#include "app/served_devices.h"
 #include "app/served_runs.h"
 
 namespace palpate::app {

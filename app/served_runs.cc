@@ -7,7 +7,6 @@
 #include <fmt/core.h>
 
 #include "core/haptics/simulation.h"
-#include "io/scene/device_kinds.h"
 #include "io/scene/names.h"
 #include "io/scene/variation_reader.h"
 #include "io/system/clock.h"
@@ -16,6 +15,7 @@
 #include "palpate/surface.h"
 
 #include "app/messages.h"
+#include "app/served_devices.h"
 
 namespace palpate::app {
 namespace {
@@ -26,17 +26,6 @@ using net::LiveError;
 
 haptics::LiveNoise live(const noise::NoiseSettings& noise) {
   return {noise.enabled, noise.gain, noise.threshold};
-}
-
-/// A client may select a simulated device, but no device that opens a file or a library on the server.
-/// @throws LiveError
-void require_made_up(const std::string& device) {
-  if (device == "scripted" || device == "emulated") return;
-  throw LiveError("refused",
-                  "device = \"" + device +
-                      "\": must be \"scripted\" or \"emulated\"; other devices are chosen "
-                      "where the server is started, or in a scene file",
-                  "device");
 }
 
 /// @throws InputError for an inclusion that is not inside the organ
@@ -52,17 +41,10 @@ void require_inside(const scene::InclusionSetup& inclusion, const geometry::Tria
 
 }  // namespace
 
-void require_windowless(const scene::Scene& setup) {
-  for (const scene::DeviceSetup& device : setup.devices) {
-    const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
-    if (kind == nullptr || !kind->window) continue;
-    throw InputError("device " + device.kind + ": needs the window of `palpate run`; serve has no window");
-  }
-}
-
 ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
+      own_devices_(first_->setup().devices),
       tissue_(first_->setup().tissue),
       noise_(first_->setup().noise),
       inclusions_(first_->setup().inclusions) {}
@@ -286,6 +268,15 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
   return request;
 }
 
+/// Check of the next scene, which runs on the thread that reads it.
+NextSession::Check ServedRuns::check_of(bool is_clients) const {
+  if (!is_clients) return require_windowless;
+  return [own = own_devices_](const scene::Scene& setup) {
+    require_windowless(setup);
+    require_named(setup, own);
+  };
+}
+
 ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRef& client) {
   scene::Overrides request = request_of(wanted);
   break_off_loading("the load was cancelled by the next load");
@@ -304,7 +295,7 @@ ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
     return Json{{"run", about_run()}};
   }
   next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_, inclusions_},
-                                        next_recording(), require_windowless);
+                                        next_recording(), check_of(request_is_clients_));
   next_is_clients_ = request_is_clients_;
   next_client_ = client;
   return std::nullopt;
@@ -429,7 +420,7 @@ void ServedRuns::poll_next() {
   if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
   if (next_ == nullptr && load_next_) {
     next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), NextSession::Kept{},
-                                          next_recording(), require_windowless);
+                                          next_recording(), check_of(true));
     next_is_clients_ = true;
   }
   if (next_ == nullptr || next_->is_broken_off()) return;

@@ -74,6 +74,7 @@ class ServedRuns final : public net::RunService {
   Answer set_tissue(const net::TissueEdit& edit);
   Answer set_noise(const net::NoiseEdit& edit);
   Answer set_inclusion(const net::InclusionEdit& edit);
+  [[nodiscard]] NextSession::Check check_of(bool is_clients) const;
   [[nodiscard]] scene::Overrides request_of(const net::Load& wanted) const;
   [[nodiscard]] std::string file_below(const std::string& key, const std::string& name) const;
   [[nodiscard]] std::filesystem::path next_recording() const;
@@ -90,6 +91,7 @@ class ServedRuns final : public net::RunService {
 
   ServedOptions options_;
   std::unique_ptr<Session> first_;  // until the first run; has no devices once another scene is prepared
+  std::vector<scene::DeviceSetup> own_devices_;      // those with which the server was started
   std::unique_ptr<LiveRun<net::LiveObserver>> run_;  // the newest run, also after its end
   bool accounted_ = false;                           // the newest run has ended and its summary is printed
   std::optional<net::LiveSurface> surface_;  // organ of the newest run, made when a client first asks for it
@@ -111,9 +113,5 @@ class ServedRuns final : public net::RunService {
   bool fault_ = false;
   bool failed_ = false;
 };
-
-/// [setup] Rejects a scene with a mouse or a gamepad, because they need the window of `palpate run`.
-/// @throws InputError
-void require_windowless(const scene::Scene& setup);
 
 }  // namespace palpate::app

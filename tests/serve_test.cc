@@ -333,6 +333,38 @@ TEST(Serve, ASceneThatAClientLoadsNamesNoFileOutsideTheFolderAndQuotesNone) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
+TEST(Serve, AClientsSceneOpensNoDeviceWithWhichTheServerWasNotStarted) {
+  const Folder folder;
+  ASSERT_EQ(run(folder, {"run", "--offline", "--duration-s", "0.1", "--record", "own.h5"}).exit_code, 0);
+  fs::copy_file(folder / "own.h5", folder / "other.h5");
+  const auto write = [&folder](const std::string& name, const std::string& device) {
+    (void)folder.write(
+        name,
+        "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"curved-forceps\"\n[device]\n" + device + "\n");
+  };
+  write("port.toml", "kind = \"igtl\"\npath = \"18999/H\"");
+  write("all.toml", "kind = \"igtl\"\npath = \"0.0.0.0:18999/H\"");
+  write("service.toml", "kind = \"haply\"\npath = \"ws://192.0.2.1:10001\"");
+  write("arm.toml", "kind = \"touch\"");
+  write("library.toml", "kind = \"forcedimension\"");
+  write("topic.toml", "kind = \"ros\"");
+  write("other.toml", "kind = \"replay\"\npath = \"other.h5\"");
+  write("own.toml", "kind = \"replay\"\npath = \"own.h5\"");
+  Serve serve(folder, {"--scenes", folder.path().string(), "--device", "replay:own.h5"});
+  LiveClient client(serve.port());
+  client.greet();
+  for (const char* name : {"port", "service", "arm", "library", "topic", "other"}) {
+    const json answer = client.ask(json{{"do", "load"}, {"scene", std::string(name) + ".toml"}}.dump());
+    ASSERT_TRUE(answer.contains("error")) << name << answer;
+    const auto words = answer["error"]["words"].get<std::string>();
+    EXPECT_NE(words.find("or a device with which the server was started"), std::string::npos) << words;
+  }
+  const json all = client.ask(R"({"do": "load", "scene": "all.toml"})");
+  EXPECT_NE(all["error"]["words"].get<std::string>().find("must be PORT/NAME"), std::string::npos) << all;
+  EXPECT_EQ(client.ask(R"({"do": "load", "scene": "own.toml"})")["run"]["number"], 2);
+  EXPECT_EQ(serve.end().exit_code, 0);
+}
+
 TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsToldThereAndNotToClients) {
   const Folder folder;
   (void)folder.write("mine.toml",
