@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/text.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 
@@ -49,6 +50,20 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
   const std::string convert = "Could not convert: ";
   if (words.rfind(convert, 0) != 0) return words + help;
   return words.substr(convert.size()) + ": must be a number" + help;
+}
+
+void require_no_empty_word(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const bool is_flag = word.rfind("--", 0) == 0;
+    if (is_flag && word.back() == '=') {
+      throw InputError(std::string(word.substr(0, word.size() - 1)) + ": is empty, must have a value");
+    }
+    if (!word.empty()) continue;
+    const std::string before = argv[i - 1];
+    throw InputError((i > 1 && before.rfind('-', 0) == 0 ? before : "argument " + std::to_string(i)) +
+                     ": is empty, must have a value");
+  }
 }
 
 }  // namespace palpate::app

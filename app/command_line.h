@@ -17,4 +17,8 @@ namespace palpate::app {
 [[nodiscard]] std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc,
                                    char** argv);
 
+/// [setup] Rejects an empty word, as from "$FILE" where FILE is not set. An empty name of an output would
+/// otherwise mean no output. @throws InputError naming the flag or the position
+void require_no_empty_word(int argc, char** argv);
+
 }  // namespace palpate::app

@@ -17,6 +17,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
@@ -54,6 +55,7 @@ fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions
 }
 
 int demo(const DemoFlags& flags, const std::string& command_line) {
+  std::optional<StopOnSignal> signals(std::in_place);
   session::require_usable_core(flags.thread.core, "--core");
   require_writable_folder(flags.folder, "--report");
   report::make_report_folder(flags.folder);
@@ -61,7 +63,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   for (const Experiment& experiment : kExperiments) {
     scene::Overrides request;
     request.task = experiment.task;
-    sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache));
+    sessions.push_back(prepare(scene::load(request), std::nullopt, flags.no_cache, &signals->flag()));
   }
 
   int exit_code = kDone;
@@ -72,10 +74,10 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
     files.push_back({flags.folder / kExperiments[i].file, {}, {}});
     RunResult result;
     {
-      const StopOnSignal signals;
+      const BackgroundOutput output;
       PlayOptions how;
       how.run = {files[i].recording, false, flags.thread};
-      how.stop = &signals.flag();
+      how.stop = &signals->flag();
       result = play(*sessions[i], how);
     }
     stopped = result.loop.stopped_early || !result.recording_failure.empty();
@@ -83,16 +85,15 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
     summaries.push_back(summary_json(result, files[i]));
     if (!flags.json) print_summary(std::cout, result, files[i]);
   }
+  signals.reset();
   if (stopped) {
-    if (flags.json)
-      std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", nullptr}}.dump(2) << '\n';
+    if (flags.json) std::cout << json_text({{"experiments", summaries}, {"report", nullptr}}) << '\n';
     report_message("the demo did not finish; no report was written");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);
   if (flags.json) {
-    std::cout << nlohmann::ordered_json{{"experiments", summaries}, {"report", page.string()}}.dump(2)
-              << '\n';
+    std::cout << json_text({{"experiments", summaries}, {"report", page.string()}}) << '\n';
   } else {
     std::cout << "Report: " << page.string() << '\n';
   }

@@ -16,6 +16,7 @@
 #include "palpate/units.h"
 
 #include "app/commands.h"
+#include "app/output.h"
 
 namespace palpate::app {
 namespace {
@@ -41,7 +42,7 @@ int list_devices(bool as_json) {
                       {"words", probe.words},
                       {"reasons", reasons}});
     }
-    std::cout << Json{{"devices", list}}.dump() << '\n';
+    std::cout << json_text(Json{{"devices", list}}, -1) << '\n';
     return kDone;
   }
   constexpr std::size_t kKindWidth = 16;
@@ -111,7 +112,7 @@ void print_json(const Look& look) {
   json["buttons"] = pressed_buttons(look.last.buttons);
   json["fault"] = haptics::name_of(look.last.fault);
   json["trouble"] = look.trouble;
-  std::cout << json.dump() << '\n';
+  std::cout << json_text(json, -1) << '\n';
 }
 
 void print_lines(const Look& look) {

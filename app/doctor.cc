@@ -15,6 +15,7 @@
 #include "run/realtime/machine_checks.h"
 
 #include "app/commands.h"
+#include "app/output.h"
 #include "app/summary.h"
 
 namespace palpate::app {
@@ -125,7 +126,7 @@ void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness
                                       {"late_us", to_json(wake_ups.late)},
                                       {"polled_late_us", to_json(lateness.polled.late)},
                                       {"histogram_us", histogram}}}};
-  std::cout << json.dump(2) << '\n';
+  std::cout << json_text(json) << '\n';
 }
 
 void doctor(bool json) {

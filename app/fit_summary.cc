@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 
+#include "app/output.h"
 #include "app/sweep_summary.h"
 
 namespace palpate::app {
@@ -140,7 +141,7 @@ std::string fit_json(const std::vector<identify::SpecimenFit>& fits, const ident
                     {"points", pooled.points},
                     {"warnings", pooled.warnings}};
   if (!sweeps.empty()) json["sweeps"] = sweeps_json(sweeps);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json) + '\n';
 }
 
 std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,

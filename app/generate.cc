@@ -17,6 +17,7 @@
 
 #include "app/commands.h"
 #include "app/numbers.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
@@ -80,7 +81,7 @@ int generate_episodes(GenerateFlags& flags) {
         {"out", request.out.string()},       {"task", flags.task},     {"policy", flags.policy},
         {"episodes", request.episodes},      {"steps", summary.steps}, {"terminated", summary.terminated},
         {"mean_reward", summary.mean_reward}};
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
     return kDone;
   }
   const bool search = request.settings.task == learning::Task::kSearch;

@@ -20,6 +20,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/output.h"
 
 namespace palpate::app {
 namespace {
@@ -102,7 +103,7 @@ void print_json(const Inspected& inspected) {
   json["organ"] = inspected.refusal.empty();
   json["refused_as_organ"] =
       inspected.refusal.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(inspected.refusal);
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  std::cout << json_text(json) << '\n';
 }
 
 std::string padded(std::string label) {

@@ -8,6 +8,8 @@
 #include "core/base/text.h"
 #include "palpate/units.h"
 
+#include "app/output.h"
+
 namespace palpate::app {
 namespace {
 
@@ -98,7 +100,7 @@ std::string map_json(const identify::MapFit& fit) {
                                   {"stiffness_ratio", estimate_json(one.ratio, 1.0)}});
   }
   if (any_undetermined(fit)) json["advice"] = kAdvice;
-  return json.dump(2) + '\n';
+  return json_text(json) + '\n';
 }
 
 std::string map_toml(const identify::MapFit& fit) {

@@ -1,32 +1,42 @@
 #include "app/messages.h"
 
 #include <cstdlib>
-#include <memory>
+#include <string>
 #include <string_view>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "app/output.h"
 
 namespace palpate::app {
 namespace {
 
-spdlog::logger& messages() {
-  static const std::shared_ptr<spdlog::logger> logger = [] {
-    auto made = spdlog::stderr_color_mt("palpate");  // _mt: the progress thread logs, too
-    made->set_pattern("%n: %^%v%$");                 // coloured by level, on a terminal only
-    const char* level = std::getenv("PALPATE_LOG");  // NOLINT(concurrency-mt-unsafe): nothing writes it
-    if (level != nullptr && std::string_view(level) == "debug") made->set_level(spdlog::level::debug);
-    return made;
-  }();
-  return *logger;
+/// A variable of the environment; empty when it is not set.
+std::string_view environment(const char* name) {
+  const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nothing writes it
+  return value == nullptr ? std::string_view() : std::string_view(value);
+}
+
+/// @param colour escape sequence of a terminal
+void report(std::string_view colour, std::string_view message) {
+  static const bool coloured =
+      isatty(STDERR_FILENO) == 1 && !environment("TERM").empty() && environment("TERM") != "dumb";
+  std::string line = "palpate: ";
+  if (coloured) line += colour;
+  line += escaped(message, false);
+  if (coloured) line += "\033[m";
+  write_text(STDERR_FILENO, line + '\n');
 }
 
 }  // namespace
 
-void report_message(std::string_view message) { messages().info("{}", message); }
+void report_message(std::string_view message) { report("\033[32m", message); }
 
-void report_detail(std::string_view message) { messages().debug("{}", message); }
+void report_detail(std::string_view message) {
+  static const bool wanted = environment("PALPATE_LOG") == "debug";
+  if (wanted) report("\033[36m", message);
+}
 
-void report_error(std::string_view message) { messages().error("{}", message); }
+void report_error(std::string_view message) { report("\033[31m\033[1m", message); }
 
 }  // namespace palpate::app

@@ -15,6 +15,7 @@
 #include "app/commands.h"
 #include "app/law_flags.h"
 #include "app/numbers.h"
+#include "app/output.h"
 
 namespace palpate::app {
 namespace {
@@ -98,7 +99,7 @@ void print_json(const Account& account) {
     result["layer_deformation_mm"] = layer_deformation_mm(answer.state);
     json["results"].push_back(result);
   }
-  std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  std::cout << json_text(json) << '\n';
 }
 
 void print_table(const Account& account) {

@@ -4,6 +4,9 @@
 #include <exception>
 #include <utility>
 
+#include "run/devices/crash_stop.h"
+#include "run/realtime/realtime.h"
+
 namespace palpate::app {
 
 NextSession::State NextSession::state() {
@@ -13,6 +16,9 @@ NextSession::State NextSession::state() {
     state_ = state_ == State::kReading ? State::kRead : State::kReady;
   } catch (const std::exception& error) {
     failure_ = error.what();
+    state_ = State::kFailed;
+  } catch (...) {  // of a vendor's library
+    failure_ = "an exception that is none of the standard library's";
     state_ = State::kFailed;
   }
   return state_;
@@ -24,6 +30,8 @@ NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::p
       recording_(std::move(recording)),
       check_(std::move(check)) {
   work_ = std::async(std::launch::async, [this] {
+    const devices::SignalStack signal_stack;
+    haptics::yield_to_loop();
     scene::Scene setup = scene::load(request_);
     if (kept_.tissue) setup.tissue = *kept_.tissue;
     if (kept_.noise) {
@@ -44,6 +52,7 @@ NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::p
 void NextSession::prepare_now(std::optional<double> duration_s, bool no_cache) {
   state_ = State::kPreparing;
   work_ = std::async(std::launch::async, [this, duration_s, no_cache] {
+    const devices::SignalStack signal_stack;
     session_ = prepare(std::move(*setup_), duration_s, no_cache, &broken_off_);
   });
 }

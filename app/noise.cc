@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <iostream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -16,6 +15,7 @@
 
 #include "app/commands.h"
 #include "app/numbers.h"
+#include "app/output.h"
 #include "app/progress.h"
 
 namespace palpate::app {
@@ -29,13 +29,14 @@ struct NoiseFlags {
   bool as_json = false;
 };
 
-/// Calls `take(force)` with each sample [N] of hand 0. The noise is steady: it does not fade in.
+/// Calls `take(force)` with each sample [N] of hand 0, until it returns false. The noise is steady: it does
+/// not fade in.
 template <typename Take>
 void for_each_force(const NoiseFlags& flags, Take take) {
   const noise::TouchNoise noise(flags.settings, flags.settings.rate_Hz);
   noise::TouchNoise::State state;
   for (std::uint64_t tick = 0; tick < flags.samples; ++tick) {
-    take(noise.force(state, true, 0, tick, flags.distance));
+    if (!take(noise.force(state, true, 0, tick, flags.distance))) return;
   }
 }
 
@@ -48,14 +49,14 @@ void print_lines(const NoiseFlags& flags) {
   const auto write = [&lines] {
     std::cout << lines << std::flush;
     lines.clear();
-    if (!std::cout) throw std::runtime_error("standard output: cannot be written any more");
+    return static_cast<bool>(std::cout);
   };
   for_each_force(flags, [&](double force) {
     lines += shortest(force);
     lines += '\n';
-    if (++done % kLinesAtOnce != 0) return;
-    write();
+    if (++done % kLinesAtOnce != 0) return true;
     if (piped) bar.update(static_cast<double>(done) / static_cast<double>(flags.samples), "");
+    return write();
   });
   write();
 }
@@ -69,9 +70,12 @@ void print_json(const NoiseFlags& flags) {
   json["seed"] = flags.settings.seed;
   json["sigma_N"] = noise::TouchNoise(flags.settings, flags.settings.rate_Hz).sigma(flags.distance);
   nlohmann::ordered_json forces = nlohmann::ordered_json::array();
-  for_each_force(flags, [&forces](double force) { forces.push_back(force); });
+  for_each_force(flags, [&forces](double force) {
+    forces.push_back(force);
+    return true;
+  });
   json["force_N"] = std::move(forces);
-  std::cout << json.dump() << '\n';
+  std::cout << json_text(json, -1) << '\n';
 }
 
 }  // namespace

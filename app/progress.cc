@@ -1,12 +1,13 @@
 #include "app/progress.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <utility>
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include "io/system/clock.h"
+
+#include "app/output.h"
 
 namespace palpate::app {
 namespace {
@@ -17,14 +18,14 @@ constexpr const char* kClearLine = "\r\033[K";
 
 }  // namespace
 
-Progress::Progress(std::string title) : title_(std::move(title)), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(const std::string& title)
+    : title_(escaped(title, false)), terminal_(isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() { clear(); }
 
 void Progress::clear() {
   if (!drawn_) return;
-  std::fputs(kClearLine, stderr);
-  std::fflush(stderr);
+  write_text(STDERR_FILENO, kClearLine);
   drawn_ = false;
   next_draw_ns_ = 0;
 }
@@ -39,9 +40,8 @@ void Progress::update(double share, const std::string& what) {
   const int filled = static_cast<int>(share * kBarWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
-  std::fprintf(stderr, "%s%s [%s] %3d %% %s", kClearLine, title_.c_str(), bar.c_str(),
-               static_cast<int>(100.0 * share), what.c_str());
-  std::fflush(stderr);
+  write_text(STDERR_FILENO, fmt::format("{}{} [{}] {:3} % {}", kClearLine, title_, bar,
+                                        static_cast<int>(100.0 * share), escaped(what, false)));
 }
 
 }  // namespace palpate::app

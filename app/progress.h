@@ -8,7 +8,7 @@ namespace palpate::app {
 class Progress final {
  public:
   /// [setup] @param title text before the bar, e.g. "bench"
-  explicit Progress(std::string title);
+  explicit Progress(const std::string& title);
   /// Clears the bar's line.
   ~Progress();
   Progress(const Progress&) = delete;

@@ -11,6 +11,7 @@
 #include "palpate/recording.h"
 
 #include "app/commands.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 
@@ -41,7 +42,7 @@ void print_json(const record::Recording& recording, const record::ReplayResult& 
   json["first_difference"] = nullptr;
   if (!result.first_difference.empty()) json["first_difference"] = result.first_difference;
   json["hash"] = hexadecimal(result.hash);
-  std::cout << json.dump(2) << '\n';
+  std::cout << json_text(json) << '\n';
 }
 
 void print_text(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks,

@@ -20,6 +20,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
@@ -99,6 +100,7 @@ nlohmann::ordered_json to_json(const ros::NodeOptions& options, const ros::Publi
 }
 
 int play_on_ros(const RosFlags& flags) {
+  const StopOnSignal signals;
   check(flags);
   const ros::NodeOptions options = ros::options_of_environment(flags.network_interface);
   scene::Scene setup = scene::load(flags.request);
@@ -106,21 +108,24 @@ int play_on_ros(const RosFlags& flags) {
   require_no_overwrite(std::vector<NamedFile>{{"--record", flags.recording}}, sources_of(setup));
   const std::unique_ptr<ros::Node> node = ros::open_node(options);
   report_network(options);
-  const std::unique_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
+  const std::unique_ptr<Session> session =
+      prepare(std::move(setup), flags.duration_s, flags.no_cache, &signals.flag());
   ros::RosPublisher publisher(*node, session->setup().tools, session->setup().rate_Hz, flags.publish_Hz);
   report_topics(session->setup(), session->setup().rate_Hz / static_cast<double>(publisher.every()));
-  const StopOnSignal signals;
   PlayOptions how;
   how.run = {flags.recording, false, flags.thread};
   how.observers = {&publisher};
   how.stop = &signals.flag();
-  const RunResult result = play(*session, how);
+  const RunResult result = [&] {
+    const BackgroundOutput output;
+    return play(*session, how);
+  }();
   const ros::PublisherStatistics published = publisher.finish();
   const OutputFiles files{flags.recording, {}, {}};
   if (flags.json) {
     nlohmann::ordered_json summary = summary_json(result, files);
     summary["ros"] = to_json(options, published);
-    std::cout << summary.dump(2) << '\n';
+    std::cout << json_text(summary) << '\n';
   } else {
     print_summary(std::cout, result, files);
     std::cout << fmt::format("ROS 2: {} messages published, {} failed, {} ticks skipped\n",

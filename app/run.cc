@@ -1,4 +1,5 @@
 // `palpate run`: runs one interaction, in real time or offline.
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -22,6 +23,7 @@
 #include "app/commands.h"
 #include "app/igtl.h"
 #include "app/messages.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
@@ -121,11 +123,12 @@ Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& f
 
 /// Plays the session in a window, or without one when none can be opened.
 Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& flags,
-                     const fs::path& recording, bool window, net::IgtlServer* igtl) {
-  const StopOnSignal signals;
+                     const fs::path& recording, bool window, net::IgtlServer* igtl,
+                     const std::atomic<bool>& stop) {
+  const BackgroundOutput output;
   if (window) {
     try {
-      return play_in_window(session, flags, recording, igtl, signals.flag());
+      return play_in_window(session, flags, recording, igtl, stop);
     } catch (const NoWindow& error) {
       report_message(std::string(error.what()) + "; the run has no window");
       require_window(*session, flags, false);
@@ -134,17 +137,19 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
   PlayOptions how;
   how.run = {recording, flags.offline, flags.thread};
   how.igtl = igtl;
-  how.stop = &signals.flag();
+  how.stop = &stop;
   return {play(*session, how), false, false};
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
+  std::optional<StopOnSignal> signals(std::in_place);
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
   scene::Scene setup = scene::load(flags.request);
   check_outputs(flags.files, setup);
-  const std::shared_ptr<Session> session = prepare(std::move(setup), flags.duration_s, flags.no_cache);
+  const std::shared_ptr<Session> session =
+      prepare(std::move(setup), flags.duration_s, flags.no_cache, &signals->flag());
   const bool window = wants_window(flags);
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
@@ -165,7 +170,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
 
   const std::string title = title_of(session->setup());
   igtl.report_where();
-  const Played played = play_as_asked(session, flags, recorded, window, igtl.server());
+  const Played played = play_as_asked(session, flags, recorded, window, igtl.server(), signals->flag());
+  signals.reset();
   const std::optional<net::IgtlStatistics> tally = igtl.finish();
   const RunResult& result = played.result;
   bool draw = result.loop.ticks > 0 && !(files.report.empty() && files.screenshot.empty());
@@ -199,7 +205,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (flags.json) {
     nlohmann::ordered_json summary = summary_json(result, files, tally);
     if (score) summary["score"] = nlohmann::ordered_json::parse(palpation::to_json(*score));  // its own JSON
-    std::cout << summary.dump(2) << '\n';
+    std::cout << json_text(summary) << '\n';
   } else {
     print_summary(std::cout, result, files);
     if (score) print_score(std::cout, *score);

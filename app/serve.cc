@@ -24,6 +24,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/scene_flags.h"
 #include "app/served_devices.h"
@@ -141,6 +142,8 @@ void report_account(const net::LiveStatistics& account, std::uint64_t runs, bool
 }
 
 int serve(const ServeFlags& flags) {
+  const StopOnSignal signals;
+  const BackgroundOutput output;
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
   scene::Scene setup = scene::load(flags.runs.request);
@@ -149,9 +152,9 @@ int serve(const ServeFlags& flags) {
   inputs.push_back({"--page", flags.page});
   inputs.push_back({"--token-file", flags.token_file});
   require_no_overwrite(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
-  ServedRuns runs(flags.runs, prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache));
+  ServedRuns runs(flags.runs,
+                  prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache, &signals.flag()));
   net::LiveServer server(options, runs);
-  const StopOnSignal signals;
   runs.stop_with(signals.flag());
   report_place(server, flags, options);
   if (!flags.wait) runs.begin_first();

@@ -1,5 +1,6 @@
 #include "app/session.h"
 
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <csignal>
@@ -26,10 +27,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Set by the handler of SIGINT and SIGTERM. It is a mutable global because a signal handler has no arguments
-/// that could carry it.
+/// Set by the handler of SIGINT, SIGTERM and SIGHUP. It is a mutable global because a signal handler has no
+/// arguments that could carry it.
 std::atomic<bool> stop_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
+constexpr std::array<int, 3> kStopSignals{SIGINT, SIGTERM, SIGHUP};
 
 extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
 
@@ -111,6 +113,7 @@ void report_awaited_clients(const scene::Scene& setup) {
 std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s, bool no_cache,
                                  const std::atomic<bool>* broken_off) {
   if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "--duration-s");
+  if (broken_off != nullptr && broken_off->load(std::memory_order_relaxed)) throw Cancelled();
   const OrganPreparation preparation(no_cache);
   session::SessionOptions options;
   options.duration_s = duration_s;
@@ -119,7 +122,7 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
   report_awaited_clients(setup);
   if (broken_off != nullptr) {
     options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
-      if (broken_off->load(std::memory_order_relaxed)) throw InputError("cancelled");
+      if (broken_off->load(std::memory_order_relaxed)) throw Cancelled();
       preparation.how().progress(share, what);
     };
   }
@@ -160,19 +163,19 @@ void require_writable_folder(const fs::path& folder, const std::string& flag) {
   }
 }
 
-StopOnSignal::StopOnSignal() {
+StopOnSignal::StopOnSignal() : hangup_before_(std::signal(SIGHUP, SIG_IGN)) {
   stop_asked.store(false);
   struct sigaction action {};
   action.sa_handler = ask_to_stop;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : kStopSignals) sigaction(number, &action, nullptr);
+  if (hangup_before_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
 StopOnSignal::~StopOnSignal() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  for (const int number : kStopSignals) std::signal(number, SIG_DFL);
+  std::signal(SIGHUP, hangup_before_);
 }
 
 const std::atomic<bool>& StopOnSignal::flag() const noexcept { return stop_asked; }

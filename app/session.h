@@ -9,6 +9,7 @@
 
 #include "io/system/output_file.h"
 #include "net/igtl_server.h"
+#include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
@@ -24,10 +25,16 @@ namespace palpate::app {
 using session::RunResult;
 using session::Session;
 
+/// The user or a client ended the preparation of a run. That is no failure.
+class Cancelled final : public InputError {
+ public:
+  Cancelled() : InputError("stopped before the run began") {}
+};
+
 /// [setup] Opens a session and shows a progress bar while its organ is prepared. @param duration_s simulated
 /// time [s], rounded to whole ticks; nullopt: until the devices have no more samples @param no_cache ignores
-/// the cache of prepared organs @param broken_off cancels the preparation: after another thread has set it,
-/// the next stage of the preparation throws InputError @throws InputError; ParameterError naming
+/// the cache of prepared organs @param broken_off cancels the preparation: after another thread or a signal
+/// has set it, the next stage of the preparation throws Cancelled @throws InputError; ParameterError naming
 /// --duration-s.
 [[nodiscard]] std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s,
                                                bool no_cache, const std::atomic<bool>* broken_off = nullptr);
@@ -44,8 +51,9 @@ void require_writable_folder(const std::filesystem::path& folder, const std::str
 /// [setup] The files from which a scene was read. No output may replace them.
 [[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& setup);
 
-/// [setup] During the lifetime of this object Ctrl-C or SIGTERM ends the run with zero force and a closed
-/// recording. A second one ends the program at once.
+/// [setup] During the lifetime of this object Ctrl-C, SIGTERM or the end of the terminal (SIGHUP) ends the
+/// run with zero force and a closed recording, or its preparation before any file is written. A second one
+/// ends the program at once. Make it before anything that takes time.
 class StopOnSignal final {
  public:
   StopOnSignal();
@@ -55,6 +63,9 @@ class StopOnSignal final {
 
   /// [any] True after the first signal.
   [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
+
+ private:
+  void (*hangup_before_)(int);  // nohup ignores SIGHUP, which then stays ignored
 };
 
 /// [setup] Adds --core and --poll to a command.

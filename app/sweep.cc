@@ -24,6 +24,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/output.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
@@ -195,7 +196,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
     const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
     if (!missing.empty()) report_message(std::string(kFiles[2]) + " was not written: " + missing);
     report_findings(result, request.record.string());
-    std::cout << (flags.as_json ? sweep_json(result, flags.out).dump(2) + '\n'
+    std::cout << (flags.as_json ? json_text(sweep_json(result, flags.out)) + '\n'
                                 : sweep_text(result, flags.out));
   }
   if (result.failed() > 0 || !result.record_failure.empty()) return kBadInput;

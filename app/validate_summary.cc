@@ -7,6 +7,7 @@
 #include "core/model/tissue_fields.h"
 #include "palpate/units.h"
 
+#include "app/output.h"
 #include "app/validate_image.h"
 
 namespace palpate::app {
@@ -172,7 +173,7 @@ std::string validation_json(const report::Validation& validation) {
   if (validation.reach) json["reach"] = reach_json(*validation.reach);
   if (validation.image) json["image"] = image_json(*validation.image);
   json["missed"] = validation.missed;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json) + '\n';
 }
 
 std::string validation_text(const report::Validation& validation) {

@@ -275,5 +275,63 @@ TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothi
   }
 }
 
+/// Runs a command line of the program in a shell. Its standard output goes where the command line sends it.
+Outcome run_in_shell(const Folder& folder, const std::string& command) {
+  const Folder output;
+  const std::string all = "cd " + folder.path().string() + " && PALPATE_CACHE=off exec " PALPATE_PROGRAM " " +
+                          command + " 2> " + (output / "err");
+  const int status = std::system(all.c_str());  // NOLINT(concurrency-mt-unsafe): one thread
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, {}, text_of(output / "err")};
+}
+
+TEST(OutputFiles, ResultsThatStandardOutputDoesNotTakeAreAnError) {
+  const Folder folder;
+  for (const char* command : {"model --tissue liver --direction press --rate-Hz 1000 --force-N 1",
+                              "noise --gain-N-m 5e-5 --threshold-mm 5 --contact --samples 10 --seed 1",
+                              "--help", "devices", "run --offline --duration-s 0.1 --json"}) {
+    EXPECT_EQ(run_in_shell(folder, std::string(command) + " > /dev/null").exit_code, 0) << command;
+    const Outcome outcome = run_in_shell(folder, std::string(command) + " > /dev/full");
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_EQ(outcome.err, "palpate: standard output: cannot be written: No space left on device\n")
+        << command;
+  }
+}
+
+TEST(OutputFiles, AnEmptyNameOfAnOutputIsRefusedAndNotTakenForNone) {
+  const Folder folder;
+  for (const char* flag : {"--record", "--report", "--screenshot"}) {
+    const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.1", flag, ""});
+    EXPECT_EQ(outcome.exit_code, 2) << flag;
+    EXPECT_EQ(outcome.err, std::string("palpate: ") + flag + ": is empty, must have a value\n");
+    EXPECT_EQ(run(folder, {"run", "--offline", std::string(flag) + "="}).err, outcome.err);
+  }
+  EXPECT_EQ(run(folder, {"inspect", ""}).err, "palpate: argument 2: is empty, must have a value\n");
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(OutputFiles, ANameThatIsNoUtf8IsReplacedInJsonAndItsRecordingIsWritten) {
+  const Folder folder;
+  const Outcome outcome =
+      run(folder, {"run", "--offline", "--duration-s", "0.1", "--json", "--record", "\xFF.h5"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["recording"], "\xEF\xBF\xBD.h5");
+  EXPECT_TRUE(fs::exists(folder / "\xFF.h5"));
+}
+
+TEST(OutputFiles, ControlCharactersOfForeignNamesReachNoTerminal) {
+  const Folder folder;
+  const std::string missing = "\x1B[31m\x9B\xC2\x9B\x07\nred\xC3\xBC.stl";
+  const Outcome refused = run(folder, {"inspect", missing});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("\\x1B[31m\\x9B\\xC2\\x9B\\x07\\x0Ared\xC3\xBC.stl"));
+  EXPECT_EQ(lines(refused.err), 1U);
+  std::ofstream(folder / "\x1B[1ma.off") << "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n"
+                                            "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+  const Outcome seen = run(folder, {"inspect", "\x1B[1ma.off", "--unit", "mm"});
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("\\x1B[1ma.off\n"));
+  EXPECT_EQ(seen.out.find('\x1B'), std::string::npos);
+}
+
 }  // namespace
 }  // namespace palpate::tests

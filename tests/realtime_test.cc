@@ -144,5 +144,42 @@ TEST(Doctor, SaysInWordsAndAsJsonWhatThisMachineLacks) {
   EXPECT_EQ(run(folder, {"doctor", "--help"}).exit_code, 0);
 }
 
+/// Waits until the program waits for the first poses of a client, which it does for 30 s before the run.
+bool awaits_poses(const Program& program) {
+  for (int i = 0; i < 2000; ++i) {
+    if (program.err_so_far().find("the run begins when a client sends poses") != std::string::npos)
+      return true;
+    std::this_thread::sleep_for(10ms);
+  }
+  return false;
+}
+
+TEST(RealTime, AResetBeforeTheRunHasNoEffectAndASignalToStopEndsThePreparationWithoutAFile) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    const Folder folder;
+    Program program(folder.path(),
+                    {"run", "--device", "igtl:18973/Hand", "--headless", "--record", "run.h5"});
+    ASSERT_TRUE(awaits_poses(program)) << program.err_so_far();
+    program.signal(SIGUSR1);
+    std::this_thread::sleep_for(100ms);
+    EXPECT_FALSE(program.ended()) << "a reset";
+    program.signal(number);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.exit_code, 0) << number << outcome.err;
+    EXPECT_NE(outcome.err.find("stopped before the run began"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(folder.names().empty());
+  }
+}
+
+TEST(RealTime, TheEndOfTheTerminalEndsTheRunAndClosesTheRecording) {
+  const Folder folder;
+  Program program(folder.path(), {"run", "--device", "emulated", "--headless", "--record", "run.h5"});
+  for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);
+  program.signal(SIGHUP);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(record::read_recording(folder / "run.h5").facts.complete);
+}
+
 }  // namespace
 }  // namespace palpate::tests
