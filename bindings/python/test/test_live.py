@@ -209,8 +209,8 @@ def test_end_of_a_child_process_leaves_the_run_of_its_parent(tmp_path):
             os._exit(code)
     assert os.waitpid(child, 0)[1] == 0
     assert simulation.running
-    ticks = simulation.state.tick
-    until(lambda: simulation.state.tick > ticks + 10)
+    ticks = simulation.state().tick
+    until(lambda: simulation.state().tick > ticks + 10)
     simulation.stop()
     assert palpate.read_recording(file).complete
 
