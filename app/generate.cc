@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/file_exists.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -65,9 +66,8 @@ int generate_episodes(GenerateFlags& flags) {
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   const OrganPreparation preparation(flags.no_cache);
   request.preparation = preparation.how();
-  std::error_code error;
-  request.creates_folder = !request.out.has_extension() && !fs::exists(request.out, error);
-  if (request.creates_folder || fs::is_directory(request.out, error)) request.out /= "episodes.h5";
+  request.creates_folder = !request.out.has_extension() && !file_exists(request.out);
+  if (request.creates_folder || folder_exists(request.out)) request.out /= "episodes.h5";
   tasks::on_rank_zero(*ranks, [&] { check_generate_files(request); });
   GenerateSummary summary;
   {

@@ -13,6 +13,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
+#include "io/system/file_exists.h"
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
@@ -180,7 +181,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
     report_message(
         (played.display_lost ? "no pictures can be drawn without a display" : "the recording is incomplete") +
         std::string(": no report and no screenshot were written") +
-        (files.recording.empty() || !std::filesystem::exists(files.recording)
+        (files.recording.empty() || !file_exists(files.recording)
              ? std::string()
              : "; to draw one: palpate view " + files.recording.string() + " --screenshot FILE.png"));
     draw = false;

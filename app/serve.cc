@@ -16,6 +16,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "net/live_access.h"
 #include "net/live_server.h"
@@ -61,8 +62,7 @@ constexpr std::size_t kMostPageFiles = 100;
 /// The files of a page by their path at the server: an HTML file, or those of a folder with an index.html.
 /// They are read once, so that a request opens no file. @throws InputError
 std::map<std::string, net::PageFile> read_page(const fs::path& page) try {
-  std::error_code error;
-  if (!fs::is_directory(page, error)) {
+  if (!folder_exists(page)) {
     return {{"/", {std::string(kPageTypes[0].second), InputFile(page, kPageInput).read_rest()}}};
   }
   std::map<std::string, net::PageFile> files;
@@ -70,7 +70,7 @@ std::map<std::string, net::PageFile> read_page(const fs::path& page) try {
     const auto type = std::find_if(kPageTypes.begin(), kPageTypes.end(), [&](const auto& known) {
       return entry.path().extension() == known.first;
     });
-    if (type == kPageTypes.end() || entry.is_symlink() || !entry.is_regular_file()) continue;
+    if (type == kPageTypes.end() || entry.symlink_status().type() != fs::file_type::regular) continue;
     if (files.size() == kMostPageFiles) {
       throw InputError(fmt::format("{}: has more than {} files", page.string(), kMostPageFiles));
     }
@@ -104,8 +104,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
 void check_runs(const ServedOptions& options) {
   session::require_usable_core(options.thread.core, "--core");
   if (!options.recording.empty()) require_regular_file(options.recording, "--record");
-  std::error_code error;
-  if (!options.scenes.empty() && !fs::is_directory(options.scenes, error)) {
+  if (!options.scenes.empty() && !folder_exists(options.scenes)) {
     throw InputError("--scenes " + options.scenes.string() + ": is not a folder");
   }
 }

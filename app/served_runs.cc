@@ -68,6 +68,7 @@ fs::path ServedRuns::next_recording() const {
     if (number > 1) {
       file.replace_filename(stem + "-" + std::to_string(number) + options_.recording.extension().string());
     }
+    // An error counts as absent: the recorder then reports that it cannot create the file.
     const bool is_newest = run_ != nullptr && file == run_->recording();  // its file may not exist yet
     if (!is_newest && !fs::exists(fs::symlink_status(file, error))) return file;
   }

@@ -12,6 +12,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
+#include "io/system/file_exists.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "run/devices/ros.h"
@@ -76,8 +77,7 @@ class ResetOnSignal final {
 
 void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
+  if (!folder_exists(folder)) {
     throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " does not exist");
   }
   if (access(folder.c_str(), W_OK) != 0) {
@@ -130,12 +130,11 @@ std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> durat
 }
 
 void require_writable_file(const fs::path& file, const std::string& flag) {
-  std::error_code error;
-  if (!file.has_filename() || fs::is_directory(file, error)) {
+  if (!file.has_filename() || folder_exists(file)) {
     throw InputError(flag + " " + file.string() + ": is a folder; must be a file");
   }
   if (!is_special_file(file)) require_writable_parent(link_target(file), flag);
-  if (fs::exists(file, error) && access(file.c_str(), W_OK) != 0) {
+  if (file_exists(file) && access(file.c_str(), W_OK) != 0) {
     throw InputError(flag + " " + file.string() + ": the file exists and is not writable");
   }
 }
@@ -152,10 +151,9 @@ std::vector<NamedFile> sources_of(const scene::Scene& setup) {
 }
 
 void require_writable_folder(const fs::path& folder, const std::string& flag) {
-  std::error_code error;
   fs::path there = fs::absolute(folder);
-  while (!fs::exists(there, error) && there.has_relative_path()) there = there.parent_path();
-  if (!fs::is_directory(there, error)) {
+  while (!file_exists(there) && there.has_relative_path()) there = there.parent_path();
+  if (!folder_exists(there)) {
     throw InputError(flag + " " + folder.string() + ": " + there.string() + " is not a folder");
   }
   if (access(there.c_str(), W_OK) != 0) {

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -13,6 +12,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
+#include "io/system/file_exists.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
 #include "palpate/units.h"
@@ -82,11 +82,10 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
 
 void check_surroundings(const std::string& file, CheckedStudy& made) {
   const Study& study = made.study;
-  std::error_code error;
   const std::filesystem::path consent = study.file.parent_path() / study.consent_file;
   if (study.consent_file.empty()) {
     made.hints.emplace_back("no [ethics] consent_file: only simulated people can take part");
-  } else if (!std::filesystem::is_regular_file(consent, error)) {
+  } else if (!regular_file_exists(consent)) {
     made.missing.push_back("ethics.consent_file: there is no file " + consent.string());
   }
   const scene::DeviceKind* device = scene::find_device_kind(made.scene.devices.front().kind);

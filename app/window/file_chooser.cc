@@ -86,6 +86,7 @@ void FileChooser::open(FileUse use, const fs::path& file) {
   name_.clear();
   unit_.clear();
   const fs::path absolute = fs::absolute(file, error);
+  // Here and below an error counts as absent: a person sees the list and chooses again.
   if (fs::is_directory(absolute, error)) {
     go_to(absolute);
   } else {
@@ -105,7 +106,7 @@ void FileChooser::go_to(const fs::path& folder) {
        fs::directory_iterator(there, fs::directory_options::skip_permission_denied, error)) {
     const std::string name = entry.path().filename().string();
     if (name.empty() || name.front() == '.') continue;
-    const bool is_folder = entry.is_directory(error);
+    const bool is_folder = entry.is_directory(error);  // an error counts as absent
     if (!is_folder && !fits(use_, entry.path())) continue;
     Entry found;
     found.name = name;
@@ -159,7 +160,7 @@ void FileChooser::draw_mesh_choices() {
 
 bool FileChooser::ready() const {
   if (name_.empty() || (wants_mesh(use_) && unit_.empty())) return false;
-  std::error_code error;
+  std::error_code error;  // an error counts as absent
   return use_ == FileUse::kSaveTissue || fs::is_regular_file(folder_ / name_, error);
 }
 

@@ -10,13 +10,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "io/system/file_exists.h"
 #include "palpate/error.h"
 
 namespace palpate::app {
 
 void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(recording, error))
+  if (!regular_file_exists(recording))
     throw InputError(recording.string() + ": there is no such recording (it appears with the first tick)");
   std::string name = program.string();
   std::string command = "view";

@@ -15,7 +15,7 @@ constexpr ImWchar kDigits[] = {0x0030, 0x003A, 0};
 
 void add_font(ImGuiIO& io, float height, const ImWchar* letters = kLetters) {
   constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
-  std::error_code error;
+  std::error_code error;  // an error counts as absent: there is another font
   if (std::filesystem::exists(kFont, error) &&
       io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, letters) != nullptr) {
     return;

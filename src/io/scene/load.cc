@@ -17,6 +17,7 @@
 #include "io/scene/scene_keys.h"
 #include "io/scene/stiffness_map_reader.h"
 #include "io/scene/variation_reader.h"
+#include "io/system/file_exists.h"
 #include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -302,9 +303,8 @@ std::string check_device_path(const DeviceTable& device, const DeviceKind& kind,
   if (!names_file(kind.path) || kind.path == DevicePath::kName)
     return device.path->value;  // checked by the device itself
   const std::filesystem::path file = device.path->file();
-  std::error_code status;
-  if (!std::filesystem::exists(file, status)) device.path->fail("there is no such file");
-  if (std::filesystem::is_directory(file, status)) device.path->fail("is a folder, must be a file");
+  if (!file_exists(file)) device.path->fail("there is no such file");
+  if (folder_exists(file)) device.path->fail("is a folder, must be a file");
   if (kind.path == DevicePath::kToolPath) check_tool_path(*device.path, file, task);
   return to_text(file);
 }

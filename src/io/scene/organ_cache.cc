@@ -41,7 +41,7 @@ class OrganCache final {
                                                 double reference_radius) const {
     const ContentHash key = contact::organ_key(organ, reference_radius);
     const fs::path file = file_of(key);
-    std::error_code error;
+    std::error_code error;  // an error counts as absent: the organ is prepared again
     if (!fs::exists(file, error)) {
       report("the cache does not have this organ: " + to_text(file));
       return std::nullopt;

@@ -62,6 +62,7 @@ bool make_private_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
   (void)make_folder(folder);  // it may exist already
+  // An error counts as absent: there is no cache then.
   return fs::is_directory(folder, error) && distrust_reason(folder).empty();
 }
 
@@ -72,6 +73,7 @@ void trim_cache(const fs::path& folder, std::string_view ending, std::uint64_t m
   const fs::file_time_type abandoned = fs::file_time_type::clock::now() - kAbandoned;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code of_this;
+    // An error counts as absent: the file stays.
     if (!entry->is_regular_file(of_this) || entry->is_symlink(of_this)) continue;
     const std::string name = to_text(entry->path().filename());
     const CachedFile file{entry->path(), entry->file_size(of_this), entry->last_write_time(of_this)};

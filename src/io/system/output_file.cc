@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "io/system/file_exists.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
@@ -25,11 +26,11 @@ fs::path plain_path(const fs::path& file) {
 }
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  const bool one_there = fs::exists(a, error);
-  if (one_there != fs::exists(b, error)) return false;
+  const bool one_there = file_exists(a);
+  if (one_there != file_exists(b)) return false;
   if (!one_there) return plain_path(a) == plain_path(b);
-  return fs::is_regular_file(a, error) && fs::equivalent(a, b, error);
+  std::error_code error;
+  return regular_file_exists(a) && fs::equivalent(a, b, error);
 }
 
 }  // namespace
@@ -65,7 +66,7 @@ fs::path link_target(const fs::path& file) {
 bool is_special_file(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  return fs::exists(status) && !fs::is_regular_file(status);
+  return fs::exists(status) && !fs::is_regular_file(status);  // an error counts as absent: opening reports it
 }
 
 bool may_have_files_beside(const fs::path& file) {

@@ -12,6 +12,7 @@ std::vector<std::filesystem::path> find_plugin(const std::string& file_name) {
   std::vector<std::filesystem::path> found;
   for (const std::filesystem::path& file :
        {folder / file_name, folder.parent_path() / "lib" / "palpate" / file_name}) {
+    // An error counts as absent: a plug-in is optional.
     if (std::filesystem::exists(file, failed)) found.push_back(file);
   }
   return found;

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "io/system/cache_folder.h"
+#include "io/system/file_exists.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "run/devices/vendor_library.h"
@@ -56,8 +57,7 @@ void DhdLibrary::open(const std::string& path) {
   const std::filesystem::path folder = user_config_folder();
   std::string words;
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
-    std::error_code error;
-    if (!folder.empty() && std::filesystem::exists(folder / name, error)) {
+    if (!folder.empty() && file_exists(folder / name)) {
       const std::string doubt = distrust_reason(folder);
       if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
       return open_file(folder / name);

@@ -51,7 +51,7 @@ bool begins(const fs::path& file, std::string_view start) {
 }
 
 bool is_there(const fs::path& file) {
-  std::error_code error;
+  std::error_code error;  // an error counts as absent: these are only hints
   return fs::exists(file, error);
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/file_exists.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
@@ -175,11 +176,11 @@ void link_recordings(const BidsSource& source, const Participant& person, const 
   for (const EventRecord& event : person.log.events) {
     if (event.event != "block" || event.value("recording").empty()) continue;
     const fs::path from = source.recordings / fs::path(event.value("recording")).filename();
-    std::error_code error;
-    if (!fs::exists(from, error)) continue;
+    if (!file_exists(from)) continue;
     const fs::path to =
         folder / "sourcedata" / ("sub-" + bids_name(person.log.id)) / ("ses-" + event.value("session"));
     make_folder(to);
+    std::error_code error;
     fs::create_hard_link(from, to / from.filename(), error);
     if (!error) continue;
     error.clear();
@@ -199,8 +200,7 @@ std::string bids_name(const std::string& name) {
 }
 
 void write_bids(const BidsSource& source, const fs::path& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
+  if (!is_free_folder(folder)) {
     throw InputError(folder.string() + ": exists; give a folder that is missing or empty");
   }
   make_folder(folder);

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "io/scene/names.h"
 #include "io/scene/scene_file.h"
+#include "io/system/file_exists.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "science/experiment/study.h"
@@ -25,9 +26,8 @@ scene::SceneText text_of_organ(const std::string& organ) {
 scene::Overrides scene_of(const Study& study) {
   scene::Overrides request;
   const std::filesystem::path file = study.file.parent_path() / study.scene;
-  std::error_code error;
   double limit = scene::SafetySetup{}.max_force;
-  if (std::filesystem::is_regular_file(file, error)) {
+  if (regular_file_exists(file)) {
     request.scene = file;
     limit = scene::read_scene_file(file).safety.max_force;
   } else {

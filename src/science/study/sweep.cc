@@ -15,6 +15,7 @@
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/record/scene_json.h"
 #include "io/scene/scene_keys.h"
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/json_text.h"
 #include "io/system/whole_json.h"
@@ -67,9 +68,7 @@ void add(ContentHasher& hasher, const std::string& text) {
 }
 
 void add_file(ContentHasher& hasher, const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_regular_file(file, error))
-    add(hasher, InputFile(file, kRecordingInput).read_rest());
+  if (regular_file_exists(file)) add(hasher, InputFile(file, kRecordingInput).read_rest());
 }
 
 /// Hash of all common inputs: program, scene, the files that it names, and the axes. @param scene receives
@@ -192,8 +191,7 @@ std::size_t SweepResult::with_fault() const {
 std::vector<std::filesystem::path> files_of(const SweepRequest& request, const Axis& axis,
                                             const std::string& value) {
   const std::filesystem::path file = request.scene.scene->parent_path() / value;
-  std::error_code error;
-  if (axis.type != scene::KeyType::kText || !std::filesystem::is_regular_file(file, error)) return {};
+  if (axis.type != scene::KeyType::kText || !regular_file_exists(file)) return {};
   std::vector<std::filesystem::path> files = {file};
   try {
     for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(file)) files.push_back(buffer);

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/json_text.h"
 #include "palpate/error.h"
@@ -18,8 +19,7 @@ namespace palpate::tasks {
 
 std::map<std::string, std::string> read_record(const std::string& file, const CheckLine& check) {
   std::map<std::string, std::string> lines;
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) return lines;
+  if (!file_exists(file)) return lines;
   std::istringstream in(InputFile(file, kTaskRecordInput).read_rest());
   for (std::string line; std::getline(in, line);) {
     try {

@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 
 #include "core/base/text.h"
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
@@ -129,7 +130,7 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
   write_text(folder.path() / "figure.gp", script);
   const int status = run_in(folder.path(), program);
   const std::filesystem::path drawn = folder.path() / "figure.svg";
-  if (status != 0 || !std::filesystem::exists(drawn)) {
+  if (status != 0 || !file_exists(drawn)) {
     throw FigureError(
         fmt::format("gnuplot failed (exit {}): {}", status, read_text(folder.path() / "errors.txt")));
   }

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
@@ -171,7 +172,7 @@ std::filesystem::path Page::write(const std::filesystem::path& folder) const {
 void make_report_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
+  if (error || !folder_exists(folder)) {
     throw InputError(folder.string() + ": the report's folder cannot be made" +
                      (error ? ": " + error.message() : ""));
   }

@@ -70,7 +70,7 @@ class CheckedFiles final : public Assimp::DefaultIOSystem {
 
   /// The base class opens a file to test its existence, which blocks on a FIFO.
   bool Exists(const char* name) const override {
-    std::error_code error;
+    std::error_code error;  // an error counts as absent: Open() reports it
     return std::filesystem::exists(to_path(name), error);
   }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
