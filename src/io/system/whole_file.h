@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <string_view>
+
+#include <sys/types.h>
+
+namespace palpate {
+
+/// [setup] Creates a file whose existence has a meaning: its name appears together with its whole content, or
+/// not at all. The content is written to a temporary file in the same folder and flushed to the disk, the
+/// file is linked to its name without replacing another one, and the folder is flushed. A killed process
+/// leaves at most a file .NAME.XXXXXX.
+/// @param mode of the file, less the process's umask @throws InputError naming the file, when it exists or
+/// cannot be written; then nothing has the name that had not before
+void create_whole_file(const std::filesystem::path& file, std::string_view bytes, mode_t mode = 0644);
+
+/// [setup] Flushes a folder's list of files to the disk, so that a new file stays after a power failure.
+/// Where the file system cannot do that, nothing happens.
+void flush_folder(const std::filesystem::path& folder) noexcept;
+
+}  // namespace palpate
