@@ -7,9 +7,11 @@
 
 #include "core/base/random.h"
 #include "io/system/input_file.h"
+#include "io/system/sha256.h"
 #include "palpate/error.h"
 #include "palpate/session.h"
 #include "science/experiment/block_scene.h"
+#include "science/experiment/interval_meter.h"
 
 namespace palpate::experiment {
 namespace {
@@ -17,7 +19,6 @@ namespace {
 constexpr int kAudibleTrials = 20;
 constexpr double kAudibleMinutes = 30.0;
 constexpr std::uint32_t kAudiblePart = 0x7500'0000;  // of the random numbers
-constexpr double kFarAway = 1e3;                     // m, d0 of a noise that does not depend on the distance
 constexpr InputKind kConsentInput{"a consent text", std::uint64_t{1} << 20U};
 
 double hours_since(const std::string& time) {

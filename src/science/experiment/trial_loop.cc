@@ -10,17 +10,14 @@
 namespace palpate::experiment {
 namespace {
 
-constexpr double kFade = 50e-3;      // s, of noise and commanded force
 constexpr double kStill = 5e-3;      // m/s, speed of a hand that holds still
 constexpr double kInBand = 0.3;      // s, in the force band before an interval
 constexpr double kReachTime = 15.0;  // s, longest wait for the force band, a press or the tool outside
 constexpr double kShowTarget = 2.0;  // s, kForceControl: with the bar
 constexpr double kHoldTime = 6.0;    // s, kForceControl: without it
-constexpr double kSettle = 1.0;      // s, of the hold that is not measured
 constexpr double kGiven = 0.99;      // of a commanded force that the energy limit left
 constexpr double kLateTick = 5e-3;   // s
 constexpr std::uint32_t kPlacePart = 0x7200'0000;  // of the random numbers: place of an inclusion
-constexpr double kFarAway = 1e3;                   // m, d0 of a noise that does not depend on the distance
 
 double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -143,8 +140,7 @@ void TrialLoop::begin_interval(std::uint64_t tick) {
   if (presses_twice())
     ends_ = begins_ + ticks(task().kind == TaskKind::kInclusion ? task().search_time : kReachTime);
   Measured& measured = measured_[static_cast<std::size_t>(view_.interval - 1)];
-  measured.cues.from_tick = begins_;
-  last_depth_ = 0.0;
+  measured.from_tick = begins_;
   enter(TrialState::kInterval, tick);
 }
 
@@ -156,8 +152,7 @@ void TrialLoop::end_interval(std::uint64_t tick) {
   if (noise_on_) switch_noise(false, at);
   noise_again_ = 0;
   Measured& measured = measured_[static_cast<std::size_t>(view_.interval - 1)];
-  measured.cues.to_tick = tick + 1;
-  if (measured.rows > 0) measured.cues.mean_force = measured.force_sum / static_cast<double>(measured.rows);
+  measured.to_tick = tick + 1;
   view_.deep_enough = false;
 }
 
@@ -245,18 +240,8 @@ void TrialLoop::reach(const haptics::TickRow& row) {
 }
 
 void TrialLoop::measure(const haptics::TickRow& row) {
-  Measured& now = measured_[static_cast<std::size_t>(view_.interval - 1)];
-  now.touched = now.touched || in_contact(row);
-  now.cues.peak_force = std::max(now.cues.peak_force, row.tissue_force);
-  now.cues.depth = std::max(now.cues.depth, row.depth);
-  now.cues.work += std::max(row.depth - last_depth_, 0.0) * row.tissue_force;
-  last_depth_ = row.depth;
-  if (task().kind == TaskKind::kForceControl && row.tick < begins_ + ticks(kSettle)) return;
-  ++now.rows;
-  now.force_sum += row.tissue_force;
-  now.force_square += row.tissue_force * row.tissue_force;
-  const double error = row.tissue_force - trial_.level;
-  now.square_sum += error * error;
+  const bool settled = task().kind != TaskKind::kForceControl || row.tick >= begins_ + ticks(kSettle);
+  measured_[static_cast<std::size_t>(view_.interval - 1)].meter.add(row, settled, trial_.level);
 }
 
 void TrialLoop::check(const haptics::TickRow& row) {
@@ -280,10 +265,10 @@ void TrialLoop::interval(const haptics::TickRow& row) {
   check(row);
   bool over = row.tick + 1 >= ends_;
   if (presses_twice()) {
-    const Measured& now = measured_[static_cast<std::size_t>(view_.interval - 1)];
+    const IntervalMeter& now = measured_[static_cast<std::size_t>(view_.interval - 1)].meter;
     const bool stiffness = task().kind == TaskKind::kStiffness;
-    view_.deep_enough = stiffness && task().depth > 0.0 && now.cues.depth >= task().depth;
-    const bool pressed = now.touched && (task().depth <= 0.0 || !stiffness || now.cues.depth >= task().depth);
+    view_.deep_enough = stiffness && task().depth > 0.0 && now.depth() >= task().depth;
+    const bool pressed = now.touched() && (task().depth <= 0.0 || !stiffness || now.depth() >= task().depth);
     if (stiffness && over && !pressed) spoil("the depth was not reached");
     const bool out = pressed && !in_contact(row);
     over = over || (stiffness && out);
@@ -340,7 +325,7 @@ void TrialLoop::answer(int interval) {
 
 void TrialLoop::next() {
   if (view_.state != TrialState::kInterval || task().kind != TaskKind::kInclusion) return;
-  if (measured_[static_cast<std::size_t>(view_.interval - 1)].touched)
+  if (measured_[static_cast<std::size_t>(view_.interval - 1)].meter.touched())
     ends_ = std::min(ends_, view_.tick + 1);
 }
 
@@ -348,17 +333,17 @@ void TrialLoop::fill_in(TrialRecord& record) const {
   record.spoiled = spoiled_;
   record.answer = answer_;
   record.counted = answer_ != 0 && counted_answer(trial_, answer_);
-  const std::uint64_t end = measured_[1].cues.to_tick;
+  const std::uint64_t end = measured_[1].to_tick;
   if (answer_ != 0 && answered_ > end)
     record.response_time = static_cast<double>(answered_ - end) / scene_.rate_Hz;
-  for (std::size_t i = 0; i < 2; ++i) record.intervals[i] = measured_[i].cues;
-  if (task().kind != TaskKind::kForceControl || measured_[0].rows == 0) return;
-  const Measured& hold = measured_[0];
-  const double rows = static_cast<double>(hold.rows);
-  const double mean = hold.force_sum / rows;
-  record.rms_error = std::sqrt(hold.square_sum / rows);
-  record.variation =
-      mean > 0.0 ? std::sqrt(std::max(hold.force_square / rows - mean * mean, 0.0)) / mean : 0.0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    record.intervals[i] = measured_[i].meter.cues();
+    record.intervals[i].from_tick = measured_[i].from_tick;
+    record.intervals[i].to_tick = measured_[i].to_tick;
+  }
+  if (task().kind != TaskKind::kForceControl) return;
+  record.rms_error = measured_[0].meter.rms_error();
+  record.variation = measured_[0].meter.variation();
 }
 
 }  // namespace palpate::experiment

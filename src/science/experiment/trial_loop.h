@@ -9,6 +9,7 @@
 #include "palpate/tick_row.h"
 #include "palpate/tissue.h"
 #include "science/experiment/course.h"
+#include "science/experiment/interval_meter.h"
 #include "science/experiment/study.h"
 #include "science/experiment/trial_log.h"
 
@@ -75,12 +76,9 @@ class TrialLoop final {
 
  private:
   struct Measured {
-    IntervalCues cues;
-    double force_sum = 0.0;
-    double square_sum = 0.0;  // of force - target
-    double force_square = 0.0;
-    std::uint64_t rows = 0;
-    bool touched = false;
+    IntervalMeter meter;
+    std::uint64_t from_tick = 0;
+    std::uint64_t to_tick = 0;
   };
 
   [[nodiscard]] std::uint64_t ticks(double seconds) const noexcept;
@@ -113,7 +111,6 @@ class TrialLoop final {
   std::array<Measured, 2> measured_{};
   std::optional<std::array<double, 3>> rest_;  // position of the tool at the first row
   std::array<double, 3> last_position_{};
-  double last_depth_ = 0.0;
   std::uint64_t since_ = 0;  // tick at which the state began
   std::uint64_t still_since_ = 0;
   std::uint64_t begins_ = 0;  // first tick of the interval that counts
