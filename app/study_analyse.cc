@@ -3,9 +3,12 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "io/system/file_exists.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "science/experiment/analysis.h"
@@ -31,6 +34,7 @@ struct AnalyseFlags {
   std::string folder;
   std::string report;
   std::string why;
+  bool early = false;
   std::string csv;
   std::string bids;
   bool as_json = false;
@@ -38,8 +42,7 @@ struct AnalyseFlags {
 
 /// @throws InputError when the file or folder exists
 void require_absent(const fs::path& path, const std::string& flag) {
-  std::error_code error;
-  if (fs::exists(path, error)) {
+  if (file_exists(path)) {
     throw InputError(flag + " " + path.string() + ": exists and is not overwritten; give another name");
   }
 }
@@ -53,7 +56,7 @@ int analyse(const AnalyseFlags& flags, const std::string& command_line) {
   const StudyFolder study = experiment::open_study(flags.folder);
   const std::vector<Participant> people = experiment::read_people(study);
   const experiment::StudyAnalysis analysis =
-      experiment::analyse(study.study, people, experiment::read_sealed_key(study), study.unblinded());
+      experiment::analyse(study.study, people, study.key, study.unblinded());
   if (analysis.people.empty()) {
     throw InputError(flags.folder +
                      ": no participant has a trial yet; `palpate study run` or `simulate` first");
@@ -67,10 +70,14 @@ int analyse(const AnalyseFlags& flags, const std::string& command_line) {
 }
 
 int unblind(const AnalyseFlags& flags) {
-  const StudyFolder study = experiment::open_study(flags.folder);
-  experiment::unblind_study(study, flags.why);
+  StudyFolder study = experiment::open_study(flags.folder);
+  experiment::unblind_study(study, flags.why, flags.early);
   std::cout << study.study.name
             << ": unblinded once and for ever; unblinded.json has the time and the reason\n";
+  const std::vector<std::string> unfinished = experiment::unfinished_people(study);
+  if (unfinished.empty()) return kDone;
+  std::cout << fmt::format("ended early: {} cannot be run any more: {}\n",
+                           counted(unfinished.size(), "participant", "participants"), joined(unfinished));
   return kDone;
 }
 
@@ -78,7 +85,7 @@ int export_trials(const AnalyseFlags& flags) {
   if (flags.csv.empty() == flags.bids.empty()) throw InputError("give one of --csv FILE and --bids FOLDER");
   const StudyFolder study = experiment::open_study(flags.folder);
   const std::vector<Participant> people = experiment::read_people(study);
-  const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
+  const experiment::ArmNames names(study.study, study.key, study.unblinded());
   if (!flags.csv.empty()) {
     require_absent(flags.csv, "--csv");
     write_output(flags.csv, experiment::table_csv(study.study, people, names), "--csv");
@@ -117,11 +124,13 @@ void add_study_unblind(CLI::App& study, int& exit_code) {
       study.add_subcommand("unblind", "Show the conditions from now on; it is logged and cannot be undone");
   command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
   command->add_option("--why", flags->why, "reason, for the log")->required();
+  command->add_flag("--early", flags->early,
+                    "also while participants are not finished, who are then not run");
   command->footer(
       "Examples:\n"
       "  palpate study analyse touch\n"
       "  palpate study unblind touch --why \"all 24 sessions done, blind analysis archived\"\n"
-      "Exit: 0 done, 2 bad input or unblinded before");
+      "Exit: 0 done, 2 bad input, unblinded before, or participants are not finished (without --early)");
   command->callback([flags, &exit_code] { exit_code = unblind(*flags); });
 }
 

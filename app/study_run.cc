@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "io/system/file_exists.h"
 #include "palpate/device.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
@@ -48,7 +49,7 @@ std::unique_ptr<StudyScreens> open_screens(const experiment::StudyFolder& study,
 }
 
 // A folder holds people or simulated ones, since their data are analysed together.
-void require_one_kind(const experiment::StudyFolder& study, const std::string& observer) {
+void require_one_kind(experiment::StudyFolder& study, const std::string& observer) {
   if (observer.empty()) {
     if (!study.simulated) return;
     throw InputError(study.folder.string() + ": is for simulated participants; prepare another for people");
@@ -56,18 +57,16 @@ void require_one_kind(const experiment::StudyFolder& study, const std::string& o
   (void)experiment::make_person(observer, 1, 0);  // refuses an unknown one
   if (study.simulated) return;
   for (const std::string& id : study.ids) {
-    if (!std::filesystem::exists(study.log_of(id))) continue;
+    if (!file_exists(study.log_of(id))) continue;
     throw InputError(study.folder.string() + ": has data of people; prepare another folder for --observer");
   }
   experiment::mark_simulated(study);
 }
 
 int run_study(const StudyRunFlags& flags) {
-  const experiment::StudyFolder study = experiment::open_study(flags.folder);
-  if (study.unblinded()) {
-    throw InputError(flags.folder + ": is unblinded, so nobody can be run blind; prepare another folder");
-  }
-  const experiment::SealedKey key = experiment::read_sealed_key(study);
+  experiment::StudyFolder study = experiment::open_study(flags.folder);
+  experiment::require_blind(study);
+  const experiment::SealedKey key = study.key;
   if (study.program != kVersion) {
     report_message(fmt::format("{}: was prepared by palpate {}, this is {}: use one version for all sessions",
                                flags.folder, study.program, kVersion));

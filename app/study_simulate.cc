@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "io/system/output_file.h"
+#include "io/system/file_exists.h"
 #include "palpate/error.h"
 #include "science/experiment/run_session.h"
 #include "science/experiment/simulate.h"
@@ -44,7 +44,7 @@ std::vector<std::string> participants_of(const experiment::StudyFolder& study, i
 // Nobody's data may lie beside simulated ones.
 void require_empty(const experiment::StudyFolder& study) {
   for (const std::string& id : study.ids) {
-    if (!std::filesystem::exists(study.log_of(id))) continue;
+    if (!file_exists(study.log_of(id))) continue;
     throw InputError(study.log_of(id).string() + ": is there already; simulate only fills an empty folder");
   }
 }
@@ -69,8 +69,8 @@ std::uint32_t run_rendered(const experiment::StudyFolder& study, experiment::Sea
 
 int simulate(const SimulateFlags& flags) {
   (void)experiment::make_person(flags.observer, 1, 0);  // refuses an unknown one before anything is written
-  const experiment::StudyFolder study = experiment::open_study(flags.folder);
-  const experiment::SealedKey key = experiment::read_sealed_key(study);
+  experiment::StudyFolder study = experiment::open_study(flags.folder);
+  const experiment::SealedKey key = study.key;
   const std::vector<std::string> ids = participants_of(study, flags.participants);
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   tasks::on_rank_zero(*ranks, [&] {
@@ -101,7 +101,7 @@ int simulate(const SimulateFlags& flags) {
   bar.clear();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (!flags.rendered) {
-      write_output(study.log_of(ids[i]), logs.results[i]);
+      experiment::keep_log(study, ids[i], logs.results[i]);
     } else if (!logs.results[i].empty()) {
       std::cout << ids[i] << ": " << logs.results[i] << " ended a session\n";
       return kFault;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "io/record/recorder.h"
+#include "io/system/sha256.h"
 #include "palpate/recording.h"
 
 #include "tests/program.h"
@@ -26,7 +27,8 @@ struct BlindStudy {
     EXPECT_EQ(made.exit_code, 0) << made.err;
     const record::Recording recorded = record::read_recording(folder / "open.h5");
     fs::create_directory(folder / "recordings");
-    record::Recorder recorder(folder / "recordings/b.h5", recorded.setup, true, {}, "pilot");
+    record::Recorder recorder(folder / "recordings/b.h5", recorded.setup, true, {},
+                              {"pilot", sha256("the proof")});
     recorder.on_start(1);
     for (haptics::TickRow row : recorded.rows) {
       row.noise_force += spoil;
@@ -71,12 +73,22 @@ TEST(BlindCommands, EveryCommandThatShowsAForceRefusesWithTheReasonAndWritesNoth
 
 TEST(BlindCommands, TheFileOfTheUnblindedStudyOpensThem) {
   const BlindStudy study;
-  std::ofstream(study.folder / "unblinded.json") << "{}\n";
+  std::ofstream(study.folder / "unblinded.json") << "{\"proof\":\"the proof\"}\n";
   for (const std::vector<std::string>& words : kShowing) {
     if (words[0] == "score") continue;  // the scene hides nothing
     const Outcome outcome = run(study.folder, words);
     EXPECT_EQ(outcome.exit_code, 0) << words[0] << ": " << outcome.err;
   }
+}
+
+TEST(BlindCommands, ACopyOfARecordingBesideAForgedFileIsAsBlind) {
+  const BlindStudy study;
+  const Folder other;
+  fs::copy(study.folder / "recordings", other / "recordings");
+  std::ofstream(other / "unblinded.json") << "{}\n";
+  const Outcome outcome = run(other, {"export", "recordings/b.h5", "--csv", "b.csv"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("recordings/b.h5: belongs to the study pilot"));
 }
 
 TEST(BlindCommands, BreakBlindOpensThemAndKeepsANoteOfTheCommand) {

@@ -15,6 +15,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kExample = PALPATE_EXAMPLES "/study/touch-noise.toml";
 
@@ -121,7 +122,7 @@ TEST(StudyStatusCommand, CountsSessionsTrialsAndCutLines) {
   prepare(folder);
   const experiment::StudyFolder study = experiment::open_study(folder / "study");
   {
-    experiment::LogWriter writer(study.log_of(study.ids[0]), study.lock_hash);
+    experiment::LogWriter writer(study.log_of(study.ids[0]), study.log_key(study.ids[0]));
     experiment::TrialRecord trial;
     trial.time = "2026-03-01T10:00:00.000Z";
     writer.append(trial);
@@ -150,36 +151,67 @@ TEST(StudyStatusCommand, CountsSessionsTrialsAndCutLines) {
                         "         1/1          1/4        1     1  2026-03-01T10:02:00.000Z  withdrawn\n"));
 }
 
-TEST(StudyVerifyCommand, NamesAChangedLineAndARecordingThatDoesNotReplay) {
+TEST(StudyVerifyCommand, SaysWhatItCheckedAndNamesAChangedLineOrRecording) {
   const Folder folder;
   prepare(folder);
   const experiment::StudyFolder study = experiment::open_study(folder / "study");
-  const std::string log = study.log_of(study.ids[1]).string();
-  const std::string recording = study.recording_of(study.ids[1], 1, 1).string();
-  {
-    experiment::LogWriter writer(log, study.lock_hash);
-    const std::string name = fs::path(recording).filename().string();
-    writer.append(
-        experiment::EventRecord{"", "block", {{"session", "1"}, {"block", "1"}, {"recording", name}}});
-    for (int i = 0; i < 2; ++i) writer.append(experiment::EventRecord{"", "note", {{"text", "a"}}});
-  }
-  ASSERT_EQ(run(folder, {"run", "--organ", "box", "--offline", "--record", recording}).exit_code, 0);
+  const std::string id = study.ids[1];
+  ASSERT_EQ(run(folder, {"study", "run", "study", "--participant", id, "--observer", "ideal"}).exit_code, 0);
+  const std::string log = study.log_of(id).string();
+  const std::string recording = study.recording_of(id, 1, 1).string();
   const Outcome outcome = run(folder, {"study", "verify", "study", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(json::parse(outcome.out)["recordings"], 1);
+  EXPECT_EQ(json::parse(outcome.out)["checked"].size(), 6U);
+  const Outcome text = run(folder, {"study", "verify", "study"});
+  EXPECT_THAT(text.out, HasSubstr("1 recording are consistent with the sealed key and with each other\n"));
+  EXPECT_THAT(text.out, HasSubstr("checked: each trial follows from the answers before it\n"));
+  EXPECT_THAT(text.out, Not(HasSubstr("as they were written")));
 
   std::ofstream(recording) << "no recording";
-  EXPECT_EQ(run(folder, {"study", "verify", "study", "--logs-only"}).exit_code, 0);
+  const Outcome logs = run(folder, {"study", "verify", "study", "--logs-only"});
+  EXPECT_EQ(logs.exit_code, 0);
+  EXPECT_THAT(logs.out, HasSubstr("not checked: the content of the recordings\n"));
   const Outcome broken = run(folder, {"study", "verify", "study"});
   EXPECT_EQ(broken.exit_code, 2);
-  EXPECT_THAT(broken.err, HasSubstr(fs::path(recording).filename().string() + ": not a palpate recording"));
+  EXPECT_THAT(broken.err,
+              HasSubstr(fs::path(recording).filename().string() + ": was changed after the block"));
 
   std::string lines_of_log = text_of(log);
-  lines_of_log.replace(lines_of_log.find("\"a\""), 3, "\"b\"");
+  lines_of_log.replace(lines_of_log.find("\"ideal\""), 7, "\"\"");
   std::ofstream(log) << lines_of_log;
-  const Outcome changed = run(folder, {"study", "verify", "study", "--logs-only"});
-  EXPECT_EQ(changed.exit_code, 2);
-  EXPECT_THAT(changed.err, HasSubstr(fs::path(log).filename().string() + ":2: "));
+  for (const char* command : {"verify", "status", "analyse"}) {
+    const Outcome changed = run(folder, {"study", command, "study"});
+    EXPECT_EQ(changed.exit_code, 2) << command;
+    EXPECT_THAT(changed.err, HasSubstr(fs::path(log).filename().string() + ":1: was changed"));
+  }
+}
+
+// A cycle of links, whose error a privileged user gets, too.
+TEST(StudyVerifyCommand, ParticipantsThatCannotBeLookedAtAreNotNobody) {
+  const Folder folder;
+  prepare(folder);
+  fs::remove(folder / "study/participants");
+  fs::create_symlink("participants", folder / "study/participants");
+  for (const char* command : {"verify", "status"}) {
+    const Outcome outcome = run(folder, {"study", command, "study"});
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_THAT(outcome.err, HasSubstr(": cannot be looked at: Too many levels of symbolic links"));
+  }
+}
+
+TEST(StudyUnblindCommand, SaysWhomItEndsAndNeedsEarlyForIt) {
+  const Folder folder;
+  prepare(folder);
+  const Outcome refused = run(folder, {"study", "unblind", "study", "--why", "done"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(lines(refused.err), 1U);
+  EXPECT_THAT(refused.err, HasSubstr("study: 2 of 2 participants are not finished ("));
+  EXPECT_FALSE(experiment::open_study(folder / "study").unblinded());
+  const Outcome early = run(folder, {"study", "unblind", "study", "--why", "no money", "--early"});
+  EXPECT_EQ(early.exit_code, 0) << early.err;
+  EXPECT_THAT(early.out, HasSubstr("ended early: 2 participants cannot be run any more: "));
+  EXPECT_TRUE(experiment::open_study(folder / "study").unblinded());
 }
 
 }  // namespace

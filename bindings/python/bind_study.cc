@@ -180,7 +180,7 @@ py::object array_of_column(const std::vector<std::string>& fields) {
 
 py::dict read_trials(const std::filesystem::path& folder) {
   const experiment::StudyFolder study = experiment::open_study(folder);
-  const experiment::ArmNames names(study.study, experiment::read_sealed_key(study), study.unblinded());
+  const experiment::ArmNames names(study.study, study.key, study.unblinded());
   const std::vector<experiment::TrialColumn>& columns = experiment::trial_columns();
   std::vector<std::vector<std::string>> fields(columns.size());
   for (const experiment::Participant& person : experiment::read_people(study)) {

@@ -27,6 +27,15 @@ using TimeHistogram = std::vector<haptics::Histogram::Bucket>;
 /// Called with the progress of a long operation, 0..1; may be empty.
 using Progress = std::function<void(double)>;
 
+/// The study that a run belongs to. Its recording is blind (Blind) until the study is unblinded.
+struct StudyMark {
+  std::string name{};  // empty: none
+  // SHA-256 of the proof in the study's unblinded.json, in hexadecimal; empty: no proof opens the recording
+  std::string commitment{};
+
+  bool operator==(const StudyMark&) const = default;
+};
+
 /// Facts about a recorded run.
 struct RunFacts {
   std::string version;  // of palpate
@@ -47,7 +56,7 @@ struct RunFacts {
   TimeHistogram late_histogram;  // of lateness
   std::uint64_t watchdog_stops = 0;
   std::vector<std::string> remarks;  // requests that the system refused, and stops by the watchdog
-  std::string study{};               // that the run belongs to; empty: none
+  StudyMark study{};                 // that the run belongs to
   bool blind = false;                // of a study that is not unblinded yet
 };
 

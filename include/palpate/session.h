@@ -15,6 +15,7 @@
 #include "palpate/device.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/preparation.h"
+#include "palpate/recording.h"
 #include "palpate/run_control.h"
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
@@ -118,7 +119,7 @@ struct RunOptions {
   haptics::LoopThread thread{};       // settings of the loop's thread
   // Without a recording: writes the last seconds before a fault to a file in the user's state folder.
   bool keep_fault = true;
-  std::string study{};  // that the run belongs to; its recording is blind (record::Blind). Empty: none
+  record::StudyMark study{};  // that the run belongs to; its recording is blind
   // Called once, on the recorder's thread, when the recording can no longer be written. The text names the
   // file, the number of rows that are safely in it, and the cause. The run continues, and run() returns with
   // recording_failure set. Without this function run() throws at the end of the run.

@@ -11,7 +11,12 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "io/system/file_exists.h"
+#include "io/system/input_file.h"
+#include "io/system/json_field.h"
+#include "io/system/json_text.h"
 #include "io/system/path_text.h"
+#include "io/system/sha256.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -27,15 +32,24 @@ std::filesystem::path folder_of(const std::filesystem::path& recording) {
 
 }  // namespace
 
-bool is_unblinded(const std::filesystem::path& recording) {
-  std::error_code error;
-  return std::filesystem::is_regular_file(folder_of(recording).parent_path() / "unblinded.json", error);
+bool is_unblinded(const std::filesystem::path& recording, const StudyMark& study) {
+  constexpr InputKind kUnblindedInput{"the file unblinded.json of a study", std::uint64_t{1} << 20};
+  const std::filesystem::path file = folder_of(recording).parent_path() / "unblinded.json";
+  if (study.commitment.empty() || !file_exists(file)) return false;
+  const std::string text = InputFile(file, kUnblindedInput).read_rest();
+  try {
+    const nlohmann::json values = parse_json(text);
+    return sha256(JsonField(values).at("proof").text()) == study.commitment;
+  } catch (const InputError&) {
+    return false;  // not the study's own file
+  }
 }
 
 void refuse_blind(const std::filesystem::path& recording, const std::string& study) {
   throw InputError(fmt::format(
       "{}: belongs to the study {}, which is still blind: its forces and noise show the condition. `palpate "
-      "study unblind` opens all recordings of a study; --break-blind opens this one and keeps a note of it",
+      "study unblind` opens all recordings in the study's folder; --break-blind opens this one and keeps a "
+      "note of it beside the file",
       to_text(recording), study));
 }
 

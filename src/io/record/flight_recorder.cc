@@ -21,7 +21,7 @@ std::size_t rows_in(double seconds, const scene::Scene& setup) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const scene::Scene& setup, std::string study)
+FlightRecorder::FlightRecorder(const scene::Scene& setup, StudyMark study)
     : setup_(setup),
       study_(std::move(study)),
       hands_(setup.tools.size()),

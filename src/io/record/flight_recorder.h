@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/recording.h"
 #include "palpate/scene.h"
 #include "palpate/tick_observer.h"
 
@@ -18,8 +19,8 @@ class FlightRecorder final : public haptics::TickObserver {
   static constexpr double kAfter = 0.25;  // s from the fault on
   static constexpr std::size_t kChangesKept = 64;
 
-  /// [setup] @param setup must outlive this @param study that the run belongs to; empty: none
-  explicit FlightRecorder(const scene::Scene& setup, std::string study = {});
+  /// [setup] @param setup must outlive this @param study that the run belongs to
+  explicit FlightRecorder(const scene::Scene& setup, StudyMark study = {});
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
@@ -37,7 +38,7 @@ class FlightRecorder final : public haptics::TickObserver {
 
  private:
   const scene::Scene& setup_;
-  std::string study_;
+  StudyMark study_;
   std::size_t hands_;
   std::size_t rows_after_fault_;
   std::vector<haptics::TickRow> ring_;

@@ -218,12 +218,24 @@ std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name, std:
   return values;
 }
 
+bool has_attribute(hid_t object, const std::string& name) {
+  const htri_t found = H5Aexists(object, name.c_str());
+  check(found < 0 ? -1 : 0, "attribute " + name + " cannot be looked for");
+  return found > 0;
+}
+
+bool has_link(hid_t parent, const std::string& name) {
+  const htri_t found = H5Lexists(parent, name.c_str(), H5P_DEFAULT);
+  check(found < 0 ? -1 : 0, name + " cannot be looked for");
+  return found > 0;
+}
+
 void write_content_hash(hid_t dataset, std::span<const std::byte> values) {
   write_attribute(dataset, kContentHash, ContentHasher().add(values).hash().hexadecimal());
 }
 
 void check_content_hash(hid_t dataset, const std::string& name, std::span<const std::byte> values) {
-  if (H5Aexists(dataset, kContentHash) <= 0) return;
+  if (!has_attribute(dataset, kContentHash)) return;
   if (read_text_attribute(dataset, kContentHash) == ContentHasher().add(values).hash().hexadecimal()) return;
   throw Error(name + " is damaged: its values are others than those that were recorded");
 }

@@ -100,6 +100,10 @@ void fill_pairs(hid_t dataset, const std::string& name, const std::vector<std::i
 [[nodiscard]] std::vector<std::int64_t> read_pairs(hid_t parent, const std::string& name,
                                                    std::size_t longest);
 
+/// Whether an object has an attribute, or a group a link. @throws Error when that cannot be found out
+[[nodiscard]] bool has_attribute(hid_t object, const std::string& name);
+[[nodiscard]] bool has_link(hid_t parent, const std::string& name);
+
 /// Stores the hash of a dataset's values as its attribute, to detect flipped bits.
 void write_content_hash(hid_t dataset, std::span<const std::byte> values);
 /// @throws Error naming the dataset when the values do not match its hash. Older recordings without a hash

@@ -49,7 +49,7 @@ std::size_t ring_rows_in(double seconds, const scene::Scene& setup) {
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
 }
 
-RunFacts facts_before(bool offline, const std::string& study) {
+RunFacts facts_before(bool offline, const StudyMark& study) {
   RunFacts facts;
   facts.study = study;
   facts.version = palpate_version();
@@ -292,7 +292,7 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
 }
 
 Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
-                   std::function<void(const std::string&)> on_failure, const std::string& study)
+                   std::function<void(const std::string&)> on_failure, const StudyMark& study)
     : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
   const hdf5::SilenceErrors quiet;
   try {

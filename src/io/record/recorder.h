@@ -18,10 +18,10 @@ class Recorder final : public RunRecorder {
   /// [setup] Creates the file under a temporary name in the same folder and starts the thread.
   /// @param on_failure called once, on the recorder's thread, when writing fails (disk full), with the file,
   /// the rows that are safe in it and the reason; the run can continue
-  /// @param study that the recording belongs to; empty: none
+  /// @param study that the recording belongs to
   /// @throws InputError naming the file when it cannot be created.
   Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
-           std::function<void(const std::string&)> on_failure = {}, const std::string& study = {});
+           std::function<void(const std::string&)> on_failure = {}, const StudyMark& study = {});
   ~Recorder() override;
 
   void on_start(std::int64_t started_unix_ns) noexcept override;

@@ -11,7 +11,7 @@ namespace palpate::record {
 
 Recording read_recording(const std::filesystem::path& file, const Progress& progress, Blind blind) {
   RecordingReader reader(file);
-  if (blind == Blind::kRefuse && reader.facts().blind) refuse_blind(file, reader.facts().study);
+  if (blind == Blind::kRefuse && reader.facts().blind) refuse_blind(file, reader.facts().study.name);
   Recording recording;
   try {
     (void)reader.for_each_block(true, [&](std::span<const haptics::TickRow> rows) {

@@ -158,10 +158,20 @@ std::vector<std::string> run_remarks(hid_t file) {
   return remarks;
 }
 
+StudyMark read_study(hid_t file) {
+  if (!hdf5::has_attribute(file, kStudyAttribute)) return {};
+  StudyMark study{hdf5::read_text_attribute(file, kStudyAttribute), {}};
+  if (study.name.empty()) throw hdf5::Error("attribute study_blind is empty");
+  if (hdf5::has_attribute(file, kCommitmentAttribute)) {
+    study.commitment = hdf5::read_text_attribute(file, kCommitmentAttribute);
+  }
+  return study;
+}
+
 RunFacts read_facts(hid_t file) {
   RunFacts facts;
   facts.version = hdf5::read_text_attribute(file, "version");
-  if (H5Aexists(file, kStudyAttribute) > 0) facts.study = hdf5::read_text_attribute(file, kStudyAttribute);
+  facts.study = read_study(file);
   facts.compiler = hdf5::read_text_attribute(file, "compiler");
   facts.machine = hdf5::read_text_attribute(file, "machine");
   facts.started_unix_ns = hdf5::read_integer_attribute(file, "started_unix_ns");
@@ -343,13 +353,14 @@ void RecordingReader::read_all_but_ticks() {
   if (facts_.complete && hdf5::has_link(file_.id(), "/run", run_names::kRows)) {
     rows_written_ = run_count(file_.id(), run_names::kRows);
   }
+  facts_.blind = !facts_.study.name.empty() && !is_unblinded(path_, facts_.study);
   read_changes();
   if (cut_off_) facts_.complete = false;
 }
 
 /// Older recordings have no updates. In a truncated file they end at the damage.
 void RecordingReader::read_changes() {
-  if (H5Lexists(file_.id(), "changes", H5P_DEFAULT) <= 0) return;
+  if (!hdf5::has_link(file_.id(), "changes")) return;
   try {
     const Handle dataset(hdf5::open_dataset(file_.id(), "changes"), "no /changes");
     check_columns(dataset.id(), "/changes", update_columns());

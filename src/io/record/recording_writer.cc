@@ -109,7 +109,9 @@ void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
   hdf5::write_attribute(file, "offline", std::int64_t{facts.offline ? 1 : 0});
   hdf5::write_attribute(file, "seed", setup.seed);
   hdf5::write_attribute(file, "rate_Hz", setup.rate_Hz);
-  if (!facts.study.empty()) hdf5::write_attribute(file, kStudyAttribute, facts.study);
+  if (facts.study.name.empty()) return;
+  hdf5::write_attribute(file, kStudyAttribute, facts.study.name);
+  hdf5::write_attribute(file, kCommitmentAttribute, facts.study.commitment);
 }
 
 void create_summary(hid_t file) {

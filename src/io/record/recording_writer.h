@@ -103,7 +103,9 @@ inline constexpr const char* kRemarks = "remarks";
 inline constexpr const char* kFormatName = "palpate recording";
 inline constexpr std::int64_t kFormatVersion = 1;
 
-/// The root attribute that names the study of a recording; its runs are blind until it is unblinded.
+/// The root attribute that names the study of a recording; its runs are blind until it is unblinded. The
+/// other one holds StudyMark::commitment.
 inline constexpr const char* kStudyAttribute = "study_blind";
+inline constexpr const char* kCommitmentAttribute = "study_commitment";
 
 }  // namespace palpate::record

@@ -373,12 +373,19 @@ void Course::add(const TrialRecord& trial) {
   }
 }
 
-int Course::replay(const ParticipantLog& log) {
+int Course::replay(const ParticipantLog& log,
+                   const std::function<void(const Trial&, const TrialRecord&)>& each) {
   int sessions = 0;
   std::size_t trial = 0;
+  const auto add_next = [&] {
+    const TrialRecord& record = log.trials[trial++];
+    const std::optional<Trial> planned = next();
+    add(record);
+    if (each) each(planned.value(), record);
+  };
   // Events and trials are in one order of the file: an event's place says after how many trials it was.
   for (const EventRecord& event : log.events) {
-    while (trial < log.trials.size() && trial < event.after_trials) add(log.trials[trial++]);
+    while (trial < log.trials.size() && trial < event.after_trials) add_next();
     if (event.event == "session") {
       sessions = session_of(event);
       begin_session(sessions);
@@ -386,7 +393,7 @@ int Course::replay(const ParticipantLog& log) {
       resume();
     }
   }
-  while (trial < log.trials.size()) add(log.trials[trial++]);
+  while (trial < log.trials.size()) add_next();
   return sessions;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -61,8 +62,10 @@ class Course final {
   /// [setup] The next trial of the session; empty: the session is complete.
   [[nodiscard]] std::optional<Trial> next() const;
 
-  /// [setup] Replays a log. @return sessions that were begun
-  int replay(const ParticipantLog& log);
+  /// [setup] Replays a log. @param each called for each trial with the planned one @return sessions that were
+  /// begun @throws InputError when a trial does not follow from those before it
+  int replay(const ParticipantLog& log,
+             const std::function<void(const Trial&, const TrialRecord&)>& each = {});
 
   [[nodiscard]] CoursePosition position() const;
   /// [setup] Trials of the session that are neither finished nor lost, without practice.

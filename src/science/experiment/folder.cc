@@ -1,34 +1,26 @@
 #include "science/experiment/folder.h"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <span>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <sys/random.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include "core/base/content_hash.h"
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "io/system/input_file.h"
+#include "io/system/file_exists.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
-#include "io/system/output_file.h"
 #include "io/system/path_text.h"
-#include "io/system/temporary.h"
+#include "io/system/sha256.h"
+#include "io/system/whole_file.h"
+#include "io/system/whole_json.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
-#include "palpate/version.h"
+#include "science/experiment/folder_parts.h"
 
 namespace palpate::experiment {
 namespace {
@@ -36,165 +28,12 @@ namespace {
 namespace fs = std::filesystem;
 using FolderJson = nlohmann::ordered_json;
 
-constexpr InputKind kStudyFileInput{"a file of a study", std::uint64_t{1} << 30};
-constexpr int kMostParticipants = 999;
-constexpr const char* kFormat = "palpate study 1";
+constexpr const char* kUnblindedFile = "unblinded.json";
+constexpr const char* kSimulatedFile = "simulated.json";
 // Parts of the random numbers that follow from the sealed key (core/base/random.h).
 constexpr std::uint32_t kCodesPart = 0x7000'0000;
 constexpr std::uint32_t kLabelsPart = 0x8000'0000;
 constexpr std::uint32_t kAllParticipants = 0xffff'ffff;
-
-std::string content_of(const fs::path& file) { return InputFile(file, kStudyFileInput).read_rest(); }
-
-void fill_randomly(std::span<unsigned char> bytes) {
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
-    throw InputError(std::string("the system gives no random numbers: ") + std::strerror(errno));
-  }
-}
-
-/// P and four letters or digits that are hard to confuse and make no words.
-std::string random_id() {
-  constexpr std::string_view kAlphabet = "234679CDFGHJKMNPQRTVWXYZ";
-  std::array<unsigned char, 4> bytes{};
-  fill_randomly(bytes);
-  std::string id = "P";
-  for (const unsigned char byte : bytes) id += kAlphabet[byte % kAlphabet.size()];
-  return id;
-}
-
-std::vector<std::string> make_ids(int participants, bool random) {
-  std::vector<std::string> ids;
-  while (ids.size() < static_cast<std::size_t>(participants)) {
-    const std::string id = random ? random_id() : fmt::format("P{:02}", ids.size() + 1);
-    if (std::find(ids.begin(), ids.end(), id) == ids.end()) ids.push_back(id);
-  }
-  return ids;
-}
-
-/// Writes a new file that only this process creates, and flushes it to the disk.
-void write_new(const fs::path& file, const FolderJson& json, mode_t mode) {
-  const std::string text = json.dump(2, ' ', false, FolderJson::error_handler_t::replace) + "\n";
-  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-  if (descriptor < 0) throw InputError(file.string() + ": cannot be created: " + std::strerror(errno));
-  const bool written = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                       ::fsync(descriptor) == 0;
-  const std::string why = std::strerror(errno);
-  ::close(descriptor);
-  if (!written) throw InputError(file.string() + ": cannot be written: " + why);
-}
-
-/// SHA-256 of the mesh of a built-in organ; empty for an organ file, which is copied.
-std::string hash_of_builtin(const std::string& organ) {
-  const std::vector<std::string>& known = geometry::builtin_organ_names();
-  if (std::find(known.begin(), known.end(), organ) == known.end()) return {};
-  const geometry::TriangleMesh mesh = geometry::make_organ(organ);
-  std::string bytes;
-  const auto add = [&bytes](const auto& values) {
-    for (const auto& value : values) bytes.append(reinterpret_cast<const char*>(value.data()), sizeof value);
-  };
-  add(mesh.vertices);
-  add(mesh.triangles);
-  return sha256(bytes);
-}
-
-/// A folder in preparation.
-struct Preparation {
-  fs::path folder;
-  FolderJson hashes = FolderJson::object();  // of the copied files by their path in the folder
-
-  void copy(const fs::path& from, const fs::path& to) {
-    const std::string bytes = content_of(from);
-    fs::create_directories((folder / to).parent_path());
-    write_output(folder / to, bytes);
-    hashes[to.generic_string()] = sha256(bytes);
-  }
-};
-
-fs::path normal(const fs::path& file) { return fs::absolute(file).lexically_normal(); }
-
-bool is_below(const fs::path& file, const fs::path& folder) {
-  const fs::path relative = normal(file).lexically_relative(normal(folder));
-  return !relative.empty() && *relative.begin() != "..";
-}
-
-/// The innermost folder that all files are in.
-fs::path common_folder(const std::vector<scene::SourceFile>& files) {
-  fs::path folder = normal(files.front().path).parent_path();
-  for (const scene::SourceFile& file : files) {
-    while (!is_below(file.path, folder)) folder = folder.parent_path();
-  }
-  return folder;
-}
-
-/// Copies a scene file and all files that it needs. @return the path of the copied scene in the folder
-fs::path copy_scene(const fs::path& file, const std::vector<scene::SourceFile>& files, Preparation& made) {
-  const fs::path from = common_folder(files);
-  const fs::path to = "scene";
-  for (const scene::SourceFile& source : files) {
-    made.copy(source.path, to / normal(source.path).lexically_relative(from));
-  }
-  fs::path scene = to / normal(file).lexically_relative(from);
-  scene::Overrides copied;
-  copied.scene = made.folder / scene;
-  const scene::Scene read = scene::load(copied);
-  for (std::size_t i = 0; i < read.files.size(); ++i) {
-    if (is_below(read.files[i].path, made.folder / to)) continue;
-    throw InputError(
-        fmt::format("{}: {}: must be named by a path relative to the scene file, so that the "
-                    "study can keep a copy",
-                    files[i].named_by, files[i].path.string()));
-  }
-  return scene;
-}
-
-void copy_consent(const Study& study, Preparation& made, FolderJson& lock) {
-  if (study.consent_file.empty()) return;
-  const fs::path from = study.file.parent_path() / study.consent_file;
-  const fs::path to = fs::path("consent") / from.filename();
-  try {
-    made.copy(from, to);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: ethics.consent_file = \"{}\": {}", study.file.string(),
-                                 study.consent_file, error.what()));
-  }
-  lock["consent"] = to.generic_string();
-}
-
-FolderJson make_sealed() {
-  std::array<unsigned char, sizeof(SealedKey)> key{};
-  std::array<unsigned char, 32> salt{};  // the lock's hash of this file does not reveal the key
-  fill_randomly(key);
-  fill_randomly(salt);
-  SealedKey number = 0;
-  std::memcpy(&number, key.data(), sizeof number);
-  std::string digits;
-  for (const unsigned char byte : salt) digits += fmt::format("{:02x}", byte);
-  return {{"key", number}, {"salt", digits}};
-}
-
-void fill_folder(const Study& study, int participants, Preparation& made) {
-  FolderJson lock;
-  lock["format"] = kFormat;
-  lock["study"] = study.name;
-  lock["prepared"] = utc_now();
-  lock["program"] = kVersion;
-  lock["ids"] = make_ids(participants, study.random_ids);
-  const scene::Overrides request = scene_of(study);
-  const scene::Scene read = scene::load(request);
-  lock["scene"] = request.scene ? copy_scene(*request.scene, read.files, made).generic_string() : study.scene;
-  made.copy(study.file, "study.toml");
-  copy_consent(study, made, lock);
-  lock["files"] = made.hashes;
-  lock["organ"] = read.organ_name;
-  lock["organ_sha256"] = hash_of_builtin(read.organ_name);
-  fs::create_directory(made.folder / "participants");
-  fs::create_directory(made.folder / "recordings");
-  constexpr mode_t kOwnerOnly = 0600;
-  constexpr mode_t kUsual = 0644;
-  write_new(made.folder / "sealed.json", make_sealed(), kOwnerOnly);
-  lock["sealed_sha256"] = sha256(content_of(made.folder / "sealed.json"));
-  write_new(made.folder / "lock.json", lock, kUsual);
-}
 
 /// Reads a JSON file of a study's folder and calls `use` with its content.
 template <typename Use>
@@ -213,8 +52,108 @@ void check_hash(const std::string& found, const std::string& locked, const std::
   if (found != locked) throw InputError(what + ": was changed after the study was prepared (lock.json)");
 }
 
+/// The mac of a file that marks the study, from its values without the mac.
+std::string mac_of(const std::string& name, const FolderJson& values, const std::string& mac_key) {
+  return hmac_sha256(mac_key, name + values.dump(-1, ' ', false, FolderJson::error_handler_t::replace));
+}
+
+/// Creates a file that marks the study. @return its mac
+std::string write_mark(const StudyFolder& study, const char* name, FolderJson values) {
+  const std::string mac = mac_of(name, values, study.mac_key);
+  values["mac"] = mac;
+  create_whole_file(study.folder / name,
+                    values.dump(2, ' ', false, FolderJson::error_handler_t::replace) + "\n");
+  return mac;
+}
+
+/// Reads a file that marks the study. @throws InputError unless write_mark() made it
+FolderJson read_mark(const StudyFolder& study, const char* name, const char* otherwise) {
+  const fs::path file = study.folder / name;
+  const std::string text = content_of(file);
+  FolderJson values;
+  try {
+    values = parse_ordered_json(text);
+  } catch (const InputError&) {
+    values = nullptr;
+  }
+  std::string mac;
+  if (values.is_object() && values.contains("mac") && values["mac"].is_string()) {
+    mac = values["mac"].get<std::string>();
+    values.erase("mac");
+  }
+  if (mac.empty() || mac != mac_of(name, values, study.mac_key)) {
+    throw InputError(fmt::format("{}: is empty, damaged or not made with this study's sealed key, so {}",
+                                 file.string(), otherwise));
+  }
+  return values;
+}
+
+Unblinding read_unblinding(const StudyFolder& study, bool known) {
+  const FolderJson values =
+      read_mark(study, kUnblindedFile,
+                known ? "nobody can read why the study was unblinded: restore the file"
+                      : "the study is not unblinded: remove the file, and the study is blind");
+  Unblinding read{values.at("time").get<std::string>(), values.at("reason").get<std::string>(), {}};
+  for (const std::string& id : study.ids) {
+    const FolderJson& log = values.at("logs").at(id);
+    read.logs.push_back({whole_number<std::uint64_t>(log, "lines"), log.at("mac").get<std::string>()});
+  }
+  return read;
+}
+
+/// Reads whether the study is simulated, and whether it is unblinded.
+void read_marks(StudyFolder& study) {
+  study.simulated = file_exists(study.folder / kSimulatedFile);
+  if (study.simulated) {
+    static_cast<void>(
+        read_mark(study, kSimulatedFile, "nobody knows whether the participants are simulated"));
+  }
+  const LogHead head = LogHeads(study.folder / LogHeads::kName).read(0, study.mac_key);
+  if (file_exists(study.folder / kUnblindedFile)) {
+    study.unblinding = read_unblinding(study, head.lines > 0);
+  } else if (head.lines > 0) {
+    throw InputError(fmt::format("{}: is missing, though the study was unblinded ({})",
+                                 (study.folder / kUnblindedFile).string(), LogHeads::kName));
+  }
+}
+
+/// Reads the sealed key. @throws InputError when others can read it, or it is another than the lock's
+void read_sealed(const std::string& locked_hash, StudyFolder& made) {
+  const fs::path file = made.folder / "sealed.json";
+  InputFile opened(file, kStudyFileInput);
+  struct stat facts {};
+  constexpr mode_t kOthers = 0077;
+  if (::fstat(opened.descriptor(), &facts) == 0 && (facts.st_mode & kOthers) != 0) {
+    throw InputError(
+        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: "
+                    "chmod 600 {}",
+                    file.string(), facts.st_mode & 07777U, file.string()));
+  }
+  const std::string sealed = opened.read_rest();
+  check_hash(sha256(sealed), locked_hash, file.string());
+  made.mac_key = mac_key_of(sealed);
+  use_json(file, [&](const JsonField& json) { made.key = json.at("key").whole<SealedKey>(); });
+}
+
+/// Whether all trials are of simulated participants, or all of people, as the folder says.
+void check_kind(const StudyFolder& study, const fs::path& file, const ParticipantLog& log) {
+  for (const TrialRecord& trial : log.trials) {
+    if (trial.observer.empty() != study.simulated) continue;
+    throw InputError(fmt::format("{}: has trials of {}, but {} is {}: one of them was removed or added",
+                                 file.string(), study.simulated ? "a person" : "a simulated observer",
+                                 kSimulatedFile, study.simulated ? "there" : "missing"));
+  }
+}
+
 void read_lock(const JsonField& lock, StudyFolder& made) {
-  if (lock.at("format").text() != kFormat) lock.at("format").fail(fmt::format("\"{}\"", kFormat));
+  const std::string format = lock.at("format").text();
+  if (format == "palpate study 1") {
+    throw InputError(fmt::format(
+        "{}: was prepared by palpate {}, whose logs have no macs: go on with that version; this one needs a "
+        "new folder made by `palpate study prepare`",
+        made.folder.string(), one_line(lock.at("program").text())));
+  }
+  if (format != kFolderFormat) lock.at("format").fail(fmt::format("\"{}\"", kFolderFormat));
   made.program = lock.at("program").text();
   made.ids = lock.at("ids").texts();
   for (const auto& [name, hash] : lock.at("files").members()) {
@@ -227,9 +166,29 @@ void read_lock(const JsonField& lock, StudyFolder& made) {
   made.study = load_study(made.folder / "study.toml");
   made.study.scene = lock.at("scene").text();
   if (lock.has("consent")) made.study.consent_file = lock.at("consent").text();
+  read_sealed(lock.at("sealed_sha256").text(), made);
 }
 
 }  // namespace
+
+std::string hash_of_builtin(const std::string& organ) {
+  const std::vector<std::string>& known = geometry::builtin_organ_names();
+  if (std::find(known.begin(), known.end(), organ) == known.end()) return {};
+  const geometry::TriangleMesh mesh = geometry::make_organ(organ);
+  std::string bytes;
+  const auto add = [&bytes](const auto& values) {
+    for (const auto& value : values) bytes.append(reinterpret_cast<const char*>(value.data()), sizeof value);
+  };
+  add(mesh.vertices);
+  add(mesh.triangles);
+  return sha256(bytes);
+}
+
+std::string mac_key_of(const std::string& sealed) { return hmac_sha256(sealed, "macs of the study"); }
+
+std::string mac_key_of_log(const std::string& mac_key, const std::string& id) {
+  return hmac_sha256(mac_key, "log " + id);
+}
 
 std::vector<std::size_t> arms_of_codes(SealedKey key, std::uint32_t participant, std::size_t task,
                                        std::size_t arms) {
@@ -256,95 +215,95 @@ std::uint32_t StudyFolder::number_of(const std::string& id) const {
                                near.empty() ? "valid are " + joined(ids) : "did you mean " + near + "?"));
 }
 
-bool StudyFolder::unblinded() const {
-  std::error_code error;
-  return fs::exists(folder / "unblinded.json", error);
+LogKey StudyFolder::log_key(const std::string& id) const {
+  return {lock_hash, mac_key_of_log(mac_key, id), folder / LogHeads::kName, number_of(id) + std::size_t{1}};
 }
 
-ParticipantLog StudyFolder::read(const std::string& id) const { return read_log(log_of(id), lock_hash); }
+record::StudyMark StudyFolder::mark() const { return {study.name, sha256(unblinding_proof())}; }
 
-void prepare_study(const fs::path& study_file, const fs::path& folder, int participants) {
-  if (participants < 1 || participants > kMostParticipants) {
-    throw InputError(fmt::format("--participants {}: must be a whole number from 1 to {}", participants,
-                                 kMostParticipants));
+std::string StudyFolder::unblinding_proof() const { return hmac_sha256(mac_key, "unblind"); }
+
+ParticipantLog StudyFolder::read(const std::string& id) const {
+  ParticipantLog log = read_log(log_of(id), log_key(id));
+  check_kind(*this, log_of(id), log);
+  if (!unblinding) return log;
+  const LogHead& then = unblinding->logs.at(number_of(id));
+  if (log.lines() != then.lines || log.last_mac != then.mac) {
+    throw InputError(fmt::format("{}: has {}, had {} when the study was unblinded ({})", log_of(id).string(),
+                                 counted(log.lines(), "line", "lines"), then.lines, kUnblindedFile));
   }
-  std::error_code error;
-  if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error))) {
-    throw InputError(folder.string() + ": is in use, must be a new or an empty folder");
-  }
-  const Study study = load_study(study_file);
-  static_cast<void>(plan_sessions(study));
-  const fs::path target = normal(folder / "").parent_path();
-  fs::create_directories(target.parent_path(), error);
-  const fs::path scratch = make_temporary_folder(target.parent_path() / ".palpate-study-");
-  if (scratch.empty()) {
-    throw InputError(folder.string() + ": cannot be created: " + std::strerror(errno));
-  }
-  try {
-    Preparation made{scratch / "study"};
-    fs::create_directory(made.folder);
-    fill_folder(study, participants, made);
-    fs::rename(made.folder, target);
-  } catch (const fs::filesystem_error& failure) {
-    fs::remove_all(scratch, error);
-    throw InputError(folder.string() + ": cannot be written: " + failure.code().message());
-  } catch (...) {
-    fs::remove_all(scratch, error);
-    throw;
-  }
-  fs::remove_all(scratch, error);
+  return log;
 }
 
 StudyFolder open_study(const fs::path& folder) {
   StudyFolder made;
   made.folder = folder;
-  std::error_code error;
-  if (!fs::exists(folder / "lock.json", error)) {
+  if (!file_exists(folder / "lock.json")) {
     throw InputError(folder.string() +
                      ": has no lock.json, must be a folder made by `palpate study prepare`");
   }
   made.lock_hash = sha256(content_of(folder / "lock.json"));
   use_json(folder / "lock.json", [&](const JsonField& lock) { read_lock(lock, made); });
-  made.simulated = fs::exists(folder / "simulated.json", error);
+  read_marks(made);
   return made;
 }
 
-SealedKey read_sealed_key(const StudyFolder& study) {
-  const fs::path file = study.folder / "sealed.json";
-  const InputFile opened(file, kStudyFileInput);
-  struct stat facts {};
-  constexpr mode_t kOthers = 0077;
-  if (::fstat(opened.descriptor(), &facts) == 0 && (facts.st_mode & kOthers) != 0) {
-    throw InputError(
-        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: "
-                    "chmod 600 {}",
-                    file.string(), facts.st_mode & 07777U, file.string()));
+void mark_simulated(StudyFolder& study) {
+  if (!file_exists(study.folder / kSimulatedFile)) write_mark(study, kSimulatedFile, {{"time", utc_now()}});
+  study.simulated = true;
+}
+
+void require_blind(const StudyFolder& study) {
+  if (!study.unblinded() && !file_exists(study.folder / kUnblindedFile)) return;
+  throw InputError(study.folder.string() +
+                   ": is unblinded, so nobody can be run blind; prepare another folder");
+}
+
+std::vector<std::string> unfinished_people(const StudyFolder& study) {
+  const std::size_t sessions = plan_sessions(study.study).size();
+  std::vector<std::string> unfinished;
+  for (const std::string& id : study.ids) {
+    const ParticipantLog log = study.read(id);
+    const auto ended =
+        static_cast<std::size_t>(std::count_if(log.events.begin(), log.events.end(), [](const auto& event) {
+          return event.event == "session-end";
+        }));
+    if (ended < sessions && !log.withdrawn()) unfinished.push_back(id);
   }
-  std::string locked;
-  use_json(study.folder / "lock.json",
-           [&](const JsonField& lock) { locked = lock.at("sealed_sha256").text(); });
-  check_hash(sha256(content_of(file)), locked, file.string());
-  SealedKey key = 0;
-  use_json(file, [&](const JsonField& json) { key = json.at("key").whole<SealedKey>(); });
-  return key;
+  return unfinished;
 }
 
-void mark_simulated(const StudyFolder& study) {
-  std::error_code error;
-  const fs::path file = study.folder / "simulated.json";
-  if (!fs::exists(file, error)) write_new(file, {{"time", utc_now()}}, 0644);
-}
-
-void unblind_study(const StudyFolder& study, const std::string& why) {
+void unblind_study(StudyFolder& study, const std::string& why, bool early) {
   if (trimmed(why).empty()) throw InputError("--why: must be the reason, not empty");
-  const fs::path file = study.folder / "unblinded.json";
-  if (study.unblinded()) {
-    use_json(file, [&](const JsonField& json) {
-      throw InputError(fmt::format("the study was unblinded already at {}: {}", json.at("time").text(),
-                                   one_line(json.at("reason").text())));
-    });
+  if (study.unblinding) {
+    throw InputError(fmt::format("{}: the study was unblinded already at {}: {}",
+                                 (study.folder / kUnblindedFile).string(), study.unblinding->time,
+                                 one_line(study.unblinding->reason)));
   }
-  write_new(file, {{"time", utc_now()}, {"reason", why}}, 0644);
+  const LogHeads heads(study.folder / LogHeads::kName, LogHeads::Use::kUnblind);  // no session runs
+  const std::vector<std::string> unfinished = unfinished_people(study);
+  if (!unfinished.empty() && !early) {
+    constexpr std::size_t kNamed = 5;
+    std::vector<std::string> named = unfinished;
+    named.resize(std::min(kNamed, named.size()));
+    if (unfinished.size() > kNamed) named.emplace_back("...");
+    throw InputError(fmt::format(
+        "{}: {} of {} participants are not finished ({}): nobody can be run blind after unblinding; --early "
+        "ends the study for them",
+        study.folder.string(), unfinished.size(), study.ids.size(), joined(named)));
+  }
+  Unblinding made{utc_now(), why, {}};
+  FolderJson logs;
+  for (const std::string& id : study.ids) {
+    const ParticipantLog log = study.read(id);
+    made.logs.push_back({log.lines(), log.last_mac});
+    logs[id] = {{"lines", log.lines()}, {"mac", log.last_mac}};
+  }
+  const std::string mac =
+      write_mark(study, kUnblindedFile,
+                 {{"time", made.time}, {"reason", why}, {"proof", study.unblinding_proof()}, {"logs", logs}});
+  study.unblinding = std::move(made);
+  heads.write(0, {1, mac}, study.mac_key);
 }
 
 }  // namespace palpate::experiment

@@ -12,6 +12,8 @@
 #include "core/base/spsc_queue.h"
 #include "io/record/machine.h"
 #include "io/scene/device_kinds.h"
+#include "io/system/file_exists.h"
+#include "io/system/sha256.h"
 #include "palpate/error.h"
 #include "palpate/session.h"
 #include "science/experiment/block_scene.h"
@@ -36,7 +38,7 @@ class RunningSession final {
       : study_(study),
         options_(options),
         number_(study.number_of(options.participant)),
-        log_(study.log_of(options.participant), study.lock_hash),
+        log_(study.log_of(options.participant), study.log_key(options.participant)),
         course_(study.study, key, number_) {
     if (!options.observer.empty()) person_ = make_person(options.observer, study.study.seed, number_);
   }
@@ -256,6 +258,7 @@ void RunningSession::require_for_person() const {
 
 void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
+  require_blind(study_);  // the log's writer keeps `unblind` out from now on
   if (options_.screens != nullptr) require_for_person();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);
@@ -300,7 +303,7 @@ void RunningSession::run_block() {
   const StudyTask& task = study_.study.tasks[next.task];
   do {
     ++block_;
-  } while (std::filesystem::exists(study_.recording_of(options_.participant, outcome_.session, block_)));
+  } while (file_exists(study_.recording_of(options_.participant, outcome_.session, block_)));
   const std::filesystem::path file = study_.recording_of(options_.participant, outcome_.session, block_);
   TrialScene trial_scene;
   scene::Scene setup = block_scene(study_.study, task, {number_, outcome_.session, block_}, options_.device,
@@ -323,7 +326,7 @@ void RunningSession::run_block() {
   session::RunOptions run_options;
   run_options.recording = file;
   run_options.offline = person_.has_value();
-  run_options.study = study_.study.name;
+  run_options.study = study_.mark();
   if (person_) {
     run.run(run_options, {&block});
   } else {
@@ -336,6 +339,7 @@ void RunningSession::run_block() {
   log_.append(event_of("block", {{"session", std::to_string(outcome_.session)},
                                  {"block", std::to_string(block_)},
                                  {"recording", file.filename().string()},
+                                 {"sha256", sha256_of_file(file)},
                                  {"task", task.name},
                                  {"late_ticks", text_of(block.late_ticks())},
                                  {"faults", block.fault() == 0 ? "0" : "1"}}));

@@ -7,6 +7,7 @@
 
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
+#include "io/system/whole_file.h"
 #include "palpate/error.h"
 #include "science/experiment/course.h"
 #include "science/experiment/simulated_person.h"
@@ -100,11 +101,18 @@ std::string simulate_log(const StudyFolder& study, SealedKey key, std::uint32_t 
   const ScratchFolder scratch("palpate-study");
   const std::filesystem::path file = scratch.path() / "log.jsonl";
   {
-    LogWriter log(file, study.lock_hash, LogWriter::Sync::kAtEnd);
+    LogKey chain = study.log_key(study.ids.at(participant));
+    chain.heads.clear();  // the log is not in the folder yet
+    LogWriter log(file, chain, LogWriter::Sync::kAtEnd);
     SimulatedCourse(study, key, participant, observer, log).run();
   }
   constexpr InputKind kSimulatedLog{"a simulated log", std::uint64_t{256} << 20};
   return InputFile(file, kSimulatedLog).read_rest();
+}
+
+void keep_log(const StudyFolder& study, const std::string& id, const std::string& log) {
+  create_whole_file(study.log_of(id), log);
+  const LogWriter checked(study.log_of(id), study.log_key(id));  // also writes its head
 }
 
 }  // namespace palpate::experiment

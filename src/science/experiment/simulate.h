@@ -12,4 +12,7 @@ namespace palpate::experiment {
 [[nodiscard]] std::string simulate_log(const StudyFolder& study, SealedKey key, std::uint32_t participant,
                                        const std::string& observer);
 
+/// [setup] Puts such a log into the folder. @throws InputError when the participant has one
+void keep_log(const StudyFolder& study, const std::string& id, const std::string& log);
+
 }  // namespace palpate::experiment

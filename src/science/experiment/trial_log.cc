@@ -16,15 +16,17 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <openssl/evp.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include "core/base/text.h"
 #include "io/system/clock.h"
+#include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
+#include "io/system/sha256.h"
+#include "io/system/whole_file.h"
 #include "palpate/error.h"
 
 namespace palpate::experiment {
@@ -35,7 +37,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr InputKind kLogInput{"a participant's log", std::uint64_t{256} << 20};
 // Names that a line has by itself.
-constexpr std::array<std::string_view, 5> kLineKeys{"n", "previous", "type", "time", "event"};
+constexpr std::array<std::string_view, 6> kLineKeys{"n", "previous", "type", "time", "event", "mac"};
+constexpr std::string_view kMacStart = ",\"mac\":\"";  // the end of a line: its mac
+constexpr std::string_view kMacEnd = "\"}";
+constexpr std::size_t kMacDigits = 64;
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -148,7 +153,18 @@ EventRecord event_of(const JsonField& json, std::string_view text) {
 struct LogLine {
   std::string_view text;
   nlohmann::json json;
-  std::string hash;  // of the text
+
+  /// The text that the mac is of, and the mac; both empty when the line does not end with a mac.
+  [[nodiscard]] std::string_view signed_text() const {
+    constexpr std::size_t kEnd = kMacStart.size() + kMacDigits + kMacEnd.size();
+    if (text.size() < kEnd || !text.ends_with(kMacEnd)) return {};
+    const std::string_view before = text.substr(0, text.size() - kEnd);
+    return text.substr(before.size()).starts_with(kMacStart) ? before : std::string_view{};
+  }
+  [[nodiscard]] std::string_view mac() const {
+    return signed_text().empty() ? std::string_view{}
+                                 : text.substr(signed_text().size() + kMacStart.size(), kMacDigits);
+  }
 };
 
 /// Lines of a log up to the last complete one.
@@ -182,30 +198,42 @@ LogLines split_log(const fs::path& file, std::string_view bytes) {
       if (end + 1 == bytes.size() && text.find('\0') != std::string_view::npos) break;
       fail_line(file, found.lines.size() + 1, "is not a JSON object: the line was changed");
     }
-    found.lines.push_back({text, std::move(json), sha256(std::string(text))});
+    found.lines.push_back({text, std::move(json)});
     found.complete = end + 1;
   }
   return found;
 }
 
-bool follows(const LogLine& line, const std::string& hash) {
+bool follows(const LogLine& line, std::string_view mac) {
   const auto previous = line.json.find("previous");
-  return previous != line.json.end() && previous->is_string() && previous->get<std::string>() == hash;
+  return previous != line.json.end() && previous->is_string() && previous->get<std::string>() == mac;
 }
 
-/// Names the changed line. One changed line breaks the chain at itself and at the next line when its own
-/// "previous" was changed, and else only at the next line.
-void check_chain(const fs::path& file, const std::vector<LogLine>& lines, const std::string& first_hash) {
+/// Names the first line that was changed, or that does not follow the line before it.
+void check_chain(const fs::path& file, const std::vector<LogLine>& lines, const LogKey& key) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (follows(lines[i], i == 0 ? first_hash : lines[i - 1].hash)) continue;
-    if (i + 1 < lines.size() && !follows(lines[i + 1], lines[i].hash)) {
-      fail_line(file, i + 1, "was changed: the next line holds another hash of it");
+    if (i == 0 && !follows(lines[i], key.lock_hash)) {
+      fail_line(
+          file, 1,
+          "\"previous\" is not the hash of lock.json: the line was changed, or the log is of another study");
     }
-    if (i == 0) fail_line(file, 1, "\"previous\" is not the hash of lock.json: the log is of another study");
-    if (i + 1 == lines.size()) {
-      fail_line(file, i, fmt::format("this line or line {} was changed: their hashes do not match", i + 1));
+    if (lines[i].mac().empty() || hmac_sha256(key.mac_key, lines[i].signed_text()) != lines[i].mac()) {
+      fail_line(file, i + 1, "was changed: its mac does not fit");
     }
-    fail_line(file, i, "was changed: the next line holds another hash of it");
+    if (i > 0 && !follows(lines[i], lines[i - 1].mac())) {
+      fail_line(file, i + 1, fmt::format("does not follow line {}: a line between them was removed", i));
+    }
+  }
+}
+
+/// A log may be longer than its head, where a process was killed before it wrote the head.
+void check_head(const fs::path& file, const LogLines& found, const LogHead& head) {
+  if (found.lines.size() < head.lines) {
+    throw InputError(fmt::format("{}: has {}, must have {}: lines at its end were removed", file.string(),
+                                 counted(found.lines.size(), "line", "lines"), head.lines));
+  }
+  if (head.lines > 0 && found.lines[head.lines - 1].mac() != head.mac) {
+    fail_line(file, head.lines, "is not the line that was written: the log was replaced from here on");
   }
 }
 
@@ -224,12 +252,14 @@ void add_line(ParticipantLog& log, const LogLine& line, std::size_t number) {
   }
 }
 
-ParticipantLog parse_log(const fs::path& file, std::string_view bytes, const std::string& first_hash) {
+ParticipantLog parse_log(const fs::path& file, std::string_view bytes, const LogKey& key,
+                         const std::optional<LogHead>& head) {
   const LogLines found = split_log(file, bytes);
-  check_chain(file, found.lines, first_hash);
+  check_chain(file, found.lines, key);
+  if (head) check_head(file, found, *head);
   ParticipantLog log;
   log.id = file.stem().string();
-  log.last_hash = found.lines.empty() ? first_hash : found.lines.back().hash;
+  log.last_mac = found.lines.empty() ? key.lock_hash : std::string(found.lines.back().mac());
   log.cut = found.complete < bytes.size();
   for (std::size_t i = 0; i < found.lines.size(); ++i) {
     try {
@@ -258,28 +288,9 @@ bool write_through(int descriptor, std::string_view bytes, std::uint64_t offset,
   return !flush || ::fdatasync(descriptor) == 0;
 }
 
-/// Flushes a folder's list of files to the disk, so that a new file stays after a power failure.
-void flush_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 std::string read_bytes(const fs::path& file) { return InputFile(file, kLogInput).read_rest(); }
 
 }  // namespace
-
-std::string sha256(const std::string& bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("libcrypto cannot compute SHA-256");
-  }
-  std::string hexadecimal;
-  for (unsigned int i = 0; i < size; ++i) hexadecimal += fmt::format("{:02x}", digest[i]);
-  return hexadecimal;
-}
 
 std::string utc_now() {
   constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
@@ -316,18 +327,22 @@ bool ParticipantLog::withdrawn() const {
                      [](const EventRecord& event) { return event.event == "withdrawn"; });
 }
 
-ParticipantLog read_log(const fs::path& file, const std::string& first_hash) {
-  std::error_code error;
-  return parse_log(file, fs::exists(file, error) ? read_bytes(file) : "", first_hash);
+ParticipantLog read_log(const fs::path& file, const LogKey& key) {
+  // The head first: a session that runs meanwhile makes the log longer.
+  std::optional<LogHead> head;
+  if (!key.heads.empty()) head = LogHeads(key.heads).read(key.number, key.mac_key);
+  return parse_log(file, file_exists(file) ? read_bytes(file) : "", key, head);
 }
 
 fs::path cut_lines_of(fs::path log) { return log.replace_extension(".cut"); }
 
-LogWriter::LogWriter(fs::path file, const std::string& first_hash, Sync sync)
-    : file_(std::move(file)), sync_(sync) {
+LogWriter::LogWriter(fs::path file, LogKey key, Sync sync)
+    : file_(std::move(file)), key_(std::move(key)), sync_(sync) {
+  if (!key_.heads.empty()) heads_.emplace(key_.heads, LogHeads::Use::kAppend);
   open_and_lock();
   try {
-    remove_cut_line(first_hash);
+    remove_cut_line();
+    write_head();
   } catch (...) {
     ::close(descriptor_);
     throw;
@@ -350,12 +365,13 @@ void LogWriter::open_and_lock() {
   throw InputError(file_.string() + ": " + why);
 }
 
-void LogWriter::remove_cut_line(const std::string& first_hash) {
+void LogWriter::remove_cut_line() {
   const std::string bytes = read_bytes(file_);
-  opened_ = parse_log(file_, bytes, first_hash);
+  const auto head = heads_ ? std::optional(heads_->read(key_.number, key_.mac_key)) : std::nullopt;
+  opened_ = parse_log(file_, bytes, key_, head);
   size_ = split_log(file_, bytes).complete;
-  lines_ = opened_.trials.size() + opened_.events.size();
-  last_hash_ = opened_.last_hash;
+  lines_ = opened_.lines();
+  last_mac_ = opened_.last_mac;
   flush_folder(file_.parent_path());
   if (!opened_.cut) return;
   const fs::path kept = cut_lines_of(file_);
@@ -378,9 +394,12 @@ void LogWriter::append(const TrialRecord& trial) { append_line(dumped(json_of_tr
 
 void LogWriter::append(const EventRecord& event) { append_line(dumped(json_of_event(event))); }
 
-void LogWriter::append_line(const std::string& json_without_hash) {
-  const std::string line = fmt::format(R"({{"n":{},"previous":"{}",{})", lines_ + 1, last_hash_,
-                                       std::string_view(json_without_hash).substr(1));
+void LogWriter::append_line(const std::string& json_without_chain) {
+  std::string line = fmt::format(R"({{"n":{},"previous":"{}",{})", lines_ + 1, last_mac_,
+                                 std::string_view(json_without_chain).substr(1));
+  line.pop_back();  // the closing bracket
+  const std::string mac = hmac_sha256(key_.mac_key, line);
+  line.append(kMacStart).append(mac).append(kMacEnd);
   if (!write_through(descriptor_, line + '\n', size_, sync_ == Sync::kEachLine)) {
     const std::string why = reason();
     static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
@@ -388,7 +407,13 @@ void LogWriter::append_line(const std::string& json_without_hash) {
   }
   size_ += line.size() + 1;
   ++lines_;
-  last_hash_ = sha256(line);
+  last_mac_ = mac;
+  write_head();
+}
+
+// After the line, so that the log always reaches its head.
+void LogWriter::write_head() {
+  if (heads_) heads_->write(key_.number, {lines_, last_mac_}, key_.mac_key);
 }
 
 }  // namespace palpate::experiment

@@ -3,9 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "science/experiment/log_heads.h"
 
 namespace palpate::experiment {
 
@@ -61,27 +64,39 @@ struct EventRecord {
   }
 };
 
+/// The key that authenticates the lines of a participant's log, and their start and end.
+struct LogKey {
+  std::string lock_hash;  // SHA-256 of lock.json; the first line follows it
+  std::string mac_key;    // of this participant, from the sealed key
+  // File of the logs' heads and the number of this log's in it; an empty path: the head is not kept
+  std::filesystem::path heads{};
+  std::size_t number = 0;
+};
+
 /// All lines of a participant's log.
 struct ParticipantLog {
   std::string id;
   std::vector<TrialRecord> trials;  // in the order of the file, spoiled ones and practice too
   std::vector<EventRecord> events;
-  std::string last_hash;  // of the last line; of an empty file: the lock's hash
+  std::string last_mac;  // of the last line; of an empty file: the lock's hash
   // The last line was incomplete, without a line end or with zeros (crash), and is left out.
   bool cut = false;
 
   [[nodiscard]] bool withdrawn() const;
+  [[nodiscard]] std::size_t lines() const noexcept { return trials.size() + events.size(); }
 };
 
-/// [setup] Reads a log and checks its chain: each line holds the SHA-256 of the line before it, the first one
-/// `first_hash`. A file that does not exist is an empty log. @throws InputError naming the file and the line
-/// that is malformed or was changed
-[[nodiscard]] ParticipantLog read_log(const std::filesystem::path& file, const std::string& first_hash);
+/// [setup] Reads a log and checks its chain. Each line ends with its mac, the HMAC-SHA-256 of the text before
+/// it, and holds the mac of the line before it; the first one holds the lock's hash. The log must reach its
+/// head (log_heads.h). A file that does not exist is an empty log. @throws InputError naming the file and the
+/// line that is malformed, was changed or is missing
+[[nodiscard]] ParticipantLog read_log(const std::filesystem::path& file, const LogKey& key);
 
 /// [any] The file that keeps incomplete last lines of a log: ID.cut beside ID.jsonl.
 [[nodiscard]] std::filesystem::path cut_lines_of(std::filesystem::path log);
 
-/// Appends lines to a participant's log. While it lives, another process cannot open the same log.
+/// Appends lines to a participant's log. While it lives, another process can neither open the same log nor
+/// unblind the study.
 class LogWriter final {
  public:
   enum class Sync {
@@ -90,8 +105,8 @@ class LogWriter final {
   };
 
   /// [setup] Opens the log, or creates it, and removes an incomplete last line after keeping it beside the
-  /// file. @throws InputError when another process has it open, or as read_log()
-  LogWriter(std::filesystem::path file, const std::string& first_hash, Sync sync = Sync::kEachLine);
+  /// file. @throws InputError when another process has it open or the study is unblinded, or as read_log()
+  LogWriter(std::filesystem::path file, LogKey key, Sync sync = Sync::kEachLine);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
@@ -106,20 +121,21 @@ class LogWriter final {
 
  private:
   void open_and_lock();
-  void remove_cut_line(const std::string& first_hash);
-  void append_line(const std::string& json_without_hash);
+  void remove_cut_line();
+  void append_line(const std::string& json_without_chain);
+  void write_head();
 
   std::filesystem::path file_;
+  LogKey key_;
   Sync sync_;
+  std::optional<LogHeads> heads_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;   // bytes of complete lines
   std::uint64_t lines_ = 0;  // complete lines
-  std::string last_hash_;
+  std::string last_mac_;
   ParticipantLog opened_;
 };
 
-/// [setup] SHA-256 of bytes, in hexadecimal.
-[[nodiscard]] std::string sha256(const std::string& bytes);
 /// [any] ISO 8601 UTC with milliseconds, of milliseconds since 1970.
 [[nodiscard]] std::string utc_time(std::int64_t milliseconds);
 /// [any] Seconds since 1970 of such a time; 0 when it is malformed.

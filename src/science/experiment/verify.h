@@ -1,15 +1,15 @@
 #pragma once
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <string>
 
+#include "palpate/recording.h"
 #include "science/experiment/folder.h"
 
 namespace palpate::experiment {
 
 /// Checks a recording. It returns the defect, or an empty text.
-using CheckRecording = std::function<std::string(const std::filesystem::path&)>;
+using CheckRecording = std::function<std::string(const record::Recording&)>;
 
 /// What was checked.
 struct VerifyCounts {
@@ -19,11 +19,12 @@ struct VerifyCounts {
   std::size_t unfinished = 0;  // recordings of blocks that were cut off; their finished trials count
 };
 
-/// [setup] Checks the hash chain of a participant's log, that each trial is the one that follows from the
-/// answers before it, and each recording that its events "block" name.
+/// [setup] Checks that a participant's log is consistent with the sealed key (each line's mac, the chain, the
+/// log's head) and that each trial follows from the answers before it. Each recording that an event "block"
+/// names must have the SHA-256 of that event, be of this study, and pass compare_with_recording().
 /// @param check_recording empty: recordings must only exist @throws InputError naming the first file, line or
-/// recording that is not as it was written
-void verify_participant(const StudyFolder& study, SealedKey key, const std::string& id,
+/// recording that is inconsistent
+void verify_participant(const StudyFolder& study, const std::string& id,
                         const CheckRecording& check_recording, VerifyCounts& counts);
 
 }  // namespace palpate::experiment

@@ -45,8 +45,8 @@ void write_result(Page& page, const StudyFolder& study, const StudyAnalysis& ana
                    "contrast and the shape of the curve are shown after <code>palpate study unblind</code>.");
     return;
   }
-  page.paragraph(bold("UNBLINDED.") + " The time and the reason are in the folder of the study:");
-  page.code(std::string(trimmed(content_of(study.folder / "unblinded.json"))));
+  page.paragraph(bold("UNBLINDED.") + " " +
+                 escaped(study.unblinding->time + ": " + study.unblinding->reason));
   for (const Contrast& contrast : analysis.contrasts) {
     if (!contrast.primary) continue;
     page.paragraph(

@@ -15,6 +15,7 @@
 
 #include "io/record/flight_recorder.h"
 #include "io/record/test/sample_recording.h"
+#include "io/system/sha256.h"
 #include "palpate/error.h"
 
 namespace palpate::record {
@@ -25,19 +26,22 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
+constexpr const char* kUnblinded = "{\"time\":\"2026\",\"proof\":\"the proof\"}\n";
+
 /// A study's folder with one blind recording.
 struct Study {
   Study() {
     fs::create_directory(folder / "recordings");
-    Recorder recorder(file, setup, true, {}, "touch-noise-1");
+    Recorder recorder(file, setup, true, {}, mark);
     recorder.on_start(kStarted);
     for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.on_row(sample_row(tick, 0));
     recorder.finish({});
   }
-  void unblind() const { std::ofstream(folder / "unblinded.json") << "{}\n"; }
+  void unblind() const { std::ofstream(folder / "unblinded.json") << kUnblinded; }
   [[nodiscard]] fs::path log() const { return folder / "recordings" / "blind-broken.jsonl"; }
 
   TemporaryFolder folder;
+  StudyMark mark{"touch-noise-1", sha256("the proof")};
   scene::Scene setup = sample_setup(1);
   fs::path file = folder / "recordings" / "block-1.h5";
 };
@@ -85,25 +89,62 @@ TEST(BlindRecording, IsReadByACallerThatShowsNoForce) {
   const Study study;
   const Recording recording = read_recording(study.file, {}, Blind::kAllow);
   EXPECT_EQ(recording.rows.size(), 5U);
-  EXPECT_EQ(recording.facts.study, "touch-noise-1");
+  EXPECT_EQ(recording.facts.study, study.mark);
   EXPECT_TRUE(recording.facts.blind);
 }
 
 TEST(BlindRecording, IsOpenedByTheFileAboveItsFolder) {
   const Study study;
-  std::ofstream(study.folder / "recordings" / "unblinded.json") << "{}\n";
+  std::ofstream(study.folder / "recordings" / "unblinded.json") << kUnblinded;
   EXPECT_THROW((void)read_recording(study.file), InputError) << "beside it the file does not count";
   study.unblind();
   const Recording recording = read_recording(study.file);
-  EXPECT_EQ(recording.facts.study, "touch-noise-1");
+  EXPECT_EQ(recording.facts.study, study.mark);
   EXPECT_FALSE(recording.facts.blind);
+}
+
+TEST(BlindRecording, ACopyBesideAForgedFileIsAsBlind) {
+  const Study study;
+  const TemporaryFolder other;
+  fs::create_directory(other / "recordings");
+  const fs::path copy = other / "recordings" / "block-1.h5";
+  fs::copy_file(study.file, copy);
+  for (const std::string& forged :
+       {std::string("{}\n"), std::string(), std::string("{\"proof\":\"a proof\"}"),
+        std::string("{\"proof\":7}"), "{\"proof\":\"" + study.mark.commitment + "\"}",
+        std::string(300'000, '['), std::string("[]")}) {
+    std::ofstream(other / "unblinded.json") << forged;
+    EXPECT_THROW((void)read_recording(copy), InputError) << forged.substr(0, 40);
+  }
+  std::ofstream(other / "unblinded.json") << kUnblinded;
+  EXPECT_FALSE(read_recording(copy).facts.blind) << "the study's own file was copied, too";
+}
+
+TEST(BlindRecording, OfAnOlderPalpateWithoutACommitmentStaysBlind) {
+  Study study;
+  study.mark.commitment.clear();
+  {
+    Recorder recorder(study.file, study.setup, true, {}, study.mark);
+    recorder.on_start(kStarted);
+    recorder.on_row(sample_row(0, 0));
+    recorder.finish({});
+  }
+  study.unblind();
+  EXPECT_THROW((void)read_recording(study.file), InputError);
+}
+
+TEST(BlindRecording, AFileThatCannotBeLookedAtIsAnError) {
+  const Study study;
+  fs::create_symlink("unblinded.json", study.folder / "unblinded.json");
+  EXPECT_THAT([&] { (void)read_recording(study.file); },
+              ThrowsMessage<InputError>(HasSubstr("unblinded.json: cannot be looked at")));
 }
 
 TEST(BlindRecording, ALinkToItIsAsBlind) {
   const Study study;
   const TemporaryFolder other;
   fs::create_directory(other / "recordings");
-  std::ofstream(other / "unblinded.json") << "{}\n";
+  std::ofstream(other / "unblinded.json") << kUnblinded;
   fs::create_symlink(study.file, other / "recordings" / "link.h5");
   EXPECT_THROW((void)read_recording(other / "recordings" / "link.h5"), InputError);
 }
@@ -112,7 +153,7 @@ TEST(BlindRecording, ARecordingOfNoStudyIsNotBlind) {
   const TemporaryFolder folder;
   record_sample(folder / "a.h5", 5, 1);
   const Recording recording = break_blind(folder / "a.h5", "palpate export");
-  EXPECT_EQ(recording.facts.study, "");
+  EXPECT_EQ(recording.facts.study, StudyMark{});
   EXPECT_FALSE(recording.facts.blind);
   EXPECT_FALSE(fs::exists(folder / "blind-broken.jsonl")) << "nothing was broken";
 }
@@ -152,7 +193,7 @@ TEST(BlindRecording, ALogThatIsALinkIsNotFollowed) {
 TEST(BlindRecording, RepairKeepsItBlind) {
   const Study study;
   {
-    Recorder recorder(study.file, study.setup, true, {}, "touch-noise-1");
+    Recorder recorder(study.file, study.setup, true, {}, study.mark);
     recorder.on_start(kStarted);
     for (std::uint64_t tick = 0; tick < 3000; ++tick) recorder.on_row(sample_row(tick, 0));
     recorder.finish({});
@@ -167,7 +208,7 @@ TEST(BlindRecording, RepairKeepsItBlind) {
 TEST(BlindRecording, TheTicksBeforeAFaultAreBlindToo) {
   const TemporaryFolder folder;
   const scene::Scene setup = sample_setup(1);
-  FlightRecorder flight(setup, "touch-noise-1");
+  FlightRecorder flight(setup, {"touch-noise-1", ""});
   flight.on_row(sample_row(0, 0));
   flight.write(folder / "fault.h5", {});
   EXPECT_THROW((void)read_recording(folder / "fault.h5"), InputError);

@@ -107,10 +107,10 @@ TEST(Session, TheRecordingOfAStudyIsBlindAndReplaysWithItsTimedForces) {
   Session session(block());
   (void)session.updates().offer(haptics::LiveStimulus{0.02, 20e-3, 1}, 120);
   (void)session.updates().offer(haptics::LiveStimulus{0.0, 20e-3, 0}, 320);
-  (void)session.run({.recording = folder / "b.h5", .offline = true, .study = "pilot"});
+  (void)session.run({.recording = folder / "b.h5", .offline = true, .study = {"pilot", "commitment"}});
   EXPECT_THROW((void)record::read_recording(folder / "b.h5"), InputError);
   const record::Recording recording = record::read_recording(folder / "b.h5", {}, record::Blind::kAllow);
-  EXPECT_EQ(recording.facts.study, "pilot");
+  EXPECT_EQ(recording.facts.study, (record::StudyMark{"pilot", "commitment"}));
   EXPECT_EQ(recording.rows[319].stimulus_force, 0.02);
   EXPECT_EQ(record::replay(recording).rows_different, 0U);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/system/output_file.h"
+#include "io/system/sha256.h"
 #include "io/system/temporary.h"
 #include "science/experiment/session_questions.h"
 #include "science/experiment/test/small_study.h"
@@ -46,7 +47,7 @@ class Consent : public testing::Test {
   bool consents(std::deque<std::size_t> answers) {
     screens_.answers = std::move(answers);
     screens_.asked.clear();
-    LogWriter log(scratch_.path() / "P.jsonl", "first");
+    LogWriter log(scratch_.path() / "P.jsonl", {"first", "key"});
     return SessionQuestions(study_, options_, 0, log).consent_and_bands();
   }
 
@@ -63,7 +64,7 @@ TEST_F(Consent, NobodyWhoRefusedGoesOnWithoutConsent) {
   EXPECT_FALSE(consents({kRefuse})) << "asked a second time";
   EXPECT_TRUE(consents({kAgree, 1}));
   EXPECT_TRUE(consents({})) << "asked although consent is given";
-  const ParticipantLog log = read_log(scratch_.path() / "P.jsonl", "first");
+  const ParticipantLog log = read_log(scratch_.path() / "P.jsonl", {"first", "key"});
   ASSERT_EQ(log.events.size(), 4U);
   EXPECT_EQ(log.events[2].value("answer"), "yes");
   EXPECT_EQ(log.events[2].value("hash"), sha256("I may stop at any time."));

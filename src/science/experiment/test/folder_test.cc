@@ -1,15 +1,22 @@
 #include "science/experiment/folder.h"
 
 #include <algorithm>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <set>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "io/system/output_file.h"
+#include "io/system/sha256.h"
 #include "io/system/temporary.h"
 #include "palpate/scene.h"
 #include "science/experiment/test/study_text.h"
@@ -99,8 +106,8 @@ class Folder : public testing::Test {
 
 TEST_F(Folder, HasTheStudyLockSealedKeyAndEmptyFolders) {
   prepare();
-  EXPECT_THAT(names_in(study_),
-              UnorderedElementsAre("study.toml", "lock.json", "sealed.json", "participants", "recordings"));
+  EXPECT_THAT(names_in(study_), UnorderedElementsAre("study.toml", "lock.json", "sealed.json", "heads.txt",
+                                                     "participants", "recordings"));
   EXPECT_EQ(text_of(study_ / "study.toml"), text_of(file_));
   EXPECT_THAT(names_in(folder_.path() / "out"), ElementsAre("study"));  // no temporary folder is left
   const StudyFolder opened = open_study(study_);
@@ -131,23 +138,23 @@ TEST_F(Folder, HasNumberedIdsIfTheStudyWantsThem) {
 TEST_F(Folder, HasAKeyOfItsOwnThatOnlyTheOwnerCanRead) {
   prepare();
   const StudyFolder opened = open_study(study_);
-  const SealedKey key = read_sealed_key(opened);
+  const SealedKey key = opened.key;
   struct stat facts {};
   ASSERT_EQ(stat((study_ / "sealed.json").c_str(), &facts), 0);
   EXPECT_EQ(facts.st_mode & 0777U, 0600U);
   EXPECT_THAT(text_of(study_ / "lock.json"), testing::Not(HasSubstr(std::to_string(key))));
   prepare_study(file_, folder_.path() / "other", 3);
-  EXPECT_NE(read_sealed_key(open_study(folder_.path() / "other")), key);
+  EXPECT_NE(open_study(folder_.path() / "other").key, key);
 
   const std::string sealed = (study_ / "sealed.json").string();
+  const auto open_error = [&] { return error_of([&] { static_cast<void>(open_study(study_)); }); };
   fs::permissions(sealed, fs::perms::group_read, fs::perm_options::add);
   EXPECT_EQ(
-      error_of([&] { static_cast<void>(read_sealed_key(opened)); }),
+      open_error(),
       sealed + ": others can read it (mode 0640), must be readable by its owner only: chmod 600 " + sealed);
   fs::permissions(sealed, fs::perms::group_read, fs::perm_options::remove);
   write_output(sealed, "{\"key\":1}");
-  EXPECT_EQ(error_of([&] { static_cast<void>(read_sealed_key(opened)); }),
-            sealed + ": was changed after the study was prepared (lock.json)");
+  EXPECT_EQ(open_error(), sealed + ": was changed after the study was prepared (lock.json)");
 }
 
 TEST_F(Folder, KeepsACopyOfTheSceneAndAllItsFiles) {
@@ -220,7 +227,7 @@ TEST_F(Folder, WithAnotherLockIsRefused) {
   const std::string lock = (study_ / "lock.json").string();
   write_output(lock, "{\"format\":\"x\"}");
   EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
-            lock + ": format = \"x\": must be \"palpate study 1\"");
+            lock + ": format = \"x\": must be \"palpate study 2\"");
   write_output(lock, "{}");
   EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
             lock + ": format: missing, must be a text");
@@ -262,24 +269,180 @@ TEST_F(Folder, IsNotPreparedForAStudyThatDoesNotFitIntoItsSessions) {
   EXPECT_THAT(error_of([&] { prepare(); }), HasSubstr("study.sessions = 1: the tasks need "));
 }
 
+TEST_F(Folder, OfAnOlderPalpateIsRefusedWithWhatToDo) {
+  prepare();
+  write_output(study_ / "lock.json", "{\"format\":\"palpate study 1\",\"program\":\"0.9.0\"}");
+  EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
+            study_.string() +
+                ": was prepared by palpate 0.9.0, whose logs have no macs: go on with that version; "
+                "this one needs a new folder made by `palpate study prepare`");
+}
+
+TEST_F(Folder, RemovesWhatAKilledPreparationLeftButNotTheFolderOfARunningOne) {
+  const fs::path parent = study_.parent_path();
+  fs::create_directories(parent / ".palpate-study-killed" / "study");
+  write_output(parent / ".palpate-study-killed" / "study" / "sealed.json", "{}");
+  fs::create_directories(parent / ".palpate-study-lively");
+  fs::create_directories(parent / ".palpate-study-person" / "notes");
+  const int alive = ::open((parent / ".palpate-study-lively").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(alive, LOCK_EX), 0);
+  prepare();
+  EXPECT_THAT(names_in(parent),
+              UnorderedElementsAre("study", ".palpate-study-lively", ".palpate-study-person"));
+  ::close(alive);
+}
+
 TEST_F(Folder, IsUnblindedOnceWithAReason) {
   prepare();
-  const StudyFolder opened = open_study(study_);
-  EXPECT_EQ(error_of([&] { unblind_study(opened, " "); }), "--why: must be the reason, not empty");
-  EXPECT_FALSE(opened.unblinded());
-  unblind_study(opened, "all are done");
+  StudyFolder opened = open_study(study_);
+  EXPECT_EQ(error_of([&] { unblind_study(opened, " ", true); }), "--why: must be the reason, not empty");
+  EXPECT_FALSE(open_study(study_).unblinded());
+  unblind_study(opened, "all are done", true);
   EXPECT_TRUE(opened.unblinded());
-  EXPECT_THAT(error_of([&] { unblind_study(opened, "again"); }),
+  StudyFolder again = open_study(study_);
+  ASSERT_TRUE(again.unblinded());
+  EXPECT_EQ(again.unblinding->reason, "all are done");
+  EXPECT_THAT(error_of([&] { unblind_study(again, "again", true); }),
               testing::AllOf(
                   StartsWith((study_ / "unblinded.json").string() + ": the study was unblinded already at 2"),
                   EndsWith(": all are done")));
 }
 
+TEST_F(Folder, IsNotUnblindedWhilePeopleAreUnfinished) {
+  prepare();
+  StudyFolder opened = open_study(study_);
+  {
+    LogWriter first(opened.log_of(opened.ids[0]), opened.log_key(opened.ids[0]));
+    first.append(EventRecord{"2026", "withdrawn", {}});
+    LogWriter second(opened.log_of(opened.ids[1]), opened.log_key(opened.ids[1]));
+    second.append(EventRecord{"2026", "session", {{"session", "1"}}});
+    second.append(EventRecord{"2026", "session-end", {{"session", "1"}}});
+  }
+  EXPECT_EQ(error_of([&] { unblind_study(opened, "done"); }),
+            study_.string() + ": 1 of 3 participants are not finished (" + opened.ids[2] +
+                "): nobody can be run blind after unblinding; --early ends the study for them");
+  EXPECT_FALSE(open_study(study_).unblinded());
+}
+
+TEST_F(Folder, IsAsBlindAsBeforeAfterAnUnblindingThatFailed) {
+  prepare();
+  const pid_t child = fork();
+  if (child == 0) {  // a limit of the file's size stands for a full disk
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{10, 10};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    StudyFolder opened = open_study(study_);
+    const std::string error = error_of([&] { unblind_study(opened, "done", true); });
+    _exit(error == (study_ / "unblinded.json").string() + ": cannot be written: File too large" &&
+                  !opened.unblinded()
+              ? 0
+              : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  StudyFolder opened = open_study(study_);
+  EXPECT_FALSE(opened.unblinded());
+  EXPECT_EQ(names_in(study_).size(), 6U) << "nothing is left";
+  unblind_study(opened, "done", true);
+  EXPECT_TRUE(open_study(study_).unblinded());
+}
+
+TEST_F(Folder, AnEmptyDamagedOrForgedUnblindingIsAnErrorThatSaysSo) {
+  prepare();
+  const std::string file = (study_ / "unblinded.json").string();
+  const std::string error =
+      file +
+      ": is empty, damaged or not made with this study's sealed key, so the study is not "
+      "unblinded: remove the file, and the study is blind";
+  for (const std::string& bytes :
+       {std::string(), std::string("{}"), std::string("{\"time\":\"2026\",\"reason\":\"x\",\"mac\":\"00\"}"),
+        std::string(200'000, '[')}) {
+    write_output(file, bytes);
+    EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }), error) << bytes.substr(0, 30);
+  }
+  fs::remove(file);
+  StudyFolder opened = open_study(study_);
+  unblind_study(opened, "done", true);
+  std::string changed = text_of(file);
+  changed.replace(changed.find("\"done\""), 6, "\"gone\"");
+  write_output(file, changed);
+  EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }),
+              EndsWith("so nobody can read why the study was unblinded: restore the file"));
+}
+
+TEST_F(Folder, CannotBeBlindedAgain) {
+  prepare();
+  StudyFolder opened = open_study(study_);
+  unblind_study(opened, "done", true);
+  fs::remove(study_ / "unblinded.json");
+  EXPECT_EQ(
+      error_of([&] { static_cast<void>(open_study(study_)); }),
+      (study_ / "unblinded.json").string() + ": is missing, though the study was unblinded (heads.txt)");
+}
+
+TEST_F(Folder, KeepsTheLogsAsTheyWereAtTheUnblinding) {
+  prepare();
+  StudyFolder opened = open_study(study_);
+  const std::string id = opened.ids[0];
+  LogWriter(opened.log_of(id), opened.log_key(id)).append(EventRecord{"2026", "note", {}});
+  unblind_study(opened, "done", true);
+  EXPECT_EQ(open_study(study_).read(id).events.size(), 1U);
+  LogWriter(opened.log_of(id), opened.log_key(id)).append(EventRecord{"2026", "note", {}});
+  EXPECT_EQ(
+      error_of([&] { static_cast<void>(open_study(study_).read(id)); }),
+      opened.log_of(id).string() + ": has 2 lines, had 1 when the study was unblinded (unblinded.json)");
+  EXPECT_EQ(error_of([&] { require_blind(open_study(study_)); }),
+            study_.string() + ": is unblinded, so nobody can be run blind; prepare another folder");
+}
+
 TEST_F(Folder, IsMarkedAsSimulated) {
   prepare();
-  mark_simulated(open_study(study_));
-  mark_simulated(open_study(study_));
+  StudyFolder opened = open_study(study_);
+  mark_simulated(opened);
+  mark_simulated(opened);
+  EXPECT_TRUE(opened.simulated);
   EXPECT_TRUE(open_study(study_).simulated);
+}
+
+TEST_F(Folder, SimulatedParticipantsCannotBecomePeople) {
+  prepare();
+  StudyFolder opened = open_study(study_);
+  const std::string id = opened.ids[0];
+  mark_simulated(opened);
+  TrialRecord trial;
+  trial.observer = "sr";
+  LogWriter(opened.log_of(id), opened.log_key(id)).append(trial);
+  EXPECT_EQ(open_study(study_).read(id).trials.size(), 1U);
+  fs::remove(study_ / "simulated.json");
+  EXPECT_EQ(
+      error_of([&] { static_cast<void>(open_study(study_).read(id)); }),
+      opened.log_of(id).string() +
+          ": has trials of a simulated observer, but simulated.json is missing: one of them was removed "
+          "or added");
+  write_output(study_ / "simulated.json", "{}");
+  EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }),
+              HasSubstr("simulated.json: is empty, damaged or not made with this study's sealed key"));
+}
+
+TEST_F(Folder, ALogOfOneParticipantIsNotTakenForThatOfAnother) {
+  prepare();
+  const StudyFolder opened = open_study(study_);
+  LogWriter(opened.log_of(opened.ids[0]), opened.log_key(opened.ids[0]))
+      .append(EventRecord{"2026", "note", {}});
+  fs::copy_file(opened.log_of(opened.ids[0]), opened.log_of(opened.ids[1]));
+  EXPECT_EQ(error_of([&] { static_cast<void>(opened.read(opened.ids[1])); }),
+            opened.log_of(opened.ids[1]).string() + ":1: was changed: its mac does not fit");
+}
+
+// A cycle of links, whose error a privileged user gets, too.
+TEST_F(Folder, ALogThatCannotBeLookedAtIsNoEmptyLog) {
+  prepare();
+  const StudyFolder opened = open_study(study_);
+  const fs::path log = opened.log_of(opened.ids[0]);
+  fs::create_symlink(log.filename(), log);
+  EXPECT_EQ(error_of([&] { static_cast<void>(opened.read(opened.ids[0])); }),
+            log.string() + ": cannot be looked at: Too many levels of symbolic links");
 }
 
 TEST(SceneOf, ABuiltInOrganHasTheStudysForceLimit) {

@@ -71,7 +71,8 @@ class RunSession : public testing::Test {
     write_output(file, kTinyStudy);
     prepare_study(file, scratch_.path() / "study", 2);
     study_ = open_study(scratch_.path() / "study");
-    key_ = read_sealed_key(study_);
+    mark_simulated(study_);
+    key_ = study_.key;
   }
 
   ScratchFolder scratch_{"palpate-run-session"};
@@ -131,7 +132,7 @@ TEST_F(RunSession, SimulatedLogsDependOnFolderKeyAndObserverAlone) {
   const std::string log = simulate_log(study_, key_, 0, "sr");
   EXPECT_EQ(simulate_log(study_, key_, 0, "sr"), log);
   EXPECT_NE(simulate_log(study_, key_, 1, "sr"), log);
-  write_output(study_.log_of(study_.ids[0]), log);
+  keep_log(study_, study_.ids[0], log);
   EXPECT_EQ(study_.read(study_.ids[0]).trials.size(), 16U + 6U + 4U + 2U);
 }
 

@@ -78,7 +78,7 @@ class SessionQuestionsTest : public testing::Test {
     options.participant = study_.ids[0];
     options.device = "emulated";
     options.screens = &screens;
-    return run_session(study_, read_sealed_key(study_), options);
+    return run_session(study_, study_.key, options);
   }
   /// Values of the first event with this name.
   std::vector<std::string> values_of(const std::string& name) {

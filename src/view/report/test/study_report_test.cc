@@ -41,7 +41,7 @@ class StudyReport : public testing::Test {
     study_.lock_hash = "0123abcd";
     study_.ids = {"a", "b", "c", "d", "e", "f"};
     std::ofstream(folder_.path() / "study.toml") << "name = \"registered-text\"\n";
-    std::ofstream(folder_.path() / "unblinded.json") << "{\"reason\": \"all done\"}\n";
+    study_.unblinding = Unblinding{"2026-03-01T09:00:00.000Z", "all done", {}};
     for (std::uint32_t number = 0; number < 6; ++number) people_.push_back(person_of(number));
     people_[3].log.trials[0].spoiled = {"band"};
     for (std::size_t i = 0; i < 40; ++i) people_[2].log.trials[i].spoiled = {"late"};
