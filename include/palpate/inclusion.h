@@ -125,7 +125,7 @@ inline constexpr double kUncappedFactor = 5.0;
 /// The largest factor of any number of inclusions.
 inline constexpr double kLargestEnergyFactor = 10.0;
 
-/// [rt] Caps the product of the inclusions' factors 1 + e_j: several hard inclusions at one place are not
+/// [rt] Caps the product of the inclusions' factors 1 + e_j: several coincident hard inclusions are not
 /// harder than their material. f up to f_0 = kUncappedFactor stays, bit for bit; above it
 /// f_0 + (f_1 - f_0) tanh((f - f_0) / (f_1 - f_0)), with two continuous derivatives.
 [[nodiscard]] CappedFactor cap_factor(double product) noexcept;

@@ -55,7 +55,8 @@ TEST(Stability, SmoothAndRelaxingTissuesLieStillWhereTheCheckDoesNotWarnAndGiveN
   }
 }
 
-// The slew reserve lets it bounce by some mm with less energy than the bound, where it once trembled with more.
+// The slew reserve lets it bounce by some mm with less energy than the bound, where it once trembled with
+// more.
 TEST(Stability, AWallTooStiffForItsDeviceIsWarnedOfAndTremblesNoMoreThanTheControllerLets) {
   const model::TissueParameters wall = linear_tissue(32e3);
   const StabilityResult result =

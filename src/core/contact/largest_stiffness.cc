@@ -10,7 +10,7 @@
 namespace palpate::contact {
 namespace {
 
-constexpr int kDepths = 8;             // of one place
+constexpr int kDepths = 8;             // of one position
 constexpr int kAround = 6;             // places on a ring
 constexpr double kDepthStep = 1e-5;    // m, of a difference quotient
 constexpr double kPlaceStep = 0.2e-3;  // m, of a difference quotient: less than any inclusion's radius
@@ -35,7 +35,7 @@ double largest_eigenvalue(double a, double b, double d) noexcept {
 
 Vec3 along(const Vec3& normal, const Vec3& force) noexcept { return force - force.dot(normal) * normal; }
 
-/// A place and its neighbours on two axes of the tangent plane.
+/// A position and its neighbours on two axes of the tangent plane.
 struct Neighbourhood {
   Vec3 normal;
   TissueAt here;

@@ -27,7 +27,7 @@ struct StiffnessReach {
 ///     | d2U/dDdc  d2U/dc2  |
 ///
 /// and this is its largest absolute eigenvalue. The Hessian is the difference quotient of the force that a
-/// tick computes, so several inclusions at one place, a stiffness map below them and the cap of their product
+/// tick computes, so coincident inclusions, a stiffness map below them and the cap of their product
 /// are in it. It is evaluated at eight depths
 ///
 /// - above each inclusion and between each two of them, on rings as wide as the inclusion is deep, at both

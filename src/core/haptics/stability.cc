@@ -6,6 +6,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "core/contact/largest_stiffness.h"
 #include "core/haptics/passivity.h"
@@ -18,7 +19,7 @@ namespace {
 /// time.
 bool oscillates(double stiffness, double virtual_damping, const DeviceMechanics& device, double period) {
   const double rate = device.damping / device.mass;  // 1/s
-  const double kept = std::exp(-rate * period);
+  const double kept = portable::exp(-rate * period);
   const double way = rate > 0.0 ? (1.0 - kept) / rate : period;  // s: position by speed
   const double speed_by_force = way / device.mass;               // m/s by N
   const double way_by_force =                                    // m by N

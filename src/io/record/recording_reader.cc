@@ -267,7 +267,7 @@ RecordingReader::RecordingReader(std::filesystem::path file) : path_(std::move(f
   } catch (const std::bad_alloc&) {
     refuse("too large for this machine's memory");
   }
-  facts_.blind = !facts_.study.empty() && !is_unblinded(path_);
+  facts_.blind = !facts_.study.name.empty() && !is_unblinded(path_, facts_.study);
 }
 
 void RecordingReader::refuse(const std::string& why) const { throw InputError(to_text(path_) + ": " + why); }
@@ -353,7 +353,6 @@ void RecordingReader::read_all_but_ticks() {
   if (facts_.complete && hdf5::has_link(file_.id(), "/run", run_names::kRows)) {
     rows_written_ = run_count(file_.id(), run_names::kRows);
   }
-  facts_.blind = !facts_.study.name.empty() && !is_unblinded(path_, facts_.study);
   read_changes();
   if (cut_off_) facts_.complete = false;
 }

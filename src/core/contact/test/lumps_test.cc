@@ -130,7 +130,7 @@ TEST(Lumps, AClosedPathGivesNoEnergy) {
   }
 }
 
-/// Several stones at one place.
+/// Several coincident stones.
 FlatTissue pile_of_stones(std::mt19937_64& random, std::size_t count) {
   FlatTissue tissue(random, model::LawKind::kSmooth);
   tissue.inclusions.assign(count,

@@ -56,7 +56,7 @@ TEST(BlindRecording, IsRefusedWithTheReasonAndTheWaysToOpenIt) {
 
 TEST(BlindRecording, WhoseFolderCannotBeFoundIsAnErrorInWords) {
   const Study study;
-  EXPECT_THAT([&] { (void)is_unblinded(study.folder / "recordings/gone.h5"); },
+  EXPECT_THAT([&] { (void)is_unblinded(study.folder / "recordings/gone.h5", study.mark); },
               ThrowsMessage<InputError>(HasSubstr("gone.h5: its folder cannot be found: No such file")));
 }
 
