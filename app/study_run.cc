@@ -1,7 +1,9 @@
 // `palpate study run`: one session of one participant.
+#include <atomic>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,6 +21,7 @@
 #include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
+#include "app/session.h"
 #include "app/study_commands.h"
 #include "app/window/study_screens.h"
 
@@ -36,8 +39,9 @@ struct StudyRunFlags {
 
 /// @throws InputError without a display
 std::unique_ptr<StudyScreens> open_screens(const experiment::StudyFolder& study,
-                                           const std::string& participant) {
+                                           const std::string& participant, const std::atomic<bool>& stop) {
   StudyScreensOptions options;
+  options.stop = &stop;
   options.title = study.study.name + ": " + participant;
   options.status_file = study.folder / (participant + "-status.txt");
   try {
@@ -80,9 +84,11 @@ int run_study(const StudyRunFlags& flags) {
   const OrganPreparation preparation(flags.no_cache);
   options.preparation = preparation.how();
   Progress bar("study");
+  std::optional<StopOnSignal> signals;  // a hand may be held
   std::unique_ptr<StudyScreens> screens;
   if (flags.observer.empty()) {
-    screens = open_screens(study, flags.participant);
+    signals.emplace();
+    screens = open_screens(study, flags.participant, signals->flag());
     options.screens = screens.get();
   } else {
     options.progress = [&bar](double share, const std::string& what) { bar.update(share, what); };

@@ -190,6 +190,7 @@ void StudyScreens::next_frame() {
   const double left = frame_began_ + kFrameTime - seconds_now();
   if (left > 0.0) SDL_Delay(static_cast<Uint32>(1e3 * left));
   frame_began_ = seconds_now();
+  if (!closed_ && options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leave();
   if (closed_) return;
   try {
     SDL_Event event;

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -22,10 +23,11 @@ namespace palpate::app {
 
 /// Options of a session's windows.
 struct StudyScreensOptions {
-  std::string title;                  // study and participant, for the experimenter
-  std::filesystem::path status_file;  // of `experimenter = "file"`: a line is added every 0.5 s
-  std::optional<Display::Size> size;  // of both windows; empty: each fills a display, or half of one
-  bool sound = true;                  // masking noise as the study has it
+  std::string title;                        // study and participant, for the experimenter
+  std::filesystem::path status_file;        // of `experimenter = "file"`: a line is added every 0.5 s
+  std::optional<Display::Size> size;        // of both windows; empty: each fills a display, or half of one
+  bool sound = true;                        // masking noise as the study has it
+  const std::atomic<bool>* stop = nullptr;  // ends the session as closing a window does, e.g. Ctrl-C
 };
 
 /// The two windows, the keys and the masking noise of a session with a person. Keys count in both windows:

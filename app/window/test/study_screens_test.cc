@@ -256,6 +256,18 @@ TEST_F(StudyScreensTest, AClosedWindowEndsAQuestion) {
   EXPECT_EQ(screens->take_input(), ScreenInput::kStop);
 }
 
+TEST_F(StudyScreensTest, ASignalEndsAQuestionAndTheSession) {
+  std::atomic<bool> stop{false};
+  StudyScreensOptions options;
+  options.stop = &stop;
+  const auto screens = open(options);
+  const Meanwhile signal([&] { stop = true; });
+  EXPECT_EQ(screens->ask({"participant", "Ready?", {"Yes", "No"}}), std::nullopt);
+  EXPECT_EQ(inputs(*screens), std::vector<ScreenInput>{ScreenInput::kStop});
+  show(*screens, {});
+  EXPECT_TRUE(inputs(*screens).empty()) << "once";
+}
+
 TEST_F(StudyScreensTest, ForceOffEndsAQuestion) {
   if (!display_is_there()) return;
   const auto screens = open();

@@ -115,10 +115,10 @@ TEST_F(StudyReport, UnblindedReportShowsPrimaryResultAndRegistration) {
 }
 
 TEST_F(StudyReport, AFifoInPlaceOfAFileOfTheStudyIsRefusedWithoutWaiting) {
-  std::filesystem::remove(folder_.path() / "unblinded.json");
-  ASSERT_EQ(mkfifo((folder_.path() / "unblinded.json").c_str(), 0600), 0);
+  std::filesystem::remove(folder_.path() / "study.toml");
+  ASSERT_EQ(mkfifo((folder_.path() / "study.toml").c_str(), 0600), 0);
   EXPECT_THAT([&] { (void)page_of(true); },
-              ThrowsMessage<InputError>(HasSubstr("unblinded.json: is a FIFO, must be a text file")));
+              ThrowsMessage<InputError>(HasSubstr("study.toml: is a FIFO, must be a text file")));
 }
 
 TEST_F(StudyReport, NoReportChoosesALevelAfterwards) {
