@@ -5,6 +5,7 @@
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "core/contact/tissue_laws.h"
 #include "core/geometry/signed_distance.h"
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/scene/device_kinds.h"
@@ -230,6 +231,16 @@ void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) 
   }
 }
 
+/// @throws InputError where the tissue has a layer that is too stiff for a tick (contact::TissueLaws)
+void check_layers(const SceneFile& scene, const Scene& setup) {
+  try {
+    static_cast<void>(contact::TissueLaws(setup.tissue, 1.0 / setup.rate_Hz));
+  } catch (const ParameterError& error) {
+    throw InputError(fmt::format("{}tissue '{}': {}", scene.tissue ? scene.tissue->where + ": " : "",
+                                 setup.tissue.name, error.what()));
+  }
+}
+
 /// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
 model::TissueParameters find_tissue(const SceneFile& scene) {
   if (scene.tissue) {
@@ -390,6 +401,7 @@ Scene load(const Overrides& request) {
   set_noise(scene, setup);
   setup.tissue = find_tissue(scene);
   apply_to_tissue(request.settings, setup.tissue);
+  check_layers(scene, setup);
   MeshNotes notes;
   load_hands(scene, setup, notes);
   load_organ(scene, setup, notes);

@@ -391,6 +391,17 @@ TEST(Load, RefusesOrgansThatAreTooLargeOrCannotBeRepaired) {
                                                 HasSubstr("cannot be an organ: a hole of 7 edges, 69.3 mm")));
 }
 
+TEST(Load, RefusesATissueWhoseLayersAreTooStiffByFileAndField) {
+  const TemporaryFolder folder;
+  const std::string tissue =
+      "[tissue]\nname = \"jump\"\nk1_N_per_m = 18\nbeta = 0.02\nq = 0.7\nrest_length_mm = 14\n"
+      "max_length_mm = 22\nmin_length_mm = 6\nt1_us = 1\n";
+  Overrides request;
+  request.tissue = folder.write("jump.toml", tissue).string();
+  EXPECT_THAT(error_in(request),
+              testing::AllOf(HasSubstr("--tissue"), HasSubstr("jump"), HasSubstr("beta = 0.02")));
+}
+
 TEST(Load, RefusesHandsThatDoNotMatchUp) {
   const TemporaryFolder folder;
   const std::string organ = "[organ]\nmesh=\"heart\"\n";
