@@ -165,9 +165,12 @@ StopOnSignal::StopOnSignal() : hangup_before_(std::signal(SIGHUP, SIG_IGN)) {
   stop_asked.store(false);
   struct sigaction action {};
   action.sa_handler = ask_to_stop;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
-  for (const int number : kStopSignals) sigaction(number, &action, nullptr);
+  for (const int number : kStopSignals) {
+    // A second Ctrl-C ends the program. A terminal that closes sends SIGHUP twice by itself.
+    action.sa_flags = number == SIGHUP ? 0 : static_cast<int>(SA_RESETHAND);
+    sigaction(number, &action, nullptr);
+  }
   if (hangup_before_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 

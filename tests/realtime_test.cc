@@ -175,6 +175,7 @@ TEST(RealTime, TheEndOfTheTerminalEndsTheRunAndClosesTheRecording) {
   const Folder folder;
   Program program(folder.path(), {"run", "--device", "emulated", "--headless", "--record", "run.h5"});
   for (int i = 0; i < 6000 && !fs::exists(folder / "run.h5"); ++i) std::this_thread::sleep_for(10ms);
+  program.signal(SIGHUP);  // by the shell, and by the kernel when the shell has ended
   program.signal(SIGHUP);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <type_traits>
 
 #include "core/model/relaxation.h"
@@ -26,7 +27,9 @@ struct TissueLaws {
         damping(tissue.contact.damping),
         grip_limit(tissue.contact.grip_limit) {
     for (const model::SpringLaw* law : {&press, &pull}) {
-      if (law->deformation_under(kForceWithinReach).stiffness <= kStiffestLayer) continue;
+      constexpr double kJustBelow = 1.0 - 1e-12;  // at the law's largest force its tangent is zero
+      const double force = std::min(kForceWithinReach, kJustBelow * law->max_force());
+      if (law->deformation_under(force).stiffness <= kStiffestLayer) continue;
       throw ParameterError("beta", tissue.beta, "large enough that no layer within 50 N exceeds 1e12 N/m");
     }
   }

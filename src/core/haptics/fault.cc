@@ -36,7 +36,7 @@ const char* describe(Fault fault) noexcept {
       return "the device switched its force off by itself";
     case Fault::kUnstable:
       return "the force gave the hand more energy than the passivity controller could take back: lower the "
-             "tissue's stiffness or contact damping, workspace_scale or a slow loop's period";
+             "tissue's stiffness, contact damping or workspace_scale, or raise rate_Hz or max_slew_N_per_ms";
     case Fault::kNone:
       break;
   }

@@ -61,10 +61,11 @@ void begin_fall(const GateLimits& limits, double time, GateState& state) noexcep
 }
 
 void latch(const GateLimits& limits, GateState& state, Fault fault) noexcept {
-  state.fault = fault;
-  // After a reset and a new fault during a fall, the fall continues.
-  if (state.fault_ticks_left > 0) return;
-  begin_fall(limits, fault == Fault::kUnstable ? kUnstableFall : kFaultFall, state);
+  const double time = fault == Fault::kUnstable ? kUnstableFall : kFaultFall;
+  if (state.fault == Fault::kNone) state.fault = fault;
+  // A fall that ends earlier continues, also after a reset and a new fault.
+  if (state.fault_ticks_left > 0 && state.fault_ticks_left * limits.period <= time) return;
+  begin_fall(limits, time, state);
 }
 
 /// The next command of the ramp to zero: the step times the ticks left, so the end is exactly zero.
@@ -111,22 +112,23 @@ void fade_to_zero(const GateLimits& limits, GateState& state, const DeviceMotion
   if (state.fault_ticks_left == 0) return;
   ForceCommand falling{state.force, state.torque, state.gripper_force};
   remove_giving(relative, falling);
-  const ForceCommand& step = state.fault_step;
-  // At a slew limit slower than the ramp, the ramp decides.
+  // What gives energy is gone within kFaultFall, or as fast as the slew limit allows.
+  constexpr double kFaster = kUnstableFall / kFaultFall;
+  const ForceCommand step = state.fault_step;
   state.force = limit(falling.force, last_force, state.force.norm(),
-                      std::max(limits.force_step, 2.0 * step.force.norm()))
+                      std::max(limits.force_step, kFaster * step.force.norm()))
                     .value;
   state.torque = limit(falling.torque, last_torque, state.torque.norm(),
-                       std::max(limits.torque_step, 2.0 * step.torque.norm()))
+                       std::max(limits.torque_step, kFaster * step.torque.norm()))
                      .value;
   state.fault_step = {state.force / left, state.torque / left, step.gripper_force};
 }
 
 /// Lowers force and torque to what the slew limits can bring to zero in time. @return status bits
 std::uint32_t limit_to_reserve(const GateLimits& limits, const PassivityObserver& energy,
-                               ForceCommand& tissue) noexcept {
-  const SlewReserve most =
-      slew_reserve(energy, limits.force_step / limits.period, limits.torque_step / limits.period);
+                               const DeviceMotion& relative, ForceCommand& tissue) noexcept {
+  const SlewReserve most = slew_reserve(energy, limits.force_step / limits.period,
+                                        limits.torque_step / limits.period, tissue, relative);
   const double force = tissue.force.norm();
   const double torque = tissue.torque.norm();
   if (force > most.force) tissue.force *= most.force / force;
@@ -185,7 +187,9 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
   const bool usable = finite(tissue, tissue.force + noise);
   Fault fault = input.fault == Fault::kNone && !usable ? Fault::kNotFinite : input.fault;
   if (fault == Fault::kNone && input.controlled && is_unstable(state.energy)) fault = Fault::kUnstable;
-  if (state.fault == Fault::kNone && fault != Fault::kNone) latch(limits, state, fault);
+  const bool fades = state.fault == Fault::kUnstable && state.fault_ticks_left > 0;
+  const bool another = fades && fault != Fault::kNone && fault != Fault::kUnstable;
+  if (fault != Fault::kNone && (state.fault == Fault::kNone || another)) latch(limits, state, fault);
 
   if (state.fault != Fault::kNone) {
     // After a stall the hand feels no force any more.
@@ -201,10 +205,10 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
     state.fault_step = {};
     bool damps = false;
     if (input.controlled) {
-      output.status |= limit_to_reserve(limits, state.energy, tissue);
+      output.status |= limit_to_reserve(limits, state.energy, relative, tissue);
       damps = control_passivity(state.energy, relative, limits.period, tissue);
-      const bool moves = !input.outside && !input.motion.translation.isZero(0.0);
-      observe_control(state.energy, damps && moves, limits.period);
+      const bool moves = !input.motion.translation.isZero(0.0) && !relative.translation.isZero(0.0);
+      observe_control(state.energy, damps && moves && !input.outside, limits.period);
     }
     if (damps) output.status |= kEnergyDamped;
     output.status |= apply_limits(limits, state, tissue, noise, damps ? relative : DeviceMotion{});

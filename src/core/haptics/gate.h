@@ -81,14 +81,16 @@ struct GateOutput {
 
 /// After a fault the force ramps linearly to zero within this time, at any rate and slew limit.
 inline constexpr double kFaultFall = 10e-3;  // s
-/// After Fault::kUnstable the force fades within this time. It then only opposes the motion.
+/// After Fault::kUnstable the force fades within this time; what gives energy along the motion is gone within
+/// kFaultFall.
 inline constexpr double kUnstableFall = 50e-3;  // s
 
 /// [rt] The one gate before the hardware. Order: finite check, slew reserve and passivity controller on the
 /// tissue force, + noise and commanded force (lowered when they have given too much energy), clamp, slew,
 /// both on vector norms. Within the limits the controller's dissipation comes first. The written force never
-/// exceeds max_force and never changes by more than force_step per tick. Torque obeys its own limits and the
-/// gripper force the limits of the force. A vector whose norm overflows counts as not finite.
+/// exceeds max_force and, but for the fall after a fault, never changes by more than force_step per tick.
+/// Torque obeys its own limits and the gripper force the limits of the force. A vector whose norm overflows
+/// counts as not finite.
 ///
 /// A fault latches: all commands ramp linearly to zero within kFaultFall and stay exactly zero until
 /// reset_fault(). After a stalled loop they are zero at once, because the watchdog has already removed the

@@ -34,7 +34,12 @@ double noise_scale(const PassivityObserver& observer) noexcept {
   return std::clamp(2.0 - observer.noise_excess / kNoiseEnergy, 0.0, 1.0);
 }
 
-void reset_surplus(PassivityObserver& observer) noexcept { observer.tissue = std::min(observer.tissue, 0.0); }
+void reset_surplus(PassivityObserver& observer) noexcept {
+  observer.tissue = std::min(observer.tissue, 0.0);
+  if (observer.tissue < -kEnergyTolerance) return;
+  observer.largest_tick = 0.0;
+  observer.unseen = 0.0;
+}
 
 void observe_control(PassivityObserver& observer, bool acted, double period) noexcept {
   observer.damped_share +=
@@ -48,14 +53,20 @@ bool is_unstable(const PassivityObserver& observer) noexcept {
 
 void reset_deficit(PassivityObserver& observer) noexcept {
   observer.tissue = std::max(observer.tissue, 0.0);
+  observer.largest_tick = 0.0;
   observer.unseen = 0.0;
   observer.damped_share = 0.0;
 }
 
-SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew) noexcept {
-  // In a deficit a part of the tolerance remains, so that the damper can act.
-  const double energy = std::max(observer.tissue + kEnergyTolerance, kEnergyTolerance / 4.0);
-  return {std::sqrt(energy * slew / kReserveSpeed), std::sqrt(energy * torque_slew / kReserveAngularSpeed)};
+SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew,
+                         const ForceCommand& tissue, const DeviceMotion& relative) noexcept {
+  const auto energy = [&](double giving) {
+    return std::max(observer.tissue + kEnergyTolerance, giving > 0.0 ? 0.0 : kEnergyTolerance / 4.0);
+  };
+  const double by_force = energy(tissue.force.dot(relative.translation));
+  const double by_torque = energy(tissue.torque.dot(relative.rotation));
+  return {std::sqrt(by_force * slew / kReserveSpeed),
+          std::sqrt(by_torque * torque_slew / kReserveAngularSpeed)};
 }
 
 void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept {

@@ -59,7 +59,7 @@ void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceM
 [[nodiscard]] double noise_scale(const PassivityObserver& observer) noexcept;
 
 /// [rt] Resets a positive energy outside the tissue, where nothing is stored: otherwise it could be returned
-/// at the next touch. A deficit stays.
+/// at the next touch. A deficit stays. Without one, the bound of the guard begins anew.
 void reset_surplus(PassivityObserver& observer) noexcept;
 
 /// [rt] Notes whether the controller acted on a hand that moves in the tissue. @param period T [s]
@@ -78,10 +78,11 @@ struct SlewReserve {
 };
 
 /// [rt] A force F that falls at the slew rate s gives at most F^2 v / (2 s) to a hand at the speed v. Force
-/// and torque may each use half of the observer's surplus and the tolerance.
+/// and torque may each use half of the observer's surplus and the tolerance. In a deficit a force or torque
+/// that opposes the motion keeps a quarter of the tolerance, so that the hand can put energy in.
 /// @param slew, torque_slew limits [N/s, N m/s]
-[[nodiscard]] SlewReserve slew_reserve(const PassivityObserver& observer, double slew,
-                                       double torque_slew) noexcept;
+[[nodiscard]] SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew,
+                                       const ForceCommand& tissue, const DeviceMotion& relative) noexcept;
 
 /// [rt] Removes the components of force and torque that give energy along the relative motion.
 void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept;

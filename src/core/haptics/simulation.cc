@@ -124,14 +124,18 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
   const bool outside = !touching && result.distance > 0.0;
   const double share = force_ramp_gain(world, state, hand, fault, outside);
   const double tissue_share = share * world.mappings[hand].force_scale;
-  const double torque_share = world.mappings[hand].torque ? tissue_share : 0.0;
+  const bool gives_torque = world.mappings[hand].torque;
+  const double torque_share = gives_torque ? tissue_share : 0.0;
+  const auto felt = [gives_torque](const DeviceMotion& all) {  // turns do no work on a device without torque
+    return gives_torque ? all : DeviceMotion{all.translation, Vec3::Zero()};
+  };
   const GateOutput out =
       pass_gate(world.limits, gate,
                 {.tissue = {tissue_share * result.force_W, torque_share * result.torque_W, 0.0},
                  .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
                  .stimulus = share * stimulus * result.away_W,
-                 .motion = motion,
-                 .organ = organ,
+                 .motion = felt(motion),
+                 .organ = felt(organ),
                  .outside = outside,
                  .warm = (sample.events & kMotorsWarm) != 0,
                  .controlled = world.mappings[hand].held,

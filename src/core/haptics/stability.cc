@@ -105,13 +105,16 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
                        " kg, is too small for this tissue, " + rounded(check.stiffness) +
                        " N/m, at this rate; a faster loop or a softer tissue help");
   }
-  if (check.slew_short) {
-    warnings.push_back("the slew limit lets the hand feel at most " + rounded(check.stiffness_by_slew) +
-                       " N/m of the tissue's " + rounded(check.stiffness) +
-                       " N/m, because a force must fall before it gives energy; a larger "
-                       "max_slew_N_per_ms helps");
-  }
+  const std::string note = slew_note(check);
+  if (!note.empty()) warnings.push_back(note);
   return warnings;
+}
+
+std::string slew_note(const StabilityCheck& check) {
+  if (!check.slew_short) return {};
+  return "the slew limit lets the hand feel at most " + rounded(check.stiffness_by_slew) +
+         " N/m of the tissue's " + rounded(check.stiffness) +
+         " N/m, because a force must fall before it gives energy; a larger max_slew_N_per_ms helps";
 }
 
 }  // namespace palpate::haptics

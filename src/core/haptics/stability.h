@@ -62,4 +62,8 @@ inline constexpr double kDepthWithinReach = 15e-3;
 [[nodiscard]] std::vector<std::string> stability_warnings(const StabilityCheck& check,
                                                           const DeviceMechanics& device);
 
+/// [setup] The sentence of a tissue that the slew limit holds back; empty when it does not. It needs no
+/// mechanics of the device.
+[[nodiscard]] std::string slew_note(const StabilityCheck& check);
+
 }  // namespace palpate::haptics

@@ -38,7 +38,9 @@ double largest_variation(const Scene& setup, const haptics::SimulationWorld& wor
   if (inclusions.empty() && setup.stiffness.empty()) return 1.0;
   const contact::TissueLaws laws(tissue, 1.0 / setup.rate_Hz);
   const model::Direction direction = direction_of(setup);
-  const contact::StiffnessReach reach{direction, setup.safety.max_force, haptics::kDepthWithinReach};
+  double scale = 1.0;
+  for (const DeviceSetup& device : setup.devices) scale = std::min(scale, device.force_scale);
+  const contact::StiffnessReach reach{direction, setup.safety.max_force / scale, haptics::kDepthWithinReach};
   double largest = 0.0;
   for (std::size_t tool = 0; tool < setup.tools.size(); ++tool) {
     largest = std::max(largest, contact::largest_stiffness(world.contact, laws, inclusions, tool, reach));
@@ -53,7 +55,7 @@ haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& devi
   return haptics::check_stability(tissue,
                                   {.direction = direction_of(setup),
                                    .period = 1.0 / setup.rate_Hz,
-                                   .max_force = setup.safety.max_force,
+                                   .max_force = setup.safety.max_force / device.force_scale,
                                    .scale = device.workspace_scale * device.force_scale,
                                    .variation = variation,
                                    .slew = setup.safety.max_slew},
@@ -157,7 +159,13 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     device.force_scale = 1.0;
     const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
     const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
-    device.force_scale = std::min(1.0, able.max_stiffness / stiffness);
+    // A smaller scale lets the tissue be pressed deeper before the gate limits the force.
+    constexpr int kMostSteps = 8;
+    for (int i = 0; i < kMostSteps; ++i) {
+      const double felt = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
+      if (!(felt > able.max_stiffness)) break;
+      device.force_scale *= able.max_stiffness / felt;
+    }
     if (device.force_scale < 1.0) {
       remarks.push_back("device " + device.kind + ": the tissue's force is scaled by " +
                         rounded(device.force_scale) + " for the hand (--fit-device), so that its " +
@@ -232,6 +240,8 @@ std::vector<std::string> stability_remarks(const Scene& setup, const haptics::Si
     const std::string stiff = too_stiff(setup, device, tissue, *variation);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
+      const std::string note = haptics::slew_note(stability_of(setup, device, tissue, *variation, {}));
+      if (!note.empty()) remarks.push_back(who + note);
       if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
       remarks.push_back(who +
                         "its stability with this tissue was not checked: give damping_N_s_per_m, "

@@ -24,6 +24,8 @@ struct CrashEntry {
 
 // Mutable globals, because a signal handler has no arguments that could carry them.
 std::atomic<bool> crashing{false};
+std::atomic<pid_t> crashing_thread{0};
+std::atomic<pid_t> owner{0};  // the process that opened the devices; a child made by fork() only shares them
 std::array<CrashEntry, kMostEntries> crash_entries;
 std::array<struct sigaction, kFatal.size()> actions_before;
 std::mutex crash_mutex;        // of set-up, never locked by the handler
@@ -37,14 +39,19 @@ void rest_ns(long time) noexcept {
 
 /// The handler of a fatal signal. The signal is blocked while it runs; raise() takes effect at its return.
 extern "C" void stop_and_die(int number) {
-  if (crashing.exchange(true)) {  // another thread is doing the same
-    for (;;) rest_ns(CrashStop::kLastWords);
+  if (crashing.exchange(true)) {
+    while (crashing_thread.load() != gettid())
+      rest_ns(CrashStop::kLastWords);  // another thread does the same
+    std::signal(number, SIG_DFL);      // a vendor's stop function has crashed
+    raise(number);
+    return;
   }
+  crashing_thread.store(gettid());
   std::signal(SIGALRM, SIG_DFL);
   alarm(1);
   for (const CrashEntry& entry : crash_entries) {
     const CrashStop::Stop stop = entry.stop.load();
-    if (stop != nullptr) stop(entry.device.load());
+    if (stop != nullptr && owner.load() == getpid()) stop(entry.device.load());
   }
   rest_ns(CrashStop::kLastWords);
   for (std::size_t i = 0; i < kFatal.size(); ++i) {
@@ -58,6 +65,7 @@ void install_handlers() {
   action.sa_handler = stop_and_die;
   action.sa_flags = SA_ONSTACK;
   sigemptyset(&action.sa_mask);
+  owner.store(getpid());
   for (std::size_t i = 0; i < kFatal.size(); ++i) sigaction(kFatal[i], &action, &actions_before[i]);
 }
 
