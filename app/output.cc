@@ -1,5 +1,6 @@
 #include "app/output.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -80,8 +81,9 @@ class WritingThread final {
 
   void push(std::string text) {
     const std::lock_guard lock(queue_->mutex);
-    if (queue_->bytes + text.size() > BackgroundOutput::kRoom) {
-      const std::uint64_t lines = lines_in(text);
+    // An empty queue takes a text of any size.
+    if (queue_->bytes > 0 && queue_->bytes + text.size() > BackgroundOutput::kRoom) {
+      const std::uint64_t lines = std::max<std::uint64_t>(1, lines_in(text));
       queue_->dropped += lines;
       queue_->lost += lines;
       return;

@@ -402,7 +402,8 @@ void ServedRuns::account_for_run() {
     failed_ = failed_ || !result->recording_failure.empty();
     const OutputFiles files{run_->recording(), {}, {}};
     if (options_.json) {
-      std::cout << net::text_of({{"run", summary_json(*result, files)}}) << std::endl;
+      // In one text, which is written or dropped as a whole.
+      std::cout << net::text_of({{"run", summary_json(*result, files)}}) + "\n" << std::flush;
     } else {
       print_summary(std::cout, *result, files);
       std::cout << std::flush;

@@ -59,7 +59,7 @@ void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceM
 [[nodiscard]] double noise_scale(const PassivityObserver& observer) noexcept;
 
 /// [rt] Resets a positive energy outside the tissue, where nothing is stored: otherwise it could be returned
-/// at the next touch. A deficit stays. Without one, the bound of the guard begins anew.
+/// at the next touch. A deficit stays. Without one, the bound of the guard starts at zero.
 void reset_surplus(PassivityObserver& observer) noexcept;
 
 /// [rt] Notes whether the controller acted on a hand that moves in the tissue. @param period T [s]

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "io/system/path_text.h"
@@ -49,14 +50,18 @@ int name_file(const std::string& temporary, const fs::path& file) {
 void create_whole_file(const fs::path& file, std::string_view bytes, mode_t mode) {
   const fs::path folder = file.parent_path();
   std::string temporary = (folder / ("." + file.filename().string() + ".")).string();
-  const int descriptor = open_temporary_file(temporary, mode);
+  // Others may read it only once it has its name: a killed process leaves the temporary file behind.
+  constexpr mode_t kOwnerOnly = 0600;
+  const int descriptor = open_temporary_file(temporary, kOwnerOnly);
   if (descriptor < 0) fail(file, "cannot be created", errno);
   const int unwritten = write_and_flush(descriptor, bytes);
-  const int unclosed = ::close(descriptor) == 0 ? 0 : errno;
-  const int unnamed = unwritten + unclosed == 0 ? name_file(temporary, file) : 0;
-  if (unwritten + unclosed + unnamed != 0) ::unlink(temporary.c_str());
+  const int unnamed = unwritten == 0 ? name_file(temporary, file) : 0;
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (unwritten + unnamed == 0) ::fchmod(descriptor, mode & ~mask);
+  ::close(descriptor);  // its bytes are on the disk
+  if (unwritten + unnamed != 0) ::unlink(temporary.c_str());
   if (unwritten != 0) fail(file, "cannot be written", unwritten);
-  if (unclosed != 0) fail(file, "cannot be written", unclosed);
   if (unnamed == EEXIST) throw InputError(to_text(file) + ": exists and is not overwritten");
   if (unnamed != 0) fail(file, "cannot be created", unnamed);
   flush_folder(folder);
