@@ -88,7 +88,7 @@ inline constexpr double kUnstableFall = 50e-3;  // s
 /// [rt] The one gate before the hardware. Order: finite check, slew reserve and passivity controller on the
 /// tissue force, + noise and commanded force (lowered when they have given too much energy), clamp, slew,
 /// both on vector norms. Within the limits the controller's dissipation comes first. The written force never
-/// exceeds max_force and, but for the fall after a fault, never changes by more than force_step per tick.
+/// exceeds max_force and, except in the fall after a fault, never changes by more than force_step per tick.
 /// Torque obeys its own limits and the gripper force the limits of the force. A vector whose norm overflows
 /// counts as not finite.
 ///
