@@ -199,9 +199,9 @@ void add_study_verify(CLI::App& study, int& exit_code) {
   command->add_flag("--json", flags->json, "print one JSON document");
   command->footer(
       "Examples:\n  palpate study verify touch\n  palpate study verify touch --logs-only --json\n"
-      "Prints what it checked. Whoever holds sealed.json can write a consistent folder anew, and an older "
-      "copy of\n"
-      "the whole folder is consistent too. Exit: 0 consistent, 2 not; the message names the first fault.");
+      "Prints what it checked. A person who has sealed.json can forge a consistent folder, and an older "
+      "copy\n"
+      "of the whole folder is consistent too. Exit: 0 consistent, 2 not; the message names the first fault.");
   command->callback([flags, &exit_code] { exit_code = verify_study(*flags); });
 }
 

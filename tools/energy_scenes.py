@@ -324,7 +324,7 @@ def moving():
 
 
 def many_contacts():
-    """Parts of a tool at the same position, and contacts that share no load because each stands for a small area."""
+    """Parts of a tool at the same position, and contacts that share no load because each represents a small area."""
     for count in (2, 3):
         for radius in (1.0, 10.0):
             for k in (500, 900, 1400, 1900):

@@ -9,7 +9,7 @@ namespace palpate {
 /// [setup] Creates a file whose existence has a meaning: its name appears together with its whole content, or
 /// not at all. The content is written to a temporary file in the same folder and flushed to the disk, the
 /// file is linked to its name without replacing another one, and the folder is flushed. A killed process
-/// leaves at most a file .NAME.XXXXXX.
+/// leaves at most a file .NAME. and six random letters.
 /// @param mode of the file, less the process's umask @throws InputError naming the file, when it exists or
 /// cannot be written; then nothing has the name that had not before
 void create_whole_file(const std::filesystem::path& file, std::string_view bytes, mode_t mode = 0644);

@@ -58,7 +58,7 @@ TEST(WholeFile, ReplacesNothing) {
   EXPECT_EQ(names_below(folder / ".").size(), 2U);
 }
 
-// A limit of the file's size stands for a full disk.
+// A limit of the file's size acts as a full disk.
 TEST(WholeFile, ThatCannotBeWrittenHasNoName) {
   const TemporaryFolder folder;
   const pid_t child = fork();

@@ -327,7 +327,7 @@ TEST_F(Folder, IsNotUnblindedWhilePeopleAreUnfinished) {
 TEST_F(Folder, IsAsBlindAsBeforeAfterAnUnblindingThatFailed) {
   prepare();
   const pid_t child = fork();
-  if (child == 0) {  // a limit of the file's size stands for a full disk
+  if (child == 0) {  // a limit of the file's size acts as a full disk
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{10, 10};
     setrlimit(RLIMIT_FSIZE, &limit);

@@ -170,7 +170,7 @@ TEST_F(TrialLog, NamesTheLineAfterARemovedOne) {
             file_.string() + ":2: does not follow line 1: a line between them was removed");
 }
 
-TEST_F(TrialLog, ThatWasWrittenAnewWithoutTheKeyIsRefused) {
+TEST_F(TrialLog, ThatWasForgedWithoutTheKeyIsRefused) {
   fs::remove(file_);
   {
     LogWriter forger(file_, {kLock, "another key"});
