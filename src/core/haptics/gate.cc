@@ -171,6 +171,8 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
                               input.motion.rotation - input.organ.rotation};
   observe_tissue(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
   observe_noise(state.energy, state.noise, input.motion, limits.period);
+  average_motion(state.energy, relative, limits.period);
+  const DeviceMotion& recent = state.energy.recent;
   if (input.outside) {
     reset_surplus(state.energy);
   } else {
@@ -195,7 +197,7 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
     // After a stall the hand feels no force any more.
     if (input.fault == Fault::kStalled) state.fault_ticks_left = 0;
     if (state.fault == Fault::kUnstable) {
-      fade_to_zero(limits, state, relative);
+      fade_to_zero(limits, state, recent);
     } else {
       ramp_to_zero(state);
     }
@@ -205,13 +207,13 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
     state.fault_step = {};
     bool damps = false;
     if (input.controlled) {
-      output.status |= limit_to_reserve(limits, state.energy, relative, tissue);
-      damps = control_passivity(state.energy, relative, limits.period, tissue);
+      output.status |= limit_to_reserve(limits, state.energy, recent, tissue);
+      damps = control_passivity(state.energy, recent, limits.period, tissue);
       const bool moves = !input.motion.translation.isZero(0.0) && !relative.translation.isZero(0.0);
       observe_control(state.energy, damps && moves && !input.outside, limits.period);
     }
     if (damps) output.status |= kEnergyDamped;
-    output.status |= apply_limits(limits, state, tissue, noise, damps ? relative : DeviceMotion{});
+    output.status |= apply_limits(limits, state, tissue, noise, damps ? recent : DeviceMotion{});
     state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};

@@ -41,6 +41,20 @@ void reset_surplus(PassivityObserver& observer) noexcept {
   observer.unseen = 0.0;
 }
 
+void average_motion(PassivityObserver& observer, const DeviceMotion& relative, double period) noexcept {
+  const double weight = period / kMotionMemory;
+  DeviceMotion& recent = observer.recent;
+  if (weight >= 1.0) {
+    recent = relative;
+    return;
+  }
+  recent.translation += weight * (relative.translation - recent.translation);
+  recent.rotation += weight * (relative.rotation - recent.rotation);
+  constexpr double kStill = 1e-30;  // m^2 or rad^2: the tail of an average is no motion
+  if (recent.translation.squaredNorm() < kStill) recent.translation = Vec3::Zero();
+  if (recent.rotation.squaredNorm() < kStill) recent.rotation = Vec3::Zero();
+}
+
 void observe_control(PassivityObserver& observer, bool acted, double period) noexcept {
   observer.damped_share +=
       ((acted ? 1.0 : 0.0) - observer.damped_share) * std::min(1.0, period / kDampedMemory);

@@ -14,6 +14,7 @@ struct PassivityObserver {
   double noise_excess = 0.0;  // J given beyond kNoisePower
   double largest_tick = 0.0;  // J, largest energy of the tissue's force in one tick, in either direction
   double unseen = 0.0;        // J, that a moving organ may have hidden from the observer
+  DeviceMotion recent{};      // in a tick, averaged over kMotionMemory, relative to the organ
   double damped_share = 0.0;  // of the recent ticks, in which the controller acted; see kDampedMemory
 };
 
@@ -24,6 +25,10 @@ inline constexpr double kEnergyTolerance = 20e-6;  // J
 /// times T/2 (5 g at 1 kHz).
 inline constexpr double kMaxDamping = 10.0;         // N s/m
 inline constexpr double kMaxAngularDamping = 2e-3;  // N m s/rad
+
+/// The controller uses the motion averaged over this time [s]. A fast loop sees single steps of the position
+/// sensors, 0.1 m/s for 10 um in 0.1 ms; a damper on these would give energy.
+inline constexpr double kMotionMemory = 1e-3;
 
 /// A held device is unstable when the controller acted in more than kUnstableShare of the recent ticks (an
 /// exponential average with the time constant kDampedMemory), or when the deficit is beyond the promised
@@ -62,6 +67,9 @@ void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceM
 /// at the next touch. A deficit stays. Without one, the bound of the guard starts at zero.
 void reset_surplus(PassivityObserver& observer) noexcept;
 
+/// [rt] Averages the motion of one tick. At a period of kMotionMemory or more it is the tick's own.
+void average_motion(PassivityObserver& observer, const DeviceMotion& relative, double period) noexcept;
+
 /// [rt] Notes whether the controller acted on a hand that moves in the tissue. @param period T [s]
 void observe_control(PassivityObserver& observer, bool acted, double period) noexcept;
 
@@ -89,8 +97,8 @@ void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept;
 
 /// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, removes the components of force
 /// and torque that give energy along the relative motion, and adds damping that removes the deficit, if
-/// possible within the next tick. @param relative as in observe_tissue() @param period T [s] @return whether
-/// it acted
+/// possible within the next tick. @param relative PassivityObserver::recent @param period T [s] @return
+/// whether it acted
 bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
                        ForceCommand& tissue) noexcept;
 

@@ -265,6 +265,35 @@ TEST(Unstable, ASlowWithdrawalAfterAFastPressIsNot) {
   }
 }
 
+// The organ moves away by a third of a sensor step in each tick of 0.1 ms, and the hand follows it.
+TEST(Passivity, InAFastLoopStepsOfTheSensorsMakeTheDamperGiveNoEnergy) {
+  GateState state;
+  state.energy.tissue = -60e-6;
+  GateLimits limits;
+  limits.period = 1e-4;
+  limits.force_step = 0.5;
+  constexpr double kSensorStep = 1e-5;
+  for (int i = 0; i < 3000; ++i) {
+    (void)pass_gate(limits, state,
+                    {.motion = moved(i % 3 == 0 ? kSensorStep : 0.0),
+                     .organ = moved(kSensorStep / 3.0),
+                     .controlled = true});
+  }
+  EXPECT_GT(state.energy.tissue, -80e-6);
+}
+
+TEST(Passivity, AtAKilohertzTheControllerSeesTheMotionOfTheTick) {
+  PassivityObserver observer;
+  average_motion(observer, moved(1e-3), 1e-3);
+  average_motion(observer, moved(3e-4), 1e-3);
+  EXPECT_EQ(observer.recent.translation.x(), 3e-4);
+  PassivityObserver fast;
+  for (int i = 0; i < 200; ++i) average_motion(fast, moved(i % 10 == 0 ? 1e-5 : 0.0), 1e-4);
+  EXPECT_NEAR(fast.recent.translation.x(), 1e-6, 0.5e-6) << "10 um in a millisecond";
+  for (int i = 0; i < 2000; ++i) average_motion(fast, moved(0.0), 1e-4);
+  EXPECT_EQ(fast.recent.translation.x(), 0.0);
+}
+
 TEST(Passivity, TheReserveLeavesTissueOfAnyOrganAsItIs) {
   GateState state;
   double depth = 0.0;
