@@ -126,9 +126,9 @@ void fade_to_zero(const GateLimits& limits, GateState& state, const DeviceMotion
 
 /// Lowers force and torque to what the slew limits can bring to zero in time. @return status bits
 std::uint32_t limit_to_reserve(const GateLimits& limits, const PassivityObserver& energy,
-                               const DeviceMotion& relative, ForceCommand& tissue) noexcept {
-  const SlewReserve most = slew_reserve(energy, limits.force_step / limits.period,
-                                        limits.torque_step / limits.period, tissue, relative);
+                               ForceCommand& tissue) noexcept {
+  const SlewReserve most =
+      slew_reserve(energy, limits.force_step / limits.period, limits.torque_step / limits.period);
   const double force = tissue.force.norm();
   const double torque = tissue.torque.norm();
   if (force > most.force) tissue.force *= most.force / force;
@@ -172,12 +172,7 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
   observe_tissue(state.energy, {state.force, state.torque, state.gripper_force}, state.noise, relative);
   observe_noise(state.energy, state.noise, input.motion, limits.period);
   average_motion(state.energy, relative, limits.period);
-  const DeviceMotion& recent = state.energy.recent;
-  if (input.outside) {
-    reset_surplus(state.energy);
-  } else {
-    state.energy.unseen += limits.unseen * input.organ.translation.norm();
-  }
+  if (input.outside) reset_surplus(state.energy);
 
   GateOutput output;
   if (input.controlled) output.noise_scale = noise_scale(state.energy);
@@ -197,7 +192,7 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
     // After a stall the hand feels no force any more.
     if (input.fault == Fault::kStalled) state.fault_ticks_left = 0;
     if (state.fault == Fault::kUnstable) {
-      fade_to_zero(limits, state, recent);
+      fade_to_zero(limits, state, relative);
     } else {
       ramp_to_zero(state);
     }
@@ -207,13 +202,13 @@ GateOutput pass_gate(const GateLimits& limits, GateState& state, const GateInput
     state.fault_step = {};
     bool damps = false;
     if (input.controlled) {
-      output.status |= limit_to_reserve(limits, state.energy, recent, tissue);
-      damps = control_passivity(state.energy, recent, limits.period, tissue);
+      output.status |= limit_to_reserve(limits, state.energy, tissue);
+      damps = control_passivity(state.energy, limits.period, tissue);
       const bool moves = !input.motion.translation.isZero(0.0) && !relative.translation.isZero(0.0);
       observe_control(state.energy, damps && moves && !input.outside, limits.period);
     }
     if (damps) output.status |= kEnergyDamped;
-    output.status |= apply_limits(limits, state, tissue, noise, damps ? recent : DeviceMotion{});
+    output.status |= apply_limits(limits, state, tissue, noise, damps ? state.energy.recent : DeviceMotion{});
     state.noise = noise;
   }
   output.command = {state.force, state.torque, state.gripper_force};

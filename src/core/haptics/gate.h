@@ -35,8 +35,6 @@ struct GateLimits {
   double max_torque = 0.2;    // N m
   double torque_step = 0.05;  // N m per tick
   double period = 1e-3;       // s
-  // N: a moving organ hides up to this energy [J] per metre from the observer, stiffness times resolution
-  double unseen = 0.0;
   // N, RMS force that the device can hold without a time limit
   double continuous_force = DeviceAbilities::kUnknown;
 

@@ -36,20 +36,16 @@ double noise_scale(const PassivityObserver& observer) noexcept {
 
 void reset_surplus(PassivityObserver& observer) noexcept {
   observer.tissue = std::min(observer.tissue, 0.0);
-  if (observer.tissue < -kEnergyTolerance) return;
-  observer.largest_tick = 0.0;
-  observer.unseen = 0.0;
+  if (observer.tissue >= -kEnergyTolerance) observer.largest_tick = 0.0;
 }
 
 void average_motion(PassivityObserver& observer, const DeviceMotion& relative, double period) noexcept {
-  const double weight = period / kMotionMemory;
+  const double weight = std::min(1.0, period / kMotionMemory);
   DeviceMotion& recent = observer.recent;
-  if (weight >= 1.0) {
-    recent = relative;
-    return;
-  }
   recent.translation += weight * (relative.translation - recent.translation);
   recent.rotation += weight * (relative.rotation - recent.rotation);
+  observer.way += weight * (relative.translation.squaredNorm() - observer.way);
+  observer.turn += weight * (relative.rotation.squaredNorm() - observer.turn);
   constexpr double kStill = 1e-30;  // m^2 or rad^2: the tail of an average is no motion
   if (recent.translation.squaredNorm() < kStill) recent.translation = Vec3::Zero();
   if (recent.rotation.squaredNorm() < kStill) recent.rotation = Vec3::Zero();
@@ -61,26 +57,19 @@ void observe_control(PassivityObserver& observer, bool acted, double period) noe
 }
 
 bool is_unstable(const PassivityObserver& observer) noexcept {
-  const double bound = kEnergyTolerance + 2.0 * observer.largest_tick + observer.unseen;
+  const double bound = kEnergyTolerance + 2.0 * observer.largest_tick;
   return observer.damped_share > kUnstableShare || -observer.tissue > bound + kUnstableEnergy;
 }
 
 void reset_deficit(PassivityObserver& observer) noexcept {
   observer.tissue = std::max(observer.tissue, 0.0);
   observer.largest_tick = 0.0;
-  observer.unseen = 0.0;
   observer.damped_share = 0.0;
 }
 
-SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew,
-                         const ForceCommand& tissue, const DeviceMotion& relative) noexcept {
-  const auto energy = [&](double giving) {
-    return std::max(observer.tissue + kEnergyTolerance, giving > 0.0 ? 0.0 : kEnergyTolerance / 4.0);
-  };
-  const double by_force = energy(tissue.force.dot(relative.translation));
-  const double by_torque = energy(tissue.torque.dot(relative.rotation));
-  return {std::sqrt(by_force * slew / kReserveSpeed),
-          std::sqrt(by_torque * torque_slew / kReserveAngularSpeed)};
+SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew) noexcept {
+  const double energy = std::max(observer.tissue + kEnergyTolerance, 0.0);
+  return {std::sqrt(energy * slew / kReserveSpeed), std::sqrt(energy * torque_slew / kReserveAngularSpeed)};
 }
 
 void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept {
@@ -88,20 +77,18 @@ void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept 
   remove_along(tissue.torque, relative.rotation);
 }
 
-bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
-                       ForceCommand& tissue) noexcept {
+bool control_passivity(const PassivityObserver& observer, double period, ForceCommand& tissue) noexcept {
   const double deficit = -observer.tissue;
   if (!(deficit > kEnergyTolerance)) return false;
   // A damper b dissipates b v^2 T = b way^2 / T per tick. Translation and rotation are each set to dissipate
   // the whole deficit.
-  const double way = relative.translation.squaredNorm();
-  const double turn = relative.rotation.squaredNorm();
-  remove_giving(relative, tissue);
-  if (way > 0.0) {
-    tissue.force -= std::min(kMaxDamping, deficit * period / way) / period * relative.translation;
+  const double share = std::min(1.0, period / kDampingTime) * deficit * period;
+  const DeviceMotion& recent = observer.recent;
+  if (observer.way > 0.0) {
+    tissue.force -= std::min(kMaxDamping, share / observer.way) / period * recent.translation;
   }
-  if (turn > 0.0) {
-    tissue.torque -= std::min(kMaxAngularDamping, deficit * period / turn) / period * relative.rotation;
+  if (observer.turn > 0.0) {
+    tissue.torque -= std::min(kMaxAngularDamping, share / observer.turn) / period * recent.rotation;
   }
   return true;
 }

@@ -13,8 +13,9 @@ struct PassivityObserver {
   double noise = 0.0;         // J given to the hand by touch noise and commanded force, open-loop sources
   double noise_excess = 0.0;  // J given beyond kNoisePower
   double largest_tick = 0.0;  // J, largest energy of the tissue's force in one tick, in either direction
-  double unseen = 0.0;        // J, that a moving organ may have hidden from the observer
   DeviceMotion recent{};      // in a tick, averaged over kMotionMemory, relative to the organ
+  double way = 0.0;           // m^2, mean square of the same translations
+  double turn = 0.0;          // rad^2, of the rotations
   double damped_share = 0.0;  // of the recent ticks, in which the controller acted; see kDampedMemory
 };
 
@@ -26,14 +27,15 @@ inline constexpr double kEnergyTolerance = 20e-6;  // J
 inline constexpr double kMaxDamping = 10.0;         // N s/m
 inline constexpr double kMaxAngularDamping = 2e-3;  // N m s/rad
 
-/// The controller uses the motion averaged over this time [s]. A fast loop sees single steps of the position
-/// sensors, 0.1 m/s for 10 um in 0.1 ms; a damper on these would give energy.
-inline constexpr double kMotionMemory = 1e-3;
+/// The controller uses the motion averaged over kMotionMemory. In a tick the position sensors show single
+/// steps, 0.1 m/s for 10 um in 0.1 ms; a damper on these gives energy at the next step back.
+inline constexpr double kMotionMemory = 5e-3;  // s
+inline constexpr double kDampingTime = 1e-3;   // s, in which it removes a deficit
 
 /// A held device is unstable when the controller acted in more than kUnstableShare of the recent ticks (an
 /// exponential average with the time constant kDampedMemory), or when the deficit is beyond the promised
-/// bound by more than kUnstableEnergy. The bound is kEnergyTolerance, twice the largest energy of a tick, and
-/// what a moving organ hides. The margins to stable cases are in docs/safety.md.
+/// bound, kEnergyTolerance and twice the largest energy of a tick, by more than kUnstableEnergy. The margins
+/// to stable cases are in docs/decisions/0027.
 inline constexpr double kDampedMemory = 0.5;      // s
 inline constexpr double kUnstableShare = 0.9;     // reached after 1.15 s of uninterrupted action
 inline constexpr double kUnstableEnergy = 50e-6;  // J
@@ -67,7 +69,7 @@ void observe_noise(PassivityObserver& observer, const Vec3& noise, const DeviceM
 /// at the next touch. A deficit stays. Without one, the bound of the guard starts at zero.
 void reset_surplus(PassivityObserver& observer) noexcept;
 
-/// [rt] Averages the motion of one tick. At a period of kMotionMemory or more it is the tick's own.
+/// [rt] Adds one tick to the average of the motion. @param period T [s]
 void average_motion(PassivityObserver& observer, const DeviceMotion& relative, double period) noexcept;
 
 /// [rt] Notes whether the controller acted on a hand that moves in the tissue. @param period T [s]
@@ -86,20 +88,18 @@ struct SlewReserve {
 };
 
 /// [rt] A force F that falls at the slew rate s gives at most F^2 v / (2 s) to a hand at the speed v. Force
-/// and torque may each use half of the observer's surplus and the tolerance. In a deficit a force or torque
-/// that opposes the motion keeps a quarter of the tolerance, so that the hand can put energy in.
+/// and torque may each use half of the observer's surplus and the tolerance; beyond the tolerance they are 0.
 /// @param slew, torque_slew limits [N/s, N m/s]
-[[nodiscard]] SlewReserve slew_reserve(const PassivityObserver& observer, double slew, double torque_slew,
-                                       const ForceCommand& tissue, const DeviceMotion& relative) noexcept;
+[[nodiscard]] SlewReserve slew_reserve(const PassivityObserver& observer, double slew,
+                                       double torque_slew) noexcept;
 
 /// [rt] Removes the components of force and torque that give energy along the relative motion.
 void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept;
 
-/// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, removes the components of force
-/// and torque that give energy along the relative motion, and adds damping that removes the deficit, if
-/// possible within the next tick. @param relative PassivityObserver::recent @param period T [s] @return
-/// whether it acted
-bool control_passivity(const PassivityObserver& observer, const DeviceMotion& relative, double period,
-                       ForceCommand& tissue) noexcept;
+/// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, where the slew reserve is 0, it
+/// adds damping on the recent motion that removes the deficit, if possible within kDampingTime. The mean
+/// square of the motion sets the damping: where the hand turns, less of its motion is along the average.
+/// @param period T [s] @return whether it acted
+bool control_passivity(const PassivityObserver& observer, double period, ForceCommand& tissue) noexcept;
 
 }  // namespace palpate::haptics

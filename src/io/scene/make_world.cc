@@ -62,19 +62,6 @@ haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& devi
                                   mechanics);
 }
 
-/// Energy [J] per metre of the organ's motion that the passivity observer cannot see: stiffness times the
-/// resolution of the coarsest device.
-double unseen_energy(const Scene& setup, const haptics::SimulationWorld& world) {
-  if (!world.organ_motion.moves()) return 0.0;
-  const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
-  double largest = 0.0;
-  for (const DeviceSetup& device : setup.devices) {
-    const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
-    largest = std::max(largest, stiffness * device.dynamics.resolution.value_or(0.0));
-  }
-  return largest;
-}
-
 std::string rounded(double value) { return brief(value, 3); }
 
 /// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
@@ -138,7 +125,6 @@ haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparati
       .rate_Hz = setup.rate_Hz,
       .organ_motion = organ_motion_of(setup),
   };
-  world.limits.unseen = unseen_energy(setup, world);
   return world;
 }
 
@@ -174,7 +160,6 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     }
   }
   world.limits = gate_limits(setup);
-  world.limits.unseen = unseen_energy(setup, world);
   world.mappings = mappings_of(setup);
   noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.max_sigma());
   return remarks;
