@@ -70,4 +70,11 @@ inline palpate_options unheld() {
   return options;
 }
 
+/// The same options with a recording of every tick. @param file must outlive them
+inline palpate_options recorded(palpate_options options, const std::string& file) {
+  options.record_file = file.c_str();
+  options.record_waits = 1;
+  return options;
+}
+
 }  // namespace palpate::tests

@@ -70,10 +70,7 @@ TEST(HeldHand, GetsNoForceBeforeItHasBeenStillOutsideAndAllOfItAfterTheRamp) {
 TEST(HeldHand, HasARecordingThatReplaysBitForBit) {
   const Folder folder;
   const std::string file = folder / "held.h5";
-  palpate_options options = fresh<palpate_options>();
-  options.record_file = file.c_str();
-  options.record_waits = 1;
-  Session session(options);
+  Session session(recorded(fresh<palpate_options>(), file));
   session.run(0, 1500);
   require(palpate_reset_fault(session.get(), 1));
   session.run(1500, 3000);

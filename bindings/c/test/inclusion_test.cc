@@ -62,10 +62,7 @@ TEST(Inclusions, ThatSoftenDuringTheRunLowerTheForceAndTheChangeIsReplayed) {
   const std::string file = folder / "run.h5";
   Session stiff(with_inclusions());
   const double force = force_after(stiff, 0, kDeep);
-  palpate_options options = with_inclusions();
-  options.record_file = file.c_str();
-  options.record_waits = 1;
-  Session session(options);
+  Session session(recorded(with_inclusions(), file));
   session.run(0, kDeep / 2);
   palpate_inclusion nodule = inclusion_of(session, 0);
   nodule.stiffness_ratio = 0.1;

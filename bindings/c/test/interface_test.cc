@@ -71,10 +71,7 @@ TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
   constexpr std::uint64_t kTick = 2600;
   const Folder folder;
   const std::string file = folder / "run.h5";
-  palpate_options options = unheld();
-  options.record_file = file.c_str();
-  options.record_waits = 1;
-  Session session(options);
+  Session session(recorded(unheld(), file));
   session.run(0, kTick + 1);
   palpate_picture picture = fresh<palpate_picture>();
   require(palpate_surface_update(session.get(), &picture));
@@ -400,10 +397,7 @@ TEST(Library, HasTheInterfacesVersionAsItsName) {
 TEST(Fork, AChildNeitherUsesNorClosesASimulationOfItsParent) {
   const Folder folder;
   const std::string file = folder / "run.h5";
-  palpate_options options = unheld();
-  options.record_file = file.c_str();
-  options.record_waits = 1;
-  Session session(options);
+  Session session(recorded(unheld(), file));
   session.run(0, 100);
   const pid_t child = fork();
   if (child == 0) {

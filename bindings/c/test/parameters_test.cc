@@ -86,10 +86,7 @@ TEST(Parameters, ChangedAtGivenTicksGiveTheRowsOfTheLoopsParameterUpdates) {
 TEST(Parameters, ThatChangeAreRecordedAndReplayed) {
   const Folder folder;
   const std::string file = folder / "run.h5";
-  palpate_options options = unheld();
-  options.record_file = file.c_str();
-  options.record_waits = 1;
-  Session session(options);
+  Session session(recorded(unheld(), file));
   session.run(0, kTouched);
   require(palpate_set_tissue(session.get(), "kidney"));
   require(palpate_set_tissue_value(session.get(), "k1_N_per_m", 77.0));

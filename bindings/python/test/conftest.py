@@ -45,3 +45,19 @@ def program():
 def own_state_folder(tmp_path, monkeypatch):
     """Sends recordings of faults, which go to the user's state folder, to the test's folder."""
     monkeypatch.setenv('XDG_STATE_HOME', str(tmp_path))
+
+
+@pytest.fixture
+def exit_status_of_child():
+    """Exit status of a child process, made by fork(), that calls a function; 0 when that returns."""
+    def exit_status(function):
+        child = os.fork()
+        if child == 0:
+            code = 1
+            try:
+                function()
+                code = 0
+            finally:
+                os._exit(code)
+        return os.waitpid(child, 0)[1]
+    return exit_status

@@ -1,6 +1,5 @@
 """Simulations in real time, controlled from Python."""
 import gc
-import os
 import signal
 import subprocess
 import sys
@@ -191,23 +190,19 @@ def test_end_comes_with_ctrl_c():
         assert child.communicate(timeout=60)[0] == 'False True\n'
 
 
-def test_end_of_a_child_process_leaves_the_run_of_its_parent(tmp_path):
+def test_end_of_a_child_process_leaves_the_run_of_its_parent(tmp_path, exit_status_of_child):
     file = tmp_path / 'parents.h5'
     simulation = palpate.Simulation(duration_s=600.0, record=file)
     simulation.start()
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
+
+    def child():
+        nonlocal simulation
+        with pytest.raises(RuntimeError, match=r'fork\(\)'):
             simulation.set_noise(enabled=False)
-        except RuntimeError as error:
-            simulation.stop()
-            del simulation
-            gc.collect()
-            code = 0 if 'fork()' in str(error) else 2
-        finally:
-            os._exit(code)
-    assert os.waitpid(child, 0)[1] == 0
+        simulation.stop()
+        del simulation
+        gc.collect()
+    assert exit_status_of_child(child) == 0
     assert simulation.running
     ticks = simulation.state().tick
     until(lambda: simulation.state().tick > ticks + 10)

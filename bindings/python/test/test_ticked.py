@@ -1,6 +1,5 @@
 """Simulations that Python ticks give the rows of offline runs."""
 import gc
-import os
 
 import numpy as np
 import pytest
@@ -53,24 +52,20 @@ def test_ticks_latch_a_fault_until_it_is_reset():
             simulation.reset_fault(3)
 
 
-def test_ticks_of_a_child_process_are_refused_and_its_close_leaves_the_recording(tmp_path):
+def test_ticks_of_a_child_process_are_refused_and_its_close_leaves_the_recording(tmp_path, exit_status_of_child):
     file = tmp_path / 'parents.h5'
     simulation = palpate.TickedSimulation(record=file, no_hand=True)
     samples = scripted(simulation, 200)
     simulation.tick(samples[:100])
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
+
+    def child():
+        nonlocal simulation
+        with pytest.raises(RuntimeError, match=r'fork\(\)'):
             simulation.tick(samples[100])
-        except RuntimeError as error:
-            simulation.close()
-            del simulation
-            gc.collect()
-            code = 0 if 'fork()' in str(error) else 2
-        finally:
-            os._exit(code)
-    assert os.waitpid(child, 0)[1] == 0
+        simulation.close()
+        del simulation
+        gc.collect()
+    assert exit_status_of_child(child) == 0
     simulation.tick(samples[100:])
     simulation.close()
     recording = palpate.read_recording(file)
