@@ -226,7 +226,8 @@ std::string title_of(const scene::Scene& setup) {
   const char* done = setup.task == scene::Task::kPull      ? " pulled with "
                      : setup.task == scene::Task::kPalpate ? " palpated with "
                                                            : " pressed with ";
-  return organ + done + tools;
+  constexpr std::size_t kLongestTitle = 256;  // bytes; the names may be of a foreign recording
+  return excerpt(organ + done + tools, kLongestTitle);
 }
 
 void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,

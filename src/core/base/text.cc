@@ -78,7 +78,9 @@ std::string_view trimmed(std::string_view text) noexcept {
 }
 
 std::string excerpt(std::string_view text, std::size_t most) {
-  return one_line(std::string(text.substr(0, most))) + (text.size() > most ? "..." : "");
+  if (text.size() <= most) return one_line(std::string(text));
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0U) == 0x80) --most;  // within a character
+  return one_line(std::string(text.substr(0, most))) + "...";
 }
 
 std::optional<double> parse_number(std::string_view text) noexcept {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -113,7 +114,7 @@ TissueParameters tissue_preset(const std::string& name) {
     }
     known += (known.empty() ? "" : ", ") + std::string(preset.name);
   }
-  throw InputError("tissue = \"" + name + "\": no built-in tissue of that name; there are " + known);
+  throw InputError("tissue = \"" + excerpt(name) + "\": no built-in tissue of that name; there are " + known);
 }
 
 }  // namespace palpate::model

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_keys.h"
@@ -70,7 +71,7 @@ class SceneReader final {
 
   void read_scene(const TomlTable& table, SceneFile& scene) const {
     table.allow_only(keys_in("scene"));
-    scene.name = table.text("name").value_or(scene.name);
+    scene.name = table.text("name", kLongestName).value_or(scene.name);
     if (const auto task = stated(table, "task")) scene.task = parse_task(*task);
     scene.rate_Hz = number_in(table, "rate_Hz").value_or(scene.rate_Hz);
     scene.seed = table.whole_number("seed").value_or(scene.seed);
@@ -203,7 +204,7 @@ class SceneReader final {
 }  // namespace
 
 void LocatedString::fail(const std::string& want) const {
-  throw InputError(fmt::format("{} = \"{}\": {}", where, value, want));
+  throw InputError(fmt::format("{} = \"{}\": {}", where, excerpt(value, kLongestName), want));
 }
 
 Task parse_task(const LocatedString& stated) {

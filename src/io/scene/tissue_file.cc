@@ -65,7 +65,7 @@ void read_numbers(const TomlTable& table, std::string_view section, model::Tissu
 model::SourceParameters read_source(const TomlTable& table) {
   model::SourceParameters source;
   table.allow_only({"indenter", "radius_mm"});
-  source.indenter = table.text("indenter").value_or("");
+  source.indenter = table.text("indenter", kLongestName).value_or("");
   source.radius = table.required_number("radius_mm", kPositive) * kMillimetre;
   return source;
 }
@@ -76,7 +76,7 @@ model::TissueParameters read_parameters(const TomlTable& table, const std::strin
   keys.insert(keys.end(), {"name", "law", "relaxation", "source"});
   for (const model::TissueSection& section : model::kTissueSections) keys.emplace_back(section.key);
   table.allow_only(keys);
-  tissue.name = table.text("name").value_or(default_name);
+  tissue.name = table.text("name", kLongestName).value_or(default_name);
   tissue.law = read_law(table);
   read_numbers(table, "", tissue);
   tissue.relaxation = read_relaxation(table);

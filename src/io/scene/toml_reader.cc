@@ -15,15 +15,14 @@
 namespace palpate::scene {
 namespace {
 
+constexpr std::size_t kLongestExcerpt = 80;  // bytes of a key or value in a message
+
 std::string value_text(const toml::node& node) {
-  constexpr std::size_t kLongest = 80;
   if (const auto* number = node.as_floating_point()) return shortest(number->get());
-  if (const auto* text = node.as_string()) return "\"" + one_line(text->get()) + "\"";
+  if (const auto* text = node.as_string()) return "\"" + excerpt(text->get(), kLongestExcerpt) + "\"";
   std::ostringstream out;
   node.visit([&out](const auto& n) { out << n; });
-  std::string words = one_line(out.str());
-  if (words.size() > kLongest) words = words.substr(0, kLongest) + "...";
-  return words;
+  return excerpt(out.str(), kLongestExcerpt);
 }
 
 std::optional<double> as_number(const toml::node& node) {
@@ -49,9 +48,10 @@ std::optional<std::vector<double>> as_numbers(const toml::node& node, const Rang
   return values;
 }
 
-std::optional<std::string> as_line(const toml::node& node) {
+std::optional<std::string> as_line(const toml::node& node, std::size_t most = kLongestText) {
   const auto* value = node.as_string();
-  if (value == nullptr || value->get().empty() || value->get() != one_line(value->get())) return std::nullopt;
+  if (value == nullptr || value->get().empty() || value->get().size() > most) return std::nullopt;
+  if (value->get() != one_line(value->get())) return std::nullopt;
   return value->get();
 }
 
@@ -95,7 +95,7 @@ TomlFile parse_toml(const std::string& text, const std::string& name) {
     return {name, toml::parse(text, name)};
   } catch (const toml::parse_error& error) {
     throw InputError(fmt::format("{}:{}: not valid TOML: {}", name, error.source().begin.line,
-                                 one_line(std::string(error.description()))));
+                                 excerpt(error.description(), 4 * kLongestExcerpt)));
   }
 }
 
@@ -171,11 +171,12 @@ std::optional<bool> TomlTable::truth(std::string_view key) const {
   return value->get();
 }
 
-std::optional<std::string> TomlTable::text(std::string_view key) const {
+std::optional<std::string> TomlTable::text(std::string_view key, std::size_t most) const {
   const toml::node* node = table_->get(key);
   if (node == nullptr) return std::nullopt;
-  std::optional<std::string> value = as_line(*node);
-  if (!value) fail(key, "must be a text in quotes, not empty, on one line");
+  std::optional<std::string> value = as_line(*node, most);
+  if (!value)
+    fail(key, fmt::format("must be a text in quotes, not empty, on one line, of at most {} bytes", most));
   return value;
 }
 
@@ -260,7 +261,7 @@ void TomlTable::allow_only(const std::vector<std::string>& known) const {
     const std::string near = nearest_key(name, known);
     const std::string hint = near.empty() ? "valid are " + alternatives(known) : "did you mean " + near + "?";
     throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
-                                 field(one_line(std::string(name))), value_text(node), hint));
+                                 field(excerpt(name, kLongestExcerpt)), value_text(node), hint));
   }
 }
 

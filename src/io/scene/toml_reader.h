@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -30,6 +31,9 @@ struct Range {
 inline constexpr Range kAnyNumber{};
 inline constexpr Range kNotNegative{0.0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true};
+
+inline constexpr std::size_t kLongestText = 4096;  // bytes; Linux allows no longer path
+inline constexpr std::size_t kLongestName = 256;   // bytes of a name that is shown, as in a window's title
 
 /// A TOML file in memory, with its name for messages.
 struct TomlFile {
@@ -65,8 +69,8 @@ class TomlTable final {
   [[nodiscard]] double required_number(std::string_view key, const Range& range = kAnyNumber) const;
   [[nodiscard]] std::optional<std::uint64_t> whole_number(std::string_view key) const;
   [[nodiscard]] std::optional<bool> truth(std::string_view key) const;
-  /// A text that is not empty and has no line break or other control character.
-  [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+  /// A text of at most `most` bytes that is not empty and has no line break or other control character.
+  [[nodiscard]] std::optional<std::string> text(std::string_view key, std::size_t most = kLongestText) const;
   /// Three finite numbers, each within `range`.
   [[nodiscard]] std::optional<Vec3> vector(std::string_view key, const Range& range = kAnyNumber) const;
   /// A list of finite numbers, each within `range`; not empty.

@@ -30,7 +30,7 @@ InclusionTable read_one(const TomlTable& table, std::size_t number) {
   }
   made.where = table.location("") + ": organ.inclusion";
   model::Inclusion& inclusion = made.setup.inclusion;
-  made.setup.name = table.text("name").value_or(made.setup.name);
+  made.setup.name = table.text("name", kLongestName).value_or(made.setup.name);
   made.setup.visible = table.truth("visible").value_or(true);
   const auto read = [&table](const char* key, double unit, double& value) {
     if (const auto given = number_in(table, key)) value = *given * unit;

@@ -11,8 +11,10 @@ namespace palpate {
 
 using nlohmann::json;
 
+constexpr std::size_t kLongestField = 200;  // bytes of a field's name in a message
+
 void JsonField::fail(const std::string& want) const {
-  const std::string name = where_ + (name_.empty() ? "it" : one_line(name_));
+  const std::string name = where_ + (name_.empty() ? "it" : excerpt(name_, kLongestField));
   if (!there()) throw InputError(name + ": missing, must be " + want);
   const std::string value = value_->is_primitive()
                                 ? value_->dump(-1, ' ', false, json::error_handler_t::replace)
@@ -44,7 +46,7 @@ std::vector<JsonField> JsonField::elements(std::size_t most) const {
   if (!there()) return all;
   if (!value_->is_array()) fail("an array");
   if (value_->size() > most) {
-    throw InputError(where_ + one_line(name_) + ": has " + std::to_string(value_->size()) +
+    throw InputError(where_ + excerpt(name_, kLongestField) + ": has " + std::to_string(value_->size()) +
                      " elements, must have at most " + std::to_string(most));
   }
   all.reserve(value_->size());

@@ -205,6 +205,32 @@ TEST(SceneFile, ATextLargerThanAFileMayBeIsRefused) {
             "scene text: has 1048577 bytes, must be a TOML text of at most 1048576");
 }
 
+TEST(SceneFile, RefusesNamesAndTextsThatAreTooLong) {
+  const std::string longest(256, 'n');
+  EXPECT_EQ(described("[scene]\nname = \"" + longest + "\"\n" + kShort).name, longest);
+  const std::string shown =
+      std::string(80, 'n') + "...\": must be a text in quotes, not empty, on one line, ";
+  EXPECT_EQ(scene_error_in("[scene]\nname = \"" + longest + "n\"\n" + kShort),
+            "press.toml:2: scene.name = \"" + shown + "of at most 256 bytes");
+  EXPECT_EQ(scene_error_in(kShort + "[[organ.inclusion]]\nname = \"" + longest + "n\""),
+            "press.toml:6: organ.inclusion.name = \"" + shown + "of at most 256 bytes");
+  EXPECT_EQ(scene_error_in("[organ]\nmesh = \"" + std::string(4097, 'n') + "\""),
+            "press.toml:2: organ.mesh = \"" + shown + "of at most 4096 bytes");
+}
+
+TEST(SceneFile, ShortensLongKeysAndValuesInErrors) {
+  const std::string word(5000, 'k');
+  const std::string shown = word.substr(0, 80) + "...";
+  EXPECT_THAT(scene_error_in("[" + word + "]"), HasSubstr(":1: " + shown + " = "));
+  EXPECT_THAT(scene_error_in("\"" + word.substr(0, 79) + "\xC3\xBC\" = 1"),
+              HasSubstr(":1: " + word.substr(0, 79) + "... = 1: unknown key"))
+      << "a character is not cut in two";
+  EXPECT_LT(scene_error_in("[" + word + "]\n[" + word + "]").size(), 400U);
+  EXPECT_THAT(
+      scene_error_in("[scene]\ntask = \"" + word.substr(0, 4096) + "\""),
+      HasSubstr(":2: scene.task = \"" + word.substr(0, 256) + "...\": must be press, pull or palpate"));
+}
+
 TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
   for (const auto& [line, want] : std::vector<std::pair<std::string, std::string>>{
            {"[scene]\ntask = \"cut\"", ":6: scene.task = \"cut\": must be press, pull or palpate"},
