@@ -40,7 +40,10 @@ std::size_t printable_length(std::string_view text) noexcept {
     if ((byte(i) & 0xC0U) != 0x80) return 0;
   }
   const bool control = lead == 0xC2 && byte(1) < 0xA0;  // U+0080 to U+009F
-  return control ? 0 : length;
+  // U+202A to U+202E and U+2066 to U+2069 change the direction of the text that follows.
+  const bool turns = lead == 0xE2 && ((byte(1) == 0x80 && byte(2) >= 0xAA && byte(2) <= 0xAE) ||
+                                      (byte(1) == 0x81 && byte(2) >= 0xA6 && byte(2) <= 0xA9));
+  return control || turns ? 0 : length;
 }
 
 /// Writes a whole text and waits for its reader. @return 0, or the errno of the failure

@@ -9,8 +9,9 @@
 
 namespace palpate::app {
 
-/// [any] The text with its control characters and its bytes that are no UTF-8 as "\x1B", because foreign
-/// names and messages could contain commands for the terminal. @param lines keeps line ends and tabs
+/// [any] The text with its control characters, also those of bidirectional text, and its bytes that are no
+/// UTF-8 as "\x1B", because foreign names and messages could contain commands for the terminal. @param lines
+/// keeps line ends and tabs
 [[nodiscard]] std::string escaped(std::string_view text, bool lines);
 
 /// [setup] A JSON document as text, indented by `indent` (-1: one line). Bytes of names that are no UTF-8 are
