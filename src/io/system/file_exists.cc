@@ -26,6 +26,13 @@ fs::file_type type_of(const fs::path& path) {
 
 bool file_exists(const fs::path& path) { return type_of(path) != fs::file_type::not_found; }
 
+bool file_or_link_exists(const fs::path& path) {
+  if (file_exists(path)) return true;
+  std::error_code absent;
+  if (fs::symlink_status(path, absent).type() != fs::file_type::symlink) return false;
+  throw InputError(to_text(path) + ": is a link that leads to nothing, must be a file or absent");
+}
+
 bool regular_file_exists(const fs::path& path) { return type_of(path) == fs::file_type::regular; }
 
 bool folder_exists(const fs::path& path) { return type_of(path) == fs::file_type::directory; }

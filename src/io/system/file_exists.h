@@ -10,6 +10,10 @@ namespace palpate {
 /// be looked at: WHY"
 [[nodiscard]] bool file_exists(const std::filesystem::path& path);
 
+/// [setup] As file_exists(), for a file whose absence has a meaning. @throws InputError also for a link that
+/// leads to nothing
+[[nodiscard]] bool file_or_link_exists(const std::filesystem::path& path);
+
 /// [setup] Whether the path leads to a regular file. @throws InputError as file_exists()
 [[nodiscard]] bool regular_file_exists(const std::filesystem::path& path);
 

@@ -67,6 +67,13 @@ void create_whole_file(const fs::path& file, std::string_view bytes, mode_t mode
   flush_folder(folder);
 }
 
+std::string name_of_unfinished(const fs::path& temporary) {
+  constexpr std::size_t kEnding = 7;  // the second dot and six letters
+  const std::string name = temporary.filename().string();
+  if (name.size() < kEnding + 2 || name.front() != '.' || name[name.size() - kEnding] != '.') return {};
+  return name.substr(1, name.size() - 1 - kEnding);
+}
+
 void flush_folder(const fs::path& folder) noexcept {
   const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include <sys/types.h>
@@ -13,6 +14,9 @@ namespace palpate {
 /// @param mode of the file, less the process's umask @throws InputError naming the file, when it exists or
 /// cannot be written; then nothing has the name that had not before
 void create_whole_file(const std::filesystem::path& file, std::string_view bytes, mode_t mode = 0644);
+
+/// [setup] The name that a temporary file of create_whole_file() was to get; empty for any other file.
+[[nodiscard]] std::string name_of_unfinished(const std::filesystem::path& temporary);
 
 /// [setup] Flushes a folder's list of files to the disk, so that a new file stays after a power failure.
 /// Where the file system cannot do that, nothing happens.

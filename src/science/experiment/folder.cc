@@ -52,6 +52,13 @@ void check_hash(const std::string& found, const std::string& locked, const std::
   if (found != locked) throw InputError(what + ": was changed after the study was prepared (lock.json)");
 }
 
+/// lock.json has no mac of its own: heads.txt and, later, unblinded.json hold its hash.
+void check_lock(const StudyFolder& study, const std::string& hash, const char* by) {
+  if (hash == study.lock_hash) return;
+  throw InputError(fmt::format("{}: was changed after the study was prepared ({})",
+                               (study.folder / "lock.json").string(), by));
+}
+
 /// The mac of a file that marks the study, from its values without the mac.
 std::string mac_of(const std::string& name, const FolderJson& values, const std::string& mac_key) {
   return hmac_sha256(mac_key, name + values.dump(-1, ' ', false, FolderJson::error_handler_t::replace));
@@ -93,6 +100,7 @@ Unblinding read_unblinding(const StudyFolder& study, bool known) {
       read_mark(study, kUnblindedFile,
                 known ? "nobody can read why the study was unblinded: restore the file"
                       : "the study is not unblinded: remove the file, and the study is blind");
+  check_lock(study, values.value("lock", study.lock_hash), kUnblindedFile);
   Unblinding read{values.at("time").get<std::string>(), values.at("reason").get<std::string>(), {}};
   for (const std::string& id : study.ids) {
     const FolderJson& log = values.at("logs").at(id);
@@ -103,13 +111,14 @@ Unblinding read_unblinding(const StudyFolder& study, bool known) {
 
 /// Reads whether the study is simulated, and whether it is unblinded.
 void read_marks(StudyFolder& study) {
-  study.simulated = file_exists(study.folder / kSimulatedFile);
+  study.simulated = file_or_link_exists(study.folder / kSimulatedFile);
   if (study.simulated) {
     static_cast<void>(
         read_mark(study, kSimulatedFile, "nobody knows whether the participants are simulated"));
   }
   const LogHead head = LogHeads(study.folder / LogHeads::kName).read(0, study.mac_key);
-  if (file_exists(study.folder / kUnblindedFile)) {
+  if (head.lines == 0) check_lock(study, head.mac, LogHeads::kName);
+  if (file_or_link_exists(study.folder / kUnblindedFile)) {
     study.unblinding = read_unblinding(study, head.lines > 0);
   } else if (head.lines > 0) {
     throw InputError(fmt::format("{}: is missing, though the study was unblinded ({})",
@@ -145,6 +154,14 @@ void check_kind(const StudyFolder& study, const fs::path& file, const Participan
   }
 }
 
+/// A path of the lock. @throws InputError unless it stays in the folder
+std::string path_in_lock(const StudyFolder& made, const char* field, const fs::path& path) {
+  const bool up = std::find(path.begin(), path.end(), "..") != path.end();
+  if (!up && path.is_relative() && !path.empty()) return path.string();
+  throw InputError(fmt::format("{}: {}: \"{}\": must be a path in the study's folder, without \"..\"",
+                               (made.folder / "lock.json").string(), field, excerpt(path.string())));
+}
+
 void read_lock(const JsonField& lock, StudyFolder& made) {
   const std::string format = lock.at("format").text();
   if (format == "palpate study 1") {
@@ -157,6 +174,7 @@ void read_lock(const JsonField& lock, StudyFolder& made) {
   made.program = lock.at("program").text();
   made.ids = lock.at("ids").texts();
   for (const auto& [name, hash] : lock.at("files").members()) {
+    made.files.push_back(path_in_lock(made, "files", name));
     const fs::path file = made.folder / name;
     check_hash(sha256(content_of(file)), hash.text(), file.string());
   }
@@ -164,8 +182,10 @@ void read_lock(const JsonField& lock, StudyFolder& made) {
   check_hash(hash_of_builtin(organ), lock.at("organ_sha256").text(),
              "the mesh of the built-in organ " + organ);
   made.study = load_study(made.folder / "study.toml");
-  made.study.scene = lock.at("scene").text();
-  if (lock.has("consent")) made.study.consent_file = lock.at("consent").text();
+  made.study.scene = path_in_lock(made, "scene", lock.at("scene").text());
+  if (lock.has("consent")) {
+    made.study.consent_file = path_in_lock(made, "consent", lock.at("consent").text());
+  }
   read_sealed(lock.at("sealed_sha256").text(), made);
 }
 
@@ -244,6 +264,10 @@ StudyFolder open_study(const fs::path& folder) {
   }
   made.lock_hash = sha256(content_of(folder / "lock.json"));
   use_json(folder / "lock.json", [&](const JsonField& lock) { read_lock(lock, made); });
+  for (const char* name : {"participants", "recordings"}) {
+    if (!file_or_link_exists(folder / name) || folder_exists(folder / name)) continue;
+    throw InputError((folder / name).string() + ": is no folder, must be one");
+  }
   read_marks(made);
   return made;
 }
@@ -254,9 +278,27 @@ void mark_simulated(StudyFolder& study) {
 }
 
 void require_blind(const StudyFolder& study) {
-  if (!study.unblinded() && !file_exists(study.folder / kUnblindedFile)) return;
+  if (!study.unblinded() && !file_or_link_exists(study.folder / kUnblindedFile)) return;
   throw InputError(study.folder.string() +
                    ": is unblinded, so nobody can be run blind; prepare another folder");
+}
+
+bool is_leftover(const StudyFolder& study, const fs::path& file) {
+  const fs::path name = name_of_unfinished(file);
+  const bool log = name.extension() == ".jsonl" &&
+                   std::find(study.ids.begin(), study.ids.end(), name.stem()) != study.ids.end();
+  return log || name == kUnblindedFile || name == kSimulatedFile;
+}
+
+void remove_leftovers(const StudyFolder& study) {
+  for (const fs::path& folder : {study.folder, study.folder / "participants"}) {
+    std::error_code error;
+    std::vector<fs::path> found;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+      if (is_leftover(study, entry->path())) found.push_back(entry->path());
+    }
+    for (const fs::path& file : found) fs::remove(file, error);  // `verify` names those that stay
+  }
 }
 
 std::vector<std::string> unfinished_people(const StudyFolder& study) {
@@ -281,6 +323,7 @@ void unblind_study(StudyFolder& study, const std::string& why, bool early) {
                                  one_line(study.unblinding->reason)));
   }
   const LogHeads heads(study.folder / LogHeads::kName, LogHeads::Use::kUnblind);  // no session runs
+  remove_leftovers(study);
   const std::vector<std::string> unfinished = unfinished_people(study);
   if (!unfinished.empty() && !early) {
     constexpr std::size_t kNamed = 5;
@@ -299,9 +342,12 @@ void unblind_study(StudyFolder& study, const std::string& why, bool early) {
     made.logs.push_back({log.lines(), log.last_mac});
     logs[id] = {{"lines", log.lines()}, {"mac", log.last_mac}};
   }
-  const std::string mac =
-      write_mark(study, kUnblindedFile,
-                 {{"time", made.time}, {"reason", why}, {"proof", study.unblinding_proof()}, {"logs", logs}});
+  const std::string mac = write_mark(study, kUnblindedFile,
+                                     {{"time", made.time},
+                                      {"reason", why},
+                                      {"proof", study.unblinding_proof()},
+                                      {"lock", study.lock_hash},
+                                      {"logs", logs}});
   study.unblinding = std::move(made);
   heads.write(0, {1, mac}, study.mac_key);
 }

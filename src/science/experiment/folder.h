@@ -42,6 +42,7 @@ struct StudyFolder {
   std::string mac_key;                   // from sealed.json; authenticates logs, heads.txt, and the two marks
   std::string lock_hash;                 // SHA-256 of lock.json; each log begins with it
   std::string program;                   // version of palpate that prepared it
+  std::vector<std::string> files;        // study, scene and consent text, by their path in the folder
   std::vector<std::string> ids;          // of all participants, by number
   bool simulated = false;                // filled by `palpate study simulate`
   std::optional<Unblinding> unblinding;  // empty: blind
@@ -74,6 +75,11 @@ void mark_simulated(StudyFolder& study);
 
 /// [setup] @throws InputError when the study is unblinded by now
 void require_blind(const StudyFolder& study);
+
+/// [setup] Whether a file is one that a killed command left. remove_leftovers() removes them; only with
+/// heads.txt locked.
+[[nodiscard]] bool is_leftover(const StudyFolder& study, const std::filesystem::path& file);
+void remove_leftovers(const StudyFolder& study);
 
 /// [setup] The ids whose sessions are not all complete, and who have not withdrawn. @throws InputError
 [[nodiscard]] std::vector<std::string> unfinished_people(const StudyFolder& study);

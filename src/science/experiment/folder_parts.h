@@ -4,7 +4,8 @@
 
 #include "io/system/input_file.h"
 
-// What the preparation of a study's folder and its reader both know. Only for folder.cc and prepare.cc.
+// What the preparation of a study's folder and its readers know. Only for folder.cc, prepare.cc and
+// verify.cc.
 namespace palpate::experiment {
 
 inline constexpr const char* kFolderFormat = "palpate study 2";

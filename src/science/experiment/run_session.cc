@@ -259,6 +259,7 @@ void RunningSession::require_for_person() const {
 void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
   require_blind(study_);  // the log's writer keeps `unblind` out from now on
+  remove_leftovers(study_);
   if (options_.screens != nullptr) require_for_person();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);

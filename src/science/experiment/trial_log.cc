@@ -331,7 +331,7 @@ ParticipantLog read_log(const fs::path& file, const LogKey& key) {
   // The head first: a session that runs meanwhile makes the log longer.
   std::optional<LogHead> head;
   if (!key.heads.empty()) head = LogHeads(key.heads).read(key.number, key.mac_key);
-  return parse_log(file, file_exists(file) ? read_bytes(file) : "", key, head);
+  return parse_log(file, file_or_link_exists(file) ? read_bytes(file) : "", key, head);
 }
 
 fs::path cut_lines_of(fs::path log) { return log.replace_extension(".cut"); }

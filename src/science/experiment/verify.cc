@@ -1,5 +1,7 @@
 #include "science/experiment/verify.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
@@ -11,9 +13,11 @@
 
 #include "core/base/text.h"
 #include "io/system/file_exists.h"
+#include "io/system/input_file.h"
 #include "io/system/sha256.h"
 #include "palpate/error.h"
 #include "science/experiment/compare_recording.h"
+#include "science/experiment/folder_parts.h"
 
 namespace palpate::experiment {
 namespace {
@@ -47,10 +51,19 @@ fs::path recording_of(const StudyFolder& study, const std::string& id, const Eve
                                  excerpt(name.string())));
   }
   const fs::path file = study.folder / "recordings" / name;
-  if (!regular_file_exists(file)) {
+  if (!file_exists(file)) {
     throw InputError(fmt::format("{}: its recording {} is missing", named_by, file.string()));
   }
+  static_cast<void>(InputFile(file, kRecordingInput));  // a regular file
   return file;
+}
+
+/// Whether a name is that of a recording of one participant.
+bool is_recording(const StudyFolder& study, const std::string& id, const std::string& name) {
+  int session = 0;
+  int block = 0;
+  return name.starts_with(id) && std::sscanf(name.c_str() + id.size(), "-s%d-b%d", &session, &block) == 2 &&
+         study.recording_of(id, session, block).filename() == name;
 }
 
 /// @return the defect, or an empty text
@@ -66,6 +79,37 @@ std::string recording_defect(const StudyFolder& study, const fs::path& file, con
 }
 
 }  // namespace
+
+std::vector<std::string> verify_folder(const StudyFolder& study) {
+  const fs::path heads = study.folder / LogHeads::kName;
+  const std::size_t lines = 1 + study.ids.size();
+  if (InputFile(heads, kStudyFileInput).size() > lines * LogHeads::text_of({}, study.mac_key).size()) {
+    throw InputError(
+        fmt::format("{}:{}: was added: the file must end with the line of the last participant, {}",
+                    heads.string(), lines + 1, lines));
+  }
+  std::set<std::string> own{"lock.json",      "sealed.json",    LogHeads::kName,
+                            "simulated.json", "unblinded.json", "recordings/blind-broken.jsonl"};
+  own.insert(study.files.begin(), study.files.end());
+  for (const std::string& id : study.ids) {
+    own.insert({"participants/" + id + ".jsonl", "participants/" + id + ".cut", id + "-status.txt"});
+  }
+  std::vector<std::string> foreign;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(study.folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path path = entry->path().lexically_relative(study.folder);
+    if (entry->symlink_status(error).type() == fs::file_type::directory) continue;
+    const std::string name = path.filename().string();
+    const bool recording = path.parent_path() == "recordings" &&
+                           std::any_of(study.ids.begin(), study.ids.end(),
+                                       [&](const std::string& id) { return is_recording(study, id, name); });
+    if (!recording && !own.contains(path.generic_string())) foreign.push_back(path.generic_string());
+  }
+  if (error) throw InputError(study.folder.string() + ": cannot be read: " + error.message());
+  std::sort(foreign.begin(), foreign.end());
+  return foreign;
+}
 
 void verify_participant(const StudyFolder& study, const std::string& id,
                         const CheckRecording& check_recording, VerifyCounts& counts) {
@@ -91,7 +135,7 @@ void verify_participant(const StudyFolder& study, const std::string& id,
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.starts_with(id + "-") && name.ends_with(".h5") && !named.contains(name)) ++counts.unfinished;
+    if (is_recording(study, id, name) && !named.contains(name)) ++counts.unfinished;
   }
   if (error) throw InputError(folder.string() + ": cannot be read: " + error.message());
 }

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "palpate/recording.h"
 #include "science/experiment/folder.h"
@@ -18,6 +19,10 @@ struct VerifyCounts {
   std::size_t recordings = 0;
   std::size_t unfinished = 0;  // recordings of blocks that were cut off; their finished trials count
 };
+
+/// [setup] Checks that heads.txt ends after the last participant's line. @return the files in the folder that
+/// are no part of the study, by their path in it @throws InputError
+[[nodiscard]] std::vector<std::string> verify_folder(const StudyFolder& study);
 
 /// [setup] Checks that a participant's log is consistent with the sealed key (each line's mac, the chain, the
 /// log's head) and that each trial follows from the answers before it. Each recording that an event "block"

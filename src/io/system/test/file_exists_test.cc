@@ -55,5 +55,17 @@ TEST(FileExists, AnErrorIsNotAnAbsence) {
   }
 }
 
+TEST(FileExists, ALinkThatLeadsToNothingIsAnErrorWhereAnAbsenceHasAMeaning) {
+  const TemporaryFolder folder;
+  const fs::path link = folder / "link";
+  fs::create_symlink("nothing", link);
+  EXPECT_FALSE(file_exists(link));
+  EXPECT_THAT([&] { (void)file_or_link_exists(link); },
+              ThrowsMessage<InputError>(link.string() +
+                                        ": is a link that leads to nothing, must be a file or absent"));
+  EXPECT_FALSE(file_or_link_exists(folder / "absent"));
+  EXPECT_TRUE(file_or_link_exists(folder.write("nothing", "1")) && file_or_link_exists(link));
+}
+
 }  // namespace
 }  // namespace palpate

@@ -58,6 +58,13 @@ TEST(WholeFile, ReplacesNothing) {
   EXPECT_EQ(names_below(folder / ".").size(), 2U);
 }
 
+TEST(WholeFile, OfATemporaryFileHasTheNameWithoutDotAndLetters) {
+  EXPECT_EQ(name_of_unfinished("folder/.a.json.b2c3d4"), "a.json");
+  for (const char* other : {"a.json.b2c3d4", ".a.json.b2c3d", ".b2c3d4", ".", "a.json"}) {
+    EXPECT_EQ(name_of_unfinished(other), "") << other;
+  }
+}
+
 // A limit of the file's size acts as a full disk.
 TEST(WholeFile, ThatCannotBeWrittenHasNoName) {
   const TemporaryFolder folder;

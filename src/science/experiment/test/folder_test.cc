@@ -445,6 +445,37 @@ TEST_F(Folder, ALogThatCannotBeLookedAtIsNoEmptyLog) {
             log.string() + ": cannot be looked at: Too many levels of symbolic links");
 }
 
+TEST_F(Folder, WithALockThatWasChangedIsRefusedBeforeAndAfterTheUnblinding) {
+  prepare();
+  StudyFolder opened = open_study(study_);
+  const std::string lock = text_of(study_ / "lock.json");
+  std::string changed = lock;  // the ids in another order
+  changed.replace(changed.find(opened.ids[0]), 5, opened.ids[1]);
+  changed.replace(changed.rfind(opened.ids[1]), 5, opened.ids[0]);
+  const auto error = [&] {
+    write_output(study_ / "lock.json", changed);
+    const std::string found = error_of([&] { static_cast<void>(open_study(study_)); });
+    write_output(study_ / "lock.json", lock);
+    return found;
+  };
+  const std::string start = (study_ / "lock.json").string() + ": was changed after the study was prepared (";
+  EXPECT_EQ(error(), start + "heads.txt)");
+  unblind_study(opened, "done", true);
+  EXPECT_EQ(error(), start + "unblinded.json)");
+  EXPECT_TRUE(open_study(study_).unblinded());
+}
+
+TEST_F(Folder, WithALockThatNamesFilesElsewhereIsRefused) {
+  prepare();
+  const std::string lock = text_of(study_ / "lock.json");
+  for (const char* name : {"../small.toml", "/etc/passwd", "scene/../../small.toml"}) {
+    write_output(study_ / "lock.json", replaced(lock, "\"study.toml\"", "\"" + std::string(name) + "\""));
+    EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
+              (study_ / "lock.json").string() + ": files: \"" + name +
+                  "\": must be a path in the study's folder, without \"..\"");
+  }
+}
+
 TEST(SceneOf, ABuiltInOrganHasTheStudysForceLimit) {
   const Study study = parse_study(kStudyText, "s.toml");
   const scene::Overrides request = scene_of(study);

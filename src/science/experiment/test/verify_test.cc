@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
@@ -202,6 +203,59 @@ TEST_F(Verify, NamesAMissingRecording) {
   fs::remove(recording_);
   EXPECT_EQ(error(),
             log_.string() + ": session 1, block 1: its recording " + recording_.string() + " is missing");
+}
+
+TEST_F(Verify, AFifoInPlaceOfARecordingIsNotAMissingOne) {
+  fs::remove(recording_);
+  ASSERT_EQ(::mkfifo(recording_.c_str(), 0600), 0);
+  EXPECT_EQ(error(), recording_.string() + ": is a FIFO, must be a palpate recording");
+}
+
+TEST_F(Verify, NamesALineThatWasAddedToTheHeads) {
+  EXPECT_TRUE(verify_folder(study_).empty());
+  std::ofstream(study_.folder / "heads.txt", std::ios::app) << "rubbish";
+  EXPECT_EQ(error_of([&] { static_cast<void>(verify_folder(study_)); }),
+            (study_.folder / "heads.txt").string() +
+                ":4: was added: the file must end with the line of the last participant, 3");
+}
+
+TEST_F(Verify, NamesFilesBesideTheRecordings) {
+  const std::string id = study_.ids[0];
+  for (const std::string& name : {id + "-s2-b01.h5", id + "-s1-b1.h5", std::string("Q-s1-b01.h5")}) {
+    write_output(study_.folder / "recordings" / name, "");
+  }
+  EXPECT_THAT(verify_folder(study_),
+              testing::UnorderedElementsAre("recordings/" + id + "-s1-b1.h5", "recordings/Q-s1-b01.h5"));
+}
+
+TEST_F(Verify, ALogOrMarkThatIsALinkToNothingIsNotAbsent) {
+  const auto error_of_link = [&](const fs::path& file) {
+    fs::remove(file);
+    fs::create_symlink("nowhere", file);
+    const std::string found = error();
+    fs::remove(file);
+    return found;
+  };
+  for (const fs::path& file : {study_.folder / "unblinded.json", study_.log_of(study_.ids[1])}) {
+    EXPECT_EQ(error_of_link(file),
+              file.string() + ": is a link that leads to nothing, must be a file or absent");
+  }
+}
+
+TEST_F(Verify, AnUnblindingRemovesWhatKilledCommandsLeft) {
+  const std::string log = "participants/." + study_.ids[0] + ".jsonl.a2b3c4";
+  for (const std::string& name : {std::string(".unblinded.json.a2b3c4"), log, std::string(".notes.backup")}) {
+    write_output(study_.folder / name, "");
+  }
+  EXPECT_THAT(verify_folder(study_), testing::ElementsAre(".notes.backup", ".unblinded.json.a2b3c4", log));
+  unblind_study(study_, "done", true);
+  EXPECT_THAT(verify_folder(study_), testing::ElementsAre(".notes.backup"));
+}
+
+TEST_F(Verify, AFileInPlaceOfAFolderIsNamed) {
+  fs::remove_all(study_.folder / "participants");
+  write_output(study_.folder / "participants", "");
+  EXPECT_EQ(error(), (study_.folder / "participants").string() + ": is no folder, must be one");
 }
 
 TEST_F(Verify, ARecordingThatCannotBeLookedAtIsAnError) {
