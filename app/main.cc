@@ -90,6 +90,6 @@ int main(int argc, char** argv) {
   const int exit_code = run_command(argc, argv);
   const std::string failure = results.failure();
   if (failure.empty()) return exit_code;
-  report_error("standard output: " + failure);
+  report_error("standard output: " + failure + (exit_code == kDone ? "; everything else is done" : ""));
   return exit_code == kDone ? kBadInput : exit_code;
 }

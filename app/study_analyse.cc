@@ -71,13 +71,14 @@ int analyse(const AnalyseFlags& flags, const std::string& command_line) {
 
 int unblind(const AnalyseFlags& flags) {
   StudyFolder study = experiment::open_study(flags.folder);
-  experiment::unblind_study(study, flags.why, flags.early);
-  std::cout << study.study.name
-            << ": unblinded once and for ever; unblinded.json has the time and the reason\n";
   const std::vector<std::string> unfinished = experiment::unfinished_people(study);
+  experiment::unblind_study(study, flags.why, flags.early);
+  // On standard error: the study is unblinded, whether or not standard output takes a message.
+  report_message(study.study.name +
+                 ": unblinded once and for ever; unblinded.json has the time and the reason");
   if (unfinished.empty()) return kDone;
-  std::cout << fmt::format("ended early: {} cannot be run any more: {}\n",
-                           counted(unfinished.size(), "participant", "participants"), joined(unfinished));
+  report_message(fmt::format("ended early: {} cannot be run any more: {}",
+                             counted(unfinished.size(), "participant", "participants"), joined(unfinished)));
   return kDone;
 }
 

@@ -1,6 +1,5 @@
 // `palpate study simulate`: fills a prepared study with simulated participants.
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "science/tasks/for_each_task.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/study_commands.h"
@@ -103,13 +103,13 @@ int simulate(const SimulateFlags& flags) {
     if (!flags.rendered) {
       experiment::keep_log(study, ids[i], logs.results[i]);
     } else if (!logs.results[i].empty()) {
-      std::cout << ids[i] << ": " << logs.results[i] << " ended a session\n";
+      report_error(ids[i] + ": " + logs.results[i] + " ended a session");
       return kFault;
     }
   }
-  std::cout << fmt::format("{} simulated in {} as observer {}{}\nNext: palpate study analyse {}\n",
-                           counted(ids.size(), "participant", "participants"), flags.folder, flags.observer,
-                           flags.rendered ? ", with rendered force" : "", flags.folder);
+  report_message(fmt::format("{} simulated in {} as observer {}{}; next: palpate study analyse {}",
+                             counted(ids.size(), "participant", "participants"), flags.folder, flags.observer,
+                             flags.rendered ? ", with rendered force" : "", flags.folder));
   return kDone;
 }
 

@@ -17,6 +17,7 @@
 #include "science/experiment/verify.h"
 
 #include "app/commands.h"
+#include "app/output.h"
 #include "app/preparation.h"
 #include "app/progress.h"
 #include "app/study_commands.h"
@@ -119,8 +120,10 @@ int show_status(const StudyFolderFlags& flags) {
 }
 
 /// Replays a recording, also of a blind study. @return the first difference, without its values
-std::string replay_defect(const record::Recording& recording, const contact::Preparation& preparation) {
-  const record::ReplayResult result = record::replay(recording, {}, preparation);
+std::string replay_defect(const record::Recording& recording, bool no_cache,
+                          const record::Progress& progress) {
+  const OrganPreparation preparation(no_cache);  // its bar stays away where an organ is ready at once
+  const record::ReplayResult result = record::replay(recording, progress, preparation.how());
   if (result.rows_different == 0) return "";
   return fmt::format("does not replay: {} of {} rows differ; first: {}", result.rows_different,
                      result.rows_compared, result.first_difference);
@@ -141,15 +144,21 @@ std::vector<std::string> checks_of(const StudyFolderFlags& flags, const experime
 
 int verify_study(const StudyFolderFlags& flags) {
   const experiment::StudyFolder study = experiment::open_study(flags.folder);
-  const OrganPreparation preparation(flags.no_cache);
+  const std::vector<std::string> foreign = experiment::verify_folder(study);
   Progress bar("verify");
   experiment::VerifyCounts counts;
-  experiment::CheckRecording check;
-  if (!flags.logs_only) {
-    check = [&](const record::Recording& recording) { return replay_defect(recording, preparation.how()); };
-  }
   for (std::size_t i = 0; i < study.ids.size(); ++i) {
-    bar.update(static_cast<double>(i) / static_cast<double>(study.ids.size()), "checking " + study.ids[i]);
+    const double share = static_cast<double>(i) / static_cast<double>(study.ids.size());
+    bar.update(share, "checking " + study.ids[i]);
+    experiment::CheckRecording check;
+    if (!flags.logs_only) {
+      check = [&](const record::Recording& recording) {
+        return replay_defect(recording, flags.no_cache, [&](double replayed) {
+          bar.update(share, fmt::format("checking {}, recording {}: {:.0f} %", study.ids[i],
+                                        counts.recordings + 1, 100.0 * replayed));
+        });
+      };
+    }
     experiment::verify_participant(study, study.ids[i], check, counts);
   }
   bar.clear();
@@ -160,8 +169,9 @@ int verify_study(const StudyFolderFlags& flags) {
                                       {"recordings", counts.recordings},
                                       {"unfinished", counts.unfinished},
                                       {"replayed", !flags.logs_only},
+                                      {"foreign", foreign},
                                       {"checked", checks_of(flags, counts)}};
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
     return kDone;
   }
   std::cout << fmt::format("study {}: {}, {} and {} are consistent with the sealed key and with each other\n",
@@ -173,6 +183,10 @@ int verify_study(const StudyFolderFlags& flags) {
   if (counts.unfinished > 0) {
     std::cout << fmt::format("not checked: {} cut off before the end of a block\n",
                              counted(counts.unfinished, "recording was", "recordings were"));
+  }
+  for (const std::string& file : foreign) {
+    std::cout << "no part of the study: " << file
+              << (experiment::is_leftover(study, file) ? ", left by a killed command" : "") << '\n';
   }
   return kDone;
 }
@@ -199,9 +213,9 @@ void add_study_verify(CLI::App& study, int& exit_code) {
   command->add_flag("--json", flags->json, "print one JSON document");
   command->footer(
       "Examples:\n  palpate study verify touch\n  palpate study verify touch --logs-only --json\n"
-      "Prints what it checked. A person who has sealed.json can forge a consistent folder, and an older "
-      "copy\n"
-      "of the whole folder is consistent too. Exit: 0 consistent, 2 not; the message names the first fault.");
+      "Prints what it checked, and which files are no part of the study. A person who has sealed.json can\n"
+      "forge a consistent folder, and an older copy of the whole folder is consistent too.\n"
+      "Exit: 0 consistent, 2 not; the message names the first fault.");
   command->callback([flags, &exit_code] { exit_code = verify_study(*flags); });
 }
 

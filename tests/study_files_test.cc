@@ -210,8 +210,40 @@ TEST(StudyUnblindCommand, SaysWhomItEndsAndNeedsEarlyForIt) {
   EXPECT_FALSE(experiment::open_study(folder / "study").unblinded());
   const Outcome early = run(folder, {"study", "unblind", "study", "--why", "no money", "--early"});
   EXPECT_EQ(early.exit_code, 0) << early.err;
-  EXPECT_THAT(early.out, HasSubstr("ended early: 2 participants cannot be run any more: "));
+  EXPECT_THAT(early.err, HasSubstr("ended early: 2 participants cannot be run any more: "));
   EXPECT_TRUE(experiment::open_study(folder / "study").unblinded());
+}
+
+TEST(StudyUnblindCommand, SucceedsThoughStandardOutputTakesNothing) {
+  const Folder folder;
+  prepare(folder);
+  for (const char* command : {"simulate study", "unblind study --why done"}) {
+    const std::string line =
+        "cd " + folder.path().string() + " && " PALPATE_PROGRAM " study " + command + " > /dev/full 2> err";
+    EXPECT_EQ(std::system(line.c_str()), 0) << command;  // NOLINT(concurrency-mt-unsafe): one thread
+  }
+  EXPECT_TRUE(experiment::open_study(folder / "study").unblinded());
+  EXPECT_THAT(text_of(folder / "err"), HasSubstr("small: unblinded once and for ever"));
+}
+
+TEST(StudyVerifyCommand, NamesFilesThatAreNoPartOfTheStudy) {
+  const Folder folder;
+  prepare(folder);
+  const std::string id = experiment::open_study(folder / "study").ids[0];
+  for (const std::string& name :
+       {id + "-status.txt", "participants/" + id + ".cut", std::string(".unblinded.json.abcdef"),
+        std::string("participants/P.jsonl"), std::string("notes.txt")}) {
+    std::ofstream(folder / ("study/" + name)) << "x\n";
+  }
+  const Outcome text = run(folder, {"study", "verify", "study"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, testing::EndsWith(
+                            "no part of the study: .unblinded.json.abcdef, left by a killed command\n"
+                            "no part of the study: notes.txt\nno part of the study: participants/P.jsonl\n"));
+  EXPECT_EQ(json::parse(run(folder, {"study", "verify", "study", "--json"}).out)["foreign"].size(), 3U);
+  EXPECT_EQ(run(folder, {"study", "run", "study", "--participant", id, "--observer", "ideal"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder / "study/.unblinded.json.abcdef"));
+  EXPECT_TRUE(fs::exists(folder / "study/notes.txt"));
 }
 
 }  // namespace
