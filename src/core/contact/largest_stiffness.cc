@@ -143,13 +143,15 @@ class Search final {
 
 /// Laws of linear tissue without friction, damping and relaxation. @param stiffness [N/m]
 TissueLaws linear_laws(const World::Data& world, double stiffness) {
-  model::TissueParameters linear = world.tissue;
-  linear.law = model::LawKind::kLayered;
+  model::TissueParameters linear;
+  linear.name = "linear";
   linear.k1 = stiffness;
+  linear.beta = 1.0;
+  linear.q = 1.0;
   linear.rest_length = 0.2;  // m: the first layer reaches deeper than any press
   linear.min_length = 0.1;
   linear.max_length = 0.3;
-  linear.relaxation.clear();
+  linear.t1 = 1e-6;
   linear.contact.friction = 0.0;
   linear.contact.damping = 0.0;
   return {linear, world.period};

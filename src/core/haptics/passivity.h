@@ -33,9 +33,9 @@ inline constexpr double kMotionMemory = 5e-3;  // s
 inline constexpr double kDampingTime = 1e-3;   // s, in which it removes a deficit
 
 /// A held device is unstable when the controller acted in more than kUnstableShare of the recent ticks (an
-/// exponential average with the time constant kDampedMemory), or when the deficit is beyond the promised
-/// bound, kEnergyTolerance and twice the largest energy of a tick, by more than kUnstableEnergy. The margins
-/// to stable cases are in docs/decisions/0027.
+/// exponential average with the time constant kDampedMemory). It is also unstable when the deficit exceeds
+/// kEnergyTolerance and twice the largest energy of a tick by more than kUnstableEnergy. The margins to
+/// stable cases are in docs/decisions/0027.
 inline constexpr double kDampedMemory = 0.5;      // s
 inline constexpr double kUnstableShare = 0.9;     // reached after 1.15 s of uninterrupted action
 inline constexpr double kUnstableEnergy = 50e-6;  // J

@@ -148,6 +148,13 @@ TEST(MostContacts, DoNotDependOnTheStiffness) {
   EXPECT_EQ(contacts_of_balls({-22e-3, 22e-3}, variation), 2);
 }
 
+TEST(MostContacts, DoNotDependOnTheLayersOfTheTissue) {
+  model::TissueParameters steep = linear_tissue(300.0);
+  steep.law = model::LawKind::kSmooth;
+  steep.beta = 0.03;
+  EXPECT_EQ(most_contacts(world_of(steep), 0), 1);
+}
+
 TEST(LargestStiffness, AnInclusionOutsideTheOrganIsRefused) {
   const World world = world_of(linear_tissue(100.0), {{hard_stone()}, {}});
   model::Inclusion outside = hard_stone();
