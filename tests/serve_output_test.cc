@@ -87,7 +87,7 @@ class PipedServe final {
 };
 
 TEST(Serve, OutputsThatNobodyReadKeepNoClientWaitingAndTheLostLinesAreCounted) {
-  constexpr int kLoads = 120;
+  constexpr int kLoads = 300;
   PipedServe serve(std::string(256, 'x'));  // the summaries are more than the pipe and the queue take
   LiveClient client(json::parse(serve.first_line())["listening"]["port"]);
   client.greet();
