@@ -141,42 +141,6 @@ class Search final {
   double largest_;  // N/m
 };
 
-/// Laws of linear tissue without friction, damping and relaxation. @param stiffness [N/m]
-TissueLaws linear_laws(const World::Data& world, double stiffness) {
-  model::TissueParameters linear;
-  linear.name = "linear";
-  linear.k1 = stiffness;
-  linear.beta = 1.0;
-  linear.q = 1.0;
-  linear.rest_length = 0.2;  // m: the first layer reaches deeper than any press
-  linear.min_length = 0.1;
-  linear.max_length = 0.3;
-  linear.t1 = 1e-6;
-  linear.contact.friction = 0.0;
-  linear.contact.damping = 0.0;
-  return {linear, world.period};
-}
-
-/// Middle [m] of a tool's points within 0.5 mm of its lowest one, jaws open.
-Vec3 tip_of(const ToolPoints& tool) {
-  constexpr double kLow = 0.5e-3;
-  std::vector<Vec3> points;
-  for (const PartPoints& part : tool.parts) {
-    const Pose joint = geometry::part_pose(part.joint, 1.0);
-    for (std::size_t i = 0; i < part.size(); ++i) points.push_back(joint * part.point(i));
-  }
-  const auto by_z = [](const Vec3& a, const Vec3& b) { return a.z() < b.z(); };
-  const double lowest = std::min_element(points.begin(), points.end(), by_z)->z();
-  Vec3 sum = Vec3::Zero();
-  double count = 0.0;
-  for (const Vec3& point : points) {
-    if (point.z() > lowest + kLow) continue;
-    sum += point;
-    count += 1.0;
-  }
-  return sum / count;
-}
-
 /// The inclusions at rest, and where each is nearest to the surface.
 std::array<InclusionState, 2> ends_of_pulses(const World& world,
                                              const std::vector<model::Inclusion>& inclusions) {
@@ -196,40 +160,6 @@ std::array<InclusionState, 2> ends_of_pulses(const World& world,
 
 double largest_tangent(const model::SpringLaw& law, const StiffnessReach& reach) {
   return std::max(law.force_at(0.0).stiffness, deepest(law, reach, 1.0).stiffness);
-}
-
-int most_contacts(const World& world, std::size_t tool) {
-  constexpr double kClearance = 1e-3;  // m
-  constexpr double kFrom = 2e-3;       // m: shallower, the rounding of the tip matters
-  constexpr double kTo = 12e-3;        // m
-  constexpr double kStep = 0.2e-3;     // m, in a tick
-  const World::Data& data = world.data();
-  const TissueLaws laws = linear_laws(data, 100.0);
-  const Vec3 tip = tip_of(data.tools[tool]);
-  const geometry::Bounds box = geometry::bounds(world.rest_surface());
-  double largest = 1.0;
-  for (int side = 0; side < 6; ++side) {
-    const Vec3 outward = (side % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(side / 2);
-    const geometry::NearestPoint nearest =
-        data.surface.nearest(box.middle() + box.size().norm() * outward, -1);
-    const SurfacePoint place{nearest.point, nearest.triangle};
-    const Vec3 normal = data.surface.normal_at(place);
-    const Quat turned = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
-    const TissueAt tissue({laws, {}, data.map, data.tools[tool].tip_radius}, place);
-    State state(world);
-    change_tissue(world, state, laws);
-    state.data().inclusions = {};
-    const Pose away{Quat::Identity(), nearest.point + 10.0 * normal};
-    std::vector<ToolInput> inputs(world.tool_count(), ToolInput{away, 1.0});
-    std::vector<ToolResult> results(world.tool_count());
-    for (double depth = -kClearance; depth < kTo; depth += kStep) {
-      inputs[tool].pose_W = {turned, place.point - depth * normal - turned * tip};
-      advance(world, Pose{}, inputs, state, results);
-      const double force = results[tool].force_W.dot(normal);
-      if (depth > kFrom) largest = std::max(largest, force / tissue.force_at(laws.press, depth).normal);
-    }
-  }
-  return static_cast<int>(std::lround(largest));
 }
 
 double largest_stiffness(const World& world, const TissueLaws& laws,

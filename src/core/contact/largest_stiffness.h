@@ -41,10 +41,4 @@ struct StiffnessReach {
                                        const std::vector<model::Inclusion>& inclusions, std::size_t tool,
                                        const StiffnessReach& reach);
 
-/// [setup] Number of contacts of a tool that add up: its largest force over the one of a single contact at
-/// the same depth, rounded, at least 1. The tool is pressed 12 mm deep into linear tissue from six sides of
-/// the organ, tip first (-z of its frame) and with open jaws. Tips farther apart than the reference radius
-/// add up. It depends on nothing that a live change changes.
-[[nodiscard]] int most_contacts(const World& world, std::size_t tool);
-
 }  // namespace palpate::contact

@@ -58,8 +58,6 @@ StabilityCheck check_stability(const model::TissueParameters& tissue, const Stab
   check.mass_short = device.mass > 0.0 &&
                      oscillates(check.stiffness, check.virtual_damping + kMaxDamping, device, loop.period);
   check.slew_short = check.stiffness > check.stiffness_by_slew;
-  check.speed_by_slew = loop.slew / (2.0 * check.stiffness);
-  check.organ_fast = loop.organ_speed > std::max(kReserveSpeed, check.speed_by_slew);
   return check;
 }
 
@@ -113,11 +111,6 @@ std::vector<std::string> stability_warnings(const StabilityCheck& check, const D
 }
 
 std::string slew_note(const StabilityCheck& check) {
-  if (check.organ_fast) {
-    return "the organ moves faster than the slew limit lets a force of " + rounded(check.stiffness) +
-           " N/m fall, " + rounded(check.speed_by_slew) +
-           " m/s: the guard may end the run; a larger max_slew_N_per_ms or a slower motion helps";
-  }
   if (!check.slew_short) return {};
   return "the slew limit lets the hand feel at most " + rounded(check.stiffness_by_slew) +
          " N/m of the tissue's " + rounded(check.stiffness) +

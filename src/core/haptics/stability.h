@@ -25,7 +25,6 @@ struct StabilityLoop {
   // Largest stiffness over the uniform tissue's (contact::largest_stiffness)
   double variation = 1.0;
   double slew = DeviceAbilities::kUnknown;  // N/s, of the gate
-  double organ_speed = 0.0;                 // m/s, largest, of the organ's motion
 };
 
 /// Sampled wall condition of a tissue on a device.
@@ -37,15 +36,11 @@ struct StabilityCheck {
   // 2 f_c / Delta [N/m]; infinite with perfect sensors  [Abbott, Okamura 2005]
   double stiffness_allowed = 0.0;
   double stiffness_by_slew = 0.0;  // N/m, what the slew limit lets the hand feel (slew_reserve)
-  // m/s at which a force of this stiffness can fall within the slew limit; the reserve holds for
-  // kReserveSpeed
-  double speed_by_slew = 0.0;
-  bool damping_short = false;   // b < damping_needed
-  bool friction_short = false;  // K > stiffness_allowed
+  bool damping_short = false;      // b < damping_needed
+  bool friction_short = false;     // K > stiffness_allowed
   // The mass oscillates in the sampled loop of tissue and passivity controller.
   bool mass_short = false;
   bool slew_short = false;  // K > stiffness_by_slew
-  bool organ_fast = false;  // it moves faster than kReserveSpeed and speed_by_slew
   [[nodiscard]] bool warns() const noexcept { return damping_short || friction_short || mass_short; }
 };
 
@@ -67,8 +62,8 @@ inline constexpr double kDepthWithinReach = 15e-3;
 [[nodiscard]] std::vector<std::string> stability_warnings(const StabilityCheck& check,
                                                           const DeviceMechanics& device);
 
-/// [setup] The sentence of a tissue that the slew limit holds back, or of an organ that moves too fast for
-/// it; empty otherwise. It needs no mechanics of the device.
+/// [setup] The sentence of a tissue that the slew limit holds back; empty when it does not. It needs no
+/// mechanics of the device.
 [[nodiscard]] std::string slew_note(const StabilityCheck& check);
 
 }  // namespace palpate::haptics

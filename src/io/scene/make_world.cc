@@ -31,33 +31,16 @@ model::Direction direction_of(const Scene& setup) {
   return setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
 }
 
-bool is_held(const DeviceSetup& device) {
-  const DeviceKind* kind = find_device_kind(device.kind);
-  return kind != nullptr && kind->held;
-}
-
-/// Largest number of contacts of a tool that add up; 1 where nobody holds a device, and for a pull, where
-/// jaws hold one point.
-int most_contacts(const Scene& setup, const haptics::SimulationWorld& world) {
-  int most = 1;
-  if (setup.task == Task::kPull || std::ranges::none_of(setup.devices, is_held)) return most;
-  for (std::size_t tool = 0; tool < setup.tools.size(); ++tool) {
-    most = std::max(most, contact::most_contacts(world.contact, tool));
-  }
-  return most;
-}
-
 /// Largest stiffness of a scene's tissue over the uniform tissue's, at any place and for any tool.
 double largest_variation(const Scene& setup, const haptics::SimulationWorld& world,
                          const model::TissueParameters& tissue,
-                         const std::vector<model::Inclusion>& inclusions, int contacts) {
+                         const std::vector<model::Inclusion>& inclusions) {
   if (inclusions.empty() && setup.stiffness.empty()) return 1.0;
   const contact::TissueLaws laws(tissue, 1.0 / setup.rate_Hz);
   const model::Direction direction = direction_of(setup);
   double scale = 1.0;
   for (const DeviceSetup& device : setup.devices) scale = std::min(scale, device.force_scale);
-  const contact::StiffnessReach reach{direction, setup.safety.max_force / scale / contacts,
-                                      haptics::kDepthWithinReach};
+  const contact::StiffnessReach reach{direction, setup.safety.max_force / scale, haptics::kDepthWithinReach};
   double largest = 0.0;
   for (std::size_t tool = 0; tool < setup.tools.size(); ++tool) {
     largest = std::max(largest, contact::largest_stiffness(world.contact, laws, inclusions, tool, reach));
@@ -66,28 +49,16 @@ double largest_variation(const Scene& setup, const haptics::SimulationWorld& wor
          contact::largest_tangent(direction == model::Direction::kPull ? laws.pull : laws.press, reach);
 }
 
-/// Largest speed [m/s] of the organ's surface, not less than it is.
-double organ_speed(const Scene& setup) {
-  const double reach = 0.5 * geometry::bounds(setup.organ).size().norm();
-  double speed = 0.0;
-  for (const model::OrganMotionParameters& motion : setup.organ_motion) {
-    const model::OrganSpeed one = model::greatest_speed(motion);
-    speed += one.translation + one.turning * reach;
-  }
-  return speed;
-}
-
 haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
-                                     const model::TissueParameters& tissue, double variation, int contacts,
+                                     const model::TissueParameters& tissue, double variation,
                                      const haptics::DeviceMechanics& mechanics) {
   return haptics::check_stability(tissue,
                                   {.direction = direction_of(setup),
                                    .period = 1.0 / setup.rate_Hz,
-                                   .max_force = setup.safety.max_force / device.force_scale / contacts,
-                                   .scale = device.workspace_scale * device.force_scale * contacts,
+                                   .max_force = setup.safety.max_force / device.force_scale,
+                                   .scale = device.workspace_scale * device.force_scale,
                                    .variation = variation,
-                                   .slew = setup.safety.max_slew,
-                                   .organ_speed = organ_speed(setup)},
+                                   .slew = setup.safety.max_slew},
                                   mechanics);
 }
 
@@ -95,13 +66,13 @@ std::string rounded(double value) { return brief(value, 3); }
 
 /// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
 std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model::TissueParameters& tissue,
-                      double variation, int contacts) {
+                      double variation) {
   const haptics::DeviceAbilities& able = device.abilities;
-  const double stiffness = stability_of(setup, device, tissue, variation, contacts, {}).stiffness;
+  const double stiffness = stability_of(setup, device, tissue, variation, {}).stiffness;
   if (!(stiffness > able.max_stiffness)) return {};
   const double depth = haptics::depth_of_tangent(
       tissue, direction_of(setup), 1.0 / setup.rate_Hz,
-      able.max_stiffness / (variation * device.workspace_scale * device.force_scale * contacts));
+      able.max_stiffness / (variation * device.workspace_scale * device.force_scale));
   return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " bears, " + rounded(stiffness) +
          " N/m against " + rounded(able.max_stiffness) + " N/m" +
          (std::isfinite(depth) ? ", from a depth of " + rounded(depth / kMillimetre) + " mm on" : "") +
@@ -120,40 +91,6 @@ std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
                         .force_scale = device.force_scale});
   }
   return mappings;
-}
-
-/// Warnings of the stability check for a tissue and inclusions.
-std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world,
-                                           const model::TissueParameters& tissue,
-                                           const std::vector<model::Inclusion>& inclusions, int contacts) {
-  std::vector<std::string> remarks;
-  std::optional<double> variation;  // one for all devices
-  for (const DeviceSetup& device : setup.devices) {
-    if (!is_held(device)) continue;
-    const std::string who = "device " + device.kind + ": ";
-    const DeviceDynamics& known = device.dynamics;
-    if (!variation) variation = largest_variation(setup, world, tissue, inclusions, contacts);
-    const std::string stiff = too_stiff(setup, device, tissue, *variation, contacts);
-    if (!stiff.empty()) remarks.push_back(who + stiff);
-    if (!known.damping || !known.friction || !known.resolution) {
-      const std::string note =
-          haptics::slew_note(stability_of(setup, device, tissue, *variation, contacts, {}));
-      if (!note.empty()) remarks.push_back(who + note);
-      if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
-      remarks.push_back(who +
-                        "its stability with this tissue was not checked: give damping_N_s_per_m, "
-                        "friction_N and resolution_mm under [device]");
-      continue;
-    }
-    const double mass = device.kind == "emulated" ? device.emulated.mass : 0.0;
-    const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution, mass};
-    const haptics::StabilityCheck check =
-        stability_of(setup, device, tissue, *variation, contacts, mechanics);
-    for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
-      remarks.push_back(who + warning);
-    }
-  }
-  return remarks;
 }
 
 }  // namespace
@@ -206,14 +143,12 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
     const haptics::DeviceAbilities& able = device.abilities;
     if (!device.fit) continue;
     device.force_scale = 1.0;
-    const int contacts = most_contacts(setup, world);
-    const double variation =
-        largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions, contacts);
-    const double stiffness = stability_of(setup, device, setup.tissue, variation, contacts, {}).stiffness;
+    const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
+    const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
     // A smaller scale lets the tissue be pressed deeper before the gate limits the force.
     constexpr int kMostSteps = 8;
     for (int i = 0; i < kMostSteps; ++i) {
-      const double felt = stability_of(setup, device, setup.tissue, variation, contacts, {}).stiffness;
+      const double felt = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
       if (!(felt > able.max_stiffness)) break;
       device.force_scale *= able.max_stiffness / felt;
     }
@@ -231,8 +166,7 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
 }
 
 std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
-  return stability_remarks(setup, world, setup.tissue, variation_of(setup).inclusions,
-                           most_contacts(setup, world));
+  return stability_remarks(setup, world, setup.tissue, variation_of(setup).inclusions);
 }
 
 std::vector<std::string> radius_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
@@ -271,10 +205,42 @@ std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& s
                                                                   const haptics::SimulationWorld& world) {
   return std::make_unique<haptics::ParameterUpdates>(
       world, setup.tissue,
-      [&setup, &world, contacts = most_contacts(setup, world)](
-          const model::TissueParameters& tissue, const std::vector<model::Inclusion>& inclusions) {
-        return stability_remarks(setup, world, tissue, inclusions, contacts);
+      [&setup, &world](const model::TissueParameters& tissue,
+                       const std::vector<model::Inclusion>& inclusions) {
+        return stability_remarks(setup, world, tissue, inclusions);
       });
+}
+
+std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world,
+                                           const model::TissueParameters& tissue,
+                                           const std::vector<model::Inclusion>& inclusions) {
+  std::vector<std::string> remarks;
+  std::optional<double> variation;  // one for all devices
+  for (const DeviceSetup& device : setup.devices) {
+    const DeviceKind* kind = find_device_kind(device.kind);
+    if (kind == nullptr || !kind->held) continue;
+    const std::string who = "device " + device.kind + ": ";
+    const DeviceDynamics& known = device.dynamics;
+    if (!variation) variation = largest_variation(setup, world, tissue, inclusions);
+    const std::string stiff = too_stiff(setup, device, tissue, *variation);
+    if (!stiff.empty()) remarks.push_back(who + stiff);
+    if (!known.damping || !known.friction || !known.resolution) {
+      const std::string note = haptics::slew_note(stability_of(setup, device, tissue, *variation, {}));
+      if (!note.empty()) remarks.push_back(who + note);
+      if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
+      remarks.push_back(who +
+                        "its stability with this tissue was not checked: give damping_N_s_per_m, "
+                        "friction_N and resolution_mm under [device]");
+      continue;
+    }
+    const double mass = device.kind == "emulated" ? device.emulated.mass : 0.0;
+    const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution, mass};
+    const haptics::StabilityCheck check = stability_of(setup, device, tissue, *variation, mechanics);
+    for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
+      remarks.push_back(who + warning);
+    }
+  }
+  return remarks;
 }
 
 }  // namespace palpate::scene

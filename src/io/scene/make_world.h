@@ -29,6 +29,12 @@ namespace palpate::scene {
 [[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
                                                          const haptics::SimulationWorld& world);
 
+/// [setup] stability_remarks() of this scene with another tissue and other inclusions.
+[[nodiscard]] std::vector<std::string> stability_remarks(const Scene& setup,
+                                                         const haptics::SimulationWorld& world,
+                                                         const model::TissueParameters& tissue,
+                                                         const std::vector<model::Inclusion>& inclusions);
+
 /// [setup] Warns that the force may be wrong for each hand whose tool tip has more than twice, or less than
 /// half, the radius of the indenter that the tissue was fitted with. F(D) does not depend on the tool's size.
 [[nodiscard]] std::vector<std::string> radius_remarks(const Scene& setup,

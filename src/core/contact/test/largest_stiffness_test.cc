@@ -116,45 +116,6 @@ TEST(LargestStiffness, ThePeakOfAStiffnessMapIsStiffSideways) {
   EXPECT_LT(found, 5.0 * about);
 }
 
-/// Contacts of a tool of equal balls at the given distances along x.
-int contacts_of_balls(const std::vector<double>& places, const model::TissueVariation& variation = {}) {
-  geometry::TriangleMesh balls;
-  for (const double x : places) {
-    const auto first = static_cast<std::int32_t>(balls.vertices.size());
-    const geometry::TriangleMesh ball = geometry::make_ball(kTipBall, 320);
-    for (const Vec3& vertex : ball.vertices) balls.vertices.push_back(vertex + Vec3(x, 0.0, 0.0));
-    for (const geometry::Triangle& corner : ball.triangles) {
-      balls.triangles.push_back({corner[0] + first, corner[1] + first, corner[2] + first});
-    }
-  }
-  const World world(geometry::make_box(2.0 * kHalfBlock, 5e-3), {one_part_tool(balls)}, linear_tissue(300.0),
-                    kLoopPeriod, prepared_once(), variation);
-  return most_contacts(world, 0);
-}
-
-// The reference radius is 10 mm.
-TEST(MostContacts, BallsFartherApartThanTheReferenceRadiusAddUpAndCoincidentOnesDoNot) {
-  EXPECT_EQ(contacts_of_balls({0.0}), 1);
-  EXPECT_EQ(contacts_of_balls({0.0, 0.0, 0.0}), 1);
-  EXPECT_EQ(contacts_of_balls({-12e-3, 12e-3}), 2);
-  EXPECT_EQ(contacts_of_balls({-22e-3, 0.0, 22e-3}), 3);
-}
-
-TEST(MostContacts, DoNotDependOnTheStiffness) {
-  model::TissueVariation variation;
-  variation.stiffness.push_back({Vec3(0.0, 0.0, 15e-3), 4.0});
-  variation.inclusions.push_back(hard_stone());
-  EXPECT_EQ(contacts_of_balls({0.0}, variation), 1);
-  EXPECT_EQ(contacts_of_balls({-22e-3, 22e-3}, variation), 2);
-}
-
-TEST(MostContacts, DoNotDependOnTheLayersOfTheTissue) {
-  model::TissueParameters steep = linear_tissue(300.0);
-  steep.law = model::LawKind::kSmooth;
-  steep.beta = 0.03;
-  EXPECT_EQ(most_contacts(world_of(steep), 0), 1);
-}
-
 TEST(LargestStiffness, AnInclusionOutsideTheOrganIsRefused) {
   const World world = world_of(linear_tissue(100.0), {{hard_stone()}, {}});
   model::Inclusion outside = hard_stone();

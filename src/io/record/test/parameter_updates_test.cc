@@ -12,7 +12,6 @@
 
 #include "core/contact/largest_stiffness.h"
 #include "core/contact/test/prepared_once.h"
-#include "core/haptics/stability.h"
 #include "io/record/flight_recorder.h"
 #include "io/record/recording_frames.h"
 #include "io/record/recording_writer.h"
@@ -459,27 +458,6 @@ TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarned
   EXPECT_THAT(warnings_with(100.0), trembles);
   EXPECT_THAT(changes->offer(setup.tissue).warnings, trembles) << "a later tissue has the hard inclusion";
   EXPECT_THAT(warnings_with(1.0), testing::IsEmpty());
-}
-
-TEST(ParameterUpdatesRecorded, TwoTipsOfAToolNeedTwiceTheDampingOfOne) {
-  scene::Scene setup = block_and_ball();
-  setup.devices[0].kind = "emulated";
-  setup.inclusions.clear();
-  const auto one_tip = haptics::check_stability(setup.tissue, {.period = 1.0 / setup.rate_Hz}, {});
-  setup.devices[0].dynamics = {1.9 * one_tip.damping_needed, 100.0, 1e-6};
-  const auto trembles = testing::Contains(HasSubstr("the device may tremble"));
-  const haptics::SimulationWorld one = scene::make_world(setup, prepared_once());
-  EXPECT_THAT(scene::stability_remarks(setup, one), testing::IsEmpty());
-  // 24 mm apart, more than the reference radius
-  geometry::ToolPart left = setup.tools[0].parts[0];
-  geometry::ToolPart right = left;
-  geometry::transform(left.mesh, Pose{Quat::Identity(), Vec3(-0.012, 0.0, 0.0)});
-  geometry::transform(right.mesh, Pose{Quat::Identity(), Vec3(0.012, 0.0, 0.0)});
-  setup.tools[0].parts = {left, right};
-  const haptics::SimulationWorld two = scene::make_world(setup, prepared_once());
-  EXPECT_THAT(scene::stability_remarks(setup, two), trembles);
-  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, two);
-  EXPECT_THAT(changes->offer(setup.tissue).warnings, trembles);
 }
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
