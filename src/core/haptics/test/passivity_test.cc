@@ -313,6 +313,7 @@ TEST(Passivity, InAFastLoopStepsOfTheSensorsMakeTheDamperGiveNoEnergy) {
                      .organ = moved(kSensorStep / 3.0),
                      .controlled = true});
   }
+  EXPECT_EQ(state.fault, Fault::kNone);
   EXPECT_GT(state.energy.tissue, -80e-6);
 }
 
