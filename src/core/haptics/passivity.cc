@@ -42,6 +42,8 @@ void reset_surplus(PassivityObserver& observer) noexcept {
 void average_motion(PassivityObserver& observer, const DeviceMotion& relative, double period) noexcept {
   const double weight = std::min(1.0, period / kMotionMemory);
   DeviceMotion& recent = observer.recent;
+  observer.way_kept += weight * (relative.translation.dot(recent.translation) - observer.way_kept);
+  observer.turn_kept += weight * (relative.rotation.dot(recent.rotation) - observer.turn_kept);
   recent.translation += weight * (relative.translation - recent.translation);
   recent.rotation += weight * (relative.rotation - recent.rotation);
   observer.way += weight * (relative.translation.squaredNorm() - observer.way);
@@ -84,10 +86,10 @@ bool control_passivity(const PassivityObserver& observer, double period, ForceCo
   // the whole deficit.
   const double share = std::min(1.0, period / kDampingTime) * deficit * period;
   const DeviceMotion& recent = observer.recent;
-  if (observer.way > 0.0) {
+  if (observer.way_kept > 0.0) {
     tissue.force -= std::min(kMaxDamping, share / observer.way) / period * recent.translation;
   }
-  if (observer.turn > 0.0) {
+  if (observer.turn_kept > 0.0) {
     tissue.torque -= std::min(kMaxAngularDamping, share / observer.turn) / period * recent.rotation;
   }
   return true;

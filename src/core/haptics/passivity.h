@@ -16,6 +16,8 @@ struct PassivityObserver {
   DeviceMotion recent{};      // in a tick, averaged over kMotionMemory, relative to the organ
   double way = 0.0;           // m^2, mean square of the same translations
   double turn = 0.0;          // rad^2, of the rotations
+  double way_kept = 0.0;      // m^2, mean product of each translation with the average of those before it
+  double turn_kept = 0.0;     // rad^2, of the rotations
   double damped_share = 0.0;  // of the recent ticks, in which the controller acted; see kDampedMemory
 };
 
@@ -98,7 +100,9 @@ void remove_giving(const DeviceMotion& relative, ForceCommand& tissue) noexcept;
 
 /// [rt] The passivity controller. While the deficit exceeds kEnergyTolerance, where the slew reserve is 0, it
 /// adds damping on the recent motion that removes the deficit, if possible within kDampingTime. The mean
-/// square of the motion sets the damping: where the hand turns, less of its motion is along the average.
+/// square of the motion sets the damping: where the hand turns, less of its motion is along the average. The
+/// damping is zero where the motion does not keep its direction, as in steps of a sensor: it would give
+/// energy.
 /// @param period T [s] @return whether it acted
 bool control_passivity(const PassivityObserver& observer, double period, ForceCommand& tissue) noexcept;
 
