@@ -25,20 +25,7 @@ void add_view(CLI::App& program, int& exit_code);
 void add_serve(CLI::App& program, int& exit_code);
 void add_ros(CLI::App& program, int& exit_code);
 void add_devices(CLI::App& program, int& exit_code);
-void add_fit(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_score(CLI::App& program, const std::string& command_line, int& exit_code);
-void add_study(CLI::App& program, const std::string& command_line, int& exit_code);
-void add_sweep(CLI::App& program, int& exit_code);
-void add_generate(CLI::App& program, int& exit_code);
-void add_validate(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_doctor(CLI::App& program, int& exit_code);
-
-/// [setup] Lists `bench` among the commands, without its flags. execute_bench() runs it.
-void add_bench(CLI::App& program);
-
-/// [setup] Replaces this process by the program palpate-bench. It looks in the folder of the running program,
-/// then in bench/ of the build tree. @param arguments ends with a null pointer
-/// @return kBadInput, after an error message, when palpate-bench cannot be executed
-int execute_bench(char** arguments);
 
 }  // namespace palpate::app

@@ -1,37 +1,14 @@
-// The program `palpate SUBCOMMAND`. Bad usage and bad input end with exit code 2 and one line that describes
-// the error.
-#include <csignal>
-#include <exception>
-#include <iostream>
+// The program `palpate SUBCOMMAND`.
 #include <string>
-#include <string_view>
 
-#include "palpate/version.h"
-#include "run/devices/crash_stop.h"
-#include "science/tasks/communicator.h"
-
-#include "app/command_line.h"
 #include "app/commands.h"
-#include "app/messages.h"
-#include "app/output.h"
-#include "app/session.h"
+#include "app/components.h"
+#include "app/program.h"
 
 namespace {
 
-/// Reports an error on MPI rank 0 only, because all ranks that mpirun started find the same error.
-void report_once(const std::string& error) {
-  if (palpate::tasks::launch_of_environment().rank == 0) palpate::app::report_error(error);
-}
-
-/// Runs the command of a command line. @return the exit code
-int run_command(int argc, char** argv) {
+void add_commands(CLI::App& program, const std::string& command_line, int& exit_code) {
   using namespace palpate::app;
-  CLI::App program{"Palpate lets a hand feel soft tissue through a force-feedback device, in real time."};
-  program.name("palpate");
-  program.set_version_flag("--version", std::string("palpate ") + palpate::kVersion);
-  program.require_subcommand(1);
-  const std::string command_line = quoted_command_line("palpate", argc, argv);
-  int exit_code = kDone;
   add_run(program, command_line, exit_code);
   add_demo(program, command_line, exit_code);
   add_model(program, exit_code);
@@ -44,52 +21,18 @@ int run_command(int argc, char** argv) {
   add_serve(program, exit_code);
   add_ros(program, exit_code);
   add_devices(program, exit_code);
-  add_fit(program, command_line, exit_code);
+  add_component(program, "fit");
   add_score(program, command_line, exit_code);
-  add_study(program, command_line, exit_code);
-  add_sweep(program, exit_code);
-  add_generate(program, exit_code);
-  add_validate(program, command_line, exit_code);
-  add_bench(program);
+  for (const char* command : {"study", "sweep", "generate", "validate", "bench"}) {
+    add_component(program, command);
+  }
   add_doctor(program, exit_code);
-  if (argc == 1) {
-    std::cerr << program.help();
-    return kBadInput;
-  }
-  if (std::string_view(argv[1]) == "bench") return execute_bench(argv + 2);
-  try {
-    require_no_empty_word(argc, argv);
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    report_once(describe(program, error, argc, argv));
-    return kBadInput;
-  } catch (const Cancelled& ended) {
-    report_message(ended.what());
-    return kDone;
-  } catch (const std::exception& error) {
-    report_once(error.what());
-    return kBadInput;
-  } catch (...) {  // of a vendor's library
-    report_once("an exception that is none of the standard library's");
-    return kBadInput;
-  }
-  return exit_code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
-  // With SIGXFSZ ignored, write() returns an error for a file over the limit of `ulimit -f`, as for a full
-  // disk.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGUSR1, SIG_IGN);  // a reset of faults has no effect before a run and after it
-  const palpate::devices::SignalStack signal_stack;
-  ResultStream results;
-  const int exit_code = run_command(argc, argv);
-  const std::string failure = results.failure();
-  if (failure.empty()) return exit_code;
-  report_error("standard output: " + failure + (exit_code == kDone ? "; everything else is done" : ""));
-  return exit_code == kDone ? kBadInput : exit_code;
+  if (argc > 1 && is_of_component(argv[1])) return execute_component(argv + 1);
+  return run_program(argc, argv, add_commands);
 }

@@ -2,7 +2,7 @@
 #include <iosfwd>
 
 #include "palpate/recording.h"
-#include "science/palpation/score.h"
+#include "run/palpation/score.h"
 
 namespace palpate::app {
 

@@ -4,6 +4,7 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -19,9 +20,8 @@
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
 
-#include "app/command_line.h"
-#include "app/commands.h"
-#include "app/messages.h"
+#include "app/components.h"
+#include "app/program.h"
 #include "app/progress.h"
 #include "app/session.h"
 #include "bench/measure/account.h"
@@ -263,22 +263,12 @@ void run(Plan plan, std::string command_line) {
 }  // namespace palpate::bench
 
 int main(int argc, char** argv) {
-  namespace app = palpate::app;
-  CLI::App program{
-      "Measure the time of a tick, many hands and preparation, and compare with other libraries"};
-  program.name("palpate bench");
-  palpate::bench::Plan flags;
-  palpate::bench::add_flags(program, flags);
-  try {
-    program.parse(argc, argv);
-    palpate::bench::run(flags, app::quoted_command_line("palpate bench", argc, argv));
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);
-    app::report_error(app::describe(program, error, argc, argv));
-    return app::kBadInput;
-  } catch (const std::exception& error) {
-    app::report_error(error.what());
-    return app::kBadInput;
-  }
-  return app::kDone;
+  using namespace palpate;
+  return app::run_program(argc, argv,
+                          [](CLI::App& program, const std::string& command_line, int& /*exit_code*/) {
+                            CLI::App* command = app::add_component_command(program, "bench");
+                            const auto plan = std::make_shared<bench::Plan>();
+                            bench::add_flags(*command, *plan);
+                            command->callback([plan, command_line] { bench::run(*plan, command_line); });
+                          });
 }

@@ -19,9 +19,13 @@ function(palpate_module name)
     list(REMOVE_ITEM sources "" ${ARG_NOT_PORTABLE})
     list(APPEND sources ${instead})
   endif()
+  set(components "")
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/components/")
+    set(components ${PROJECT_SOURCE_DIR}/components)
+  endif()
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
-  target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src
+  target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${components}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
     $<INSTALL_INTERFACE:include>)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
@@ -39,6 +43,7 @@ function(palpate_module name)
     add_executable(palpate_${name}_test ${tests})
     target_link_libraries(palpate_${name}_test PRIVATE palpate::${name} palpate::private ${ARG_TEST_DEPS} GTest::gmock
       GTest::gtest_main)
+    target_include_directories(palpate_${name}_test PRIVATE ${components})
     palpate_compile_quickly(palpate_${name}_test)
     palpate_add_suites(palpate_${name}_test ${name} ${ARG_TEST_PROPERTIES})
   endif()

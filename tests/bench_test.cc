@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,9 +22,12 @@ class MovedProgram : public testing::Test {
   void SetUp() override { fs::copy_file(PALPATE_PROGRAM, folder_ / "palpate"); }
 
   /// Both output streams of `palpate bench` in that folder, with palpate-bench in the search path.
-  Outcome bench(const std::string& flags) {
-    const std::string command = "cd '" + folder_.path().string() + "' && PATH=\"$PWD/on_path:$PATH\" '" +
-                                (folder_ / "palpate") + "' bench " + flags + " 2>&1";
+  Outcome bench(const std::string& flags) { return in_shell("./palpate bench " + flags); }
+
+  /// Both output streams of a command line in that folder.
+  Outcome in_shell(const std::string& line) {
+    const std::string command =
+        "cd '" + folder_.path().string() + "' && PATH=\"$PWD/on_path:$PATH\" " + line + " 2>&1";
     std::FILE* output = popen(command.c_str(), "r");
     Outcome outcome;
     std::array<char, 256> part{};
@@ -49,6 +53,35 @@ TEST_F(MovedProgram, WithoutPalpateBenchExitsTwoAndSaysHowToGetItWhateverIsOnThe
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_EQ(lines(outcome.out), 1U) << outcome.out;
   EXPECT_NE(outcome.out.find("--target palpate_bench"), std::string::npos) << outcome.out;
+}
+
+TEST_F(MovedProgram, ExecutesAProgramInLibexec) {
+  fs::create_directories(folder_ / "bin");
+  fs::create_directories(folder_ / "libexec/palpate");
+  fs::copy_file(PALPATE_PROGRAM, folder_ / "bin/palpate");
+  fs::copy_file(PALPATE_BENCH, folder_ / "libexec/palpate/palpate-bench");
+  EXPECT_EQ(in_shell("bin/palpate bench --help").exit_code, 0);
+}
+
+TEST_F(MovedProgram, WithoutTheProgramOfAComponentItsCommandsExitTwoAndNameThePackage) {
+  const std::vector<std::pair<std::string, std::string>> packages = {{"fit", "palpate-fit"},
+                                                                     {"validate", "palpate-fit"},
+                                                                     {"sweep", "palpate-fit"},
+                                                                     {"study", "palpate-study"},
+                                                                     {"generate", "palpate-learning"}};
+  for (const auto& [command, package] : packages) {
+    const Outcome outcome = in_shell("./palpate " + command + " --help");
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_EQ(lines(outcome.out), 1U) << outcome.out;
+    EXPECT_NE(outcome.out.find(command + ": needs the program"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("install the package " + package), std::string::npos) << outcome.out;
+  }
+}
+
+TEST_F(MovedProgram, ACommandOfAComponentIsTheFirstWord) {
+  const Outcome outcome = in_shell("./palpate -- fit a.csv");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_EQ(lines(outcome.out), 1U) << outcome.out;
 }
 
 TEST(Bench, BadOptionsExitTwoInOneLineAndWriteNothing) {
@@ -83,7 +116,7 @@ TEST(Bench, PartsAloneAreMeasuredAloneAndWrittenAsCsvToo) {
   EXPECT_NE(text_of(folder / "b.csv").find("part,noise sample by number"), std::string::npos);
 }
 
-TEST(Bench, QuickSaysTheContractsKeys) {
+TEST(Bench, QuickHasTheDocumentedKeys) {
   const Folder folder;
   const Outcome outcome = run(folder, {"bench", "--quick", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -21,8 +20,6 @@ namespace palpate::tests {
 namespace {
 
 using nlohmann::json;
-using ::testing::Contains;
-using ::testing::DoubleNear;
 
 /// The tissue whose values docs/model.md computes by hand.
 const char* const kHandWorked = R"([tissue]
@@ -77,176 +74,6 @@ TEST(ModelCommand, RefusesWhatIsNoForceInOneLine) {
     EXPECT_EQ(outcome.exit_code, 2) << value;
     EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
     EXPECT_EQ(outcome.out, "");
-  }
-}
-
-/// 40 points to 10 mm of a spring with 20 N/m, which becomes 200 N/m at 5 mm.
-void write_curve(const Folder& folder, const std::string& name) {
-  std::ofstream out(folder / name);
-  out << "displacement_mm,force_N\n";
-  for (int i = 1; i <= 40; ++i) {
-    const double depth = 0.25 * i;
-    out << depth << ',' << 0.02 * std::min(depth, 5.0) + 0.2 * std::max(depth - 5.0, 0.0) << '\n';
-  }
-}
-
-TEST(FitCommand, PrintsTheFieldsWritesTheTissueAndTheReport) {
-  const Folder folder;
-  write_curve(folder, "a.csv");
-  const Outcome outcome = run(folder, {"fit", "a.csv", "--law", "layered", "--out", "a.toml", "--report",
-                                       "page", "--bootstrap", "2", "--json"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json answer = json::parse(outcome.out);
-  const json& specimen = answer["specimens"][0];
-  EXPECT_EQ(specimen["name"], "a");
-  EXPECT_EQ(specimen["law"], "layered");
-  EXPECT_EQ(specimen["layers"], 6);
-  EXPECT_EQ(specimen["points"], 40);
-  EXPECT_LT(specimen["nrmse"], 1e-3);
-  EXPECT_NEAR(specimen["parameters"]["k1_N_per_m"], 20.0, 0.5);
-  EXPECT_NEAR(specimen["parameters"]["limit_mm"], 5.0, 0.1);
-  EXPECT_TRUE(specimen["parameters"]["relaxation"].empty());
-  for (const char* name : {"k1_N_per_m", "beta", "q", "limit_mm", "offset_mm", "offset_N"}) {
-    EXPECT_EQ(specimen["interval_95"][name].size(), 2U) << name;
-    EXPECT_EQ(specimen["bootstrap_95"][name].size(), 2U) << name;
-  }
-  EXPECT_EQ(answer["pooled"]["parameters"]["beta"], specimen["parameters"]["beta"]);
-  EXPECT_EQ(scene::load_tissue(folder / "a.toml").name, "a");
-  EXPECT_NE(text_of(folder / "page/report.html").find("95 % interval"), std::string::npos);
-}
-
-TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
-  const Folder folder;
-  write_curve(folder, "a.csv");
-  const Outcome outcome = run(folder, {"fit", "a.csv", "--sweep", "limit_mm=4:8:5", "--sweep-csv", "s.csv",
-                                       "--report", "page", "--json"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json sweep = json::parse(outcome.out)["sweeps"][0];
-  EXPECT_EQ(sweep["specimen"], "a");
-  EXPECT_EQ(sweep["parameter"], "limit_mm");
-  EXPECT_NEAR(sweep["best"], 5.0, 0.1);
-  EXPECT_FALSE(sweep["open_below"]);
-  EXPECT_FALSE(sweep["open_above"]);
-  std::vector<double> values;
-  for (const json& point : sweep["points"]) values.push_back(point["value"].get<double>());
-  EXPECT_TRUE(std::is_sorted(values.begin(), values.end()));
-  for (int i = 0; i < 5; ++i)
-    EXPECT_THAT(values, Contains(DoubleNear(4.0 * std::pow(2.0, 0.25 * i), 1e-9))) << "asked for";
-  EXPECT_THAT(values, Contains(DoubleNear(sweep["best"].get<double>(), 1e-9))) << "the fit's own";
-  const json& last = sweep["points"].back();
-  EXPECT_NEAR(last["value"], 8.0, 1e-9);
-  EXPECT_NEAR(last["parameters"]["limit_mm"], 8.0, 1e-9);
-  EXPECT_GT(last["nrmse"], sweep["best_nrmse"]);
-  EXPECT_FALSE(last["within_95"]);
-  EXPECT_GT(last["deviance"], 0.0);
-  const std::string csv = text_of(folder / "s.csv");
-  EXPECT_EQ(csv.substr(0, csv.find('\n')),
-            "specimen,parameter,value,nrmse,deviance,within_95,k1_N_per_m,beta,q,limit_mm");
-  EXPECT_EQ(lines(csv), 1 + values.size());
-  EXPECT_NE(text_of(folder / "page/report.html").find("Sweeps"), std::string::npos);
-  EXPECT_TRUE(fs::exists(folder / "page/sweep-1.svg"));
-}
-
-TEST(FitCommand, SaysNothingOfItsLibrariesTroubleFarFromTheBest) {
-  const Folder folder;
-  std::ofstream bent(folder / "bent.csv");  // two springs, 20 and then 100 N/m
-  bent << "displacement_mm,force_N\n";
-  for (int i = 0; i <= 40; ++i) {
-    const double mm = 0.25 * i;
-    bent << mm << ',' << 1e-3 * (20.0 * std::min(mm, 5.0) + 100.0 * std::max(mm - 5.0, 0.0)) << '\n';
-  }
-  bent.close();
-  const Outcome outcome =
-      run(folder, {"fit", "bent.csv", "--law", "smooth", "--sweep", "beta=0.001:100:41", "--json"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.err, "");
-}
-
-/// A map of 5 x 5 probes 8 mm apart; above the lump at the middle the force is twice as large.
-std::string small_map() {
-  std::string text = "probe,x_mm,y_mm,z_mm,depth_mm,force_N\n";
-  for (int probe = 0; probe < 25; ++probe) {
-    for (int step = 1; step <= 6; ++step) {
-      const double depth = 0.5 * step;
-      const double x = 8.0 * (probe % 5 - 2);
-      const double y = 8.0 * (probe / 5 - 2);
-      const double force = 0.03 * std::pow(depth, 1.5) * (1.0 + std::exp(-(x * x + y * y) / 40.0));
-      text += std::to_string(probe) + ',' + std::to_string(x) + ',' + std::to_string(y) + ",0," +
-              std::to_string(depth) + ',' + std::to_string(force) + '\n';
-    }
-  }
-  return text;
-}
-
-TEST(FitCommand, FindsTheLumpOfAMapAndWritesItForAScene) {
-  const Folder folder;
-  std::ofstream(folder / "map.csv") << small_map();
-  const Outcome outcome = run(folder, {"fit", "--map", "map.csv", "--radius-mm", "5", "--json", "--out",
-                                       "lumps.toml", "--stiffness-map", "stiffness.csv"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json fit = json::parse(outcome.out);
-  ASSERT_GE(fit["inclusions"].size(), 1U);
-  EXPECT_NEAR(fit["inclusions"][0]["x_mm"]["value"].get<double>(), 0.0, 2.0);
-  EXPECT_NEAR(fit["inclusions"][0]["y_mm"]["value"].get<double>(), 0.0, 2.0);
-  std::ifstream scene(folder / "lumps.toml");
-  const std::string text((std::istreambuf_iterator<char>(scene)), {});
-  EXPECT_NE(text.find("[[organ.inclusion]]"), std::string::npos);
-  std::ifstream map(folder / "stiffness.csv");
-  std::string header;
-  std::getline(map, header);
-  EXPECT_EQ(header, "x_mm,y_mm,z_mm,factor");
-}
-
-TEST(FitCommand, AMapNeedsTheBallsRadius) {
-  const Folder folder;
-  std::ofstream(folder / "map.csv") << small_map();
-  const Outcome missing = run(folder, {"fit", "--map", "map.csv"});
-  EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_NE(missing.err.find("--radius-mm: missing"), std::string::npos) << missing.err;
-  EXPECT_EQ(run(folder, {"fit", "map.csv", "--radius-mm", "5"}).exit_code, 2);
-}
-
-TEST(FitCommand, AFlagWithoutEffectIsRefusedWithAndWithoutAMap) {
-  const Folder folder;
-  std::ofstream(folder / "map.csv") << small_map();
-  write_curve(folder, "a.csv");
-  const std::vector<std::vector<std::string>> for_curves = {
-      {"--law", "smooth"}, {"--direction", "pull"}, {"--relaxation"}, {"--rate-Hz", "500"},
-      {"--t1-us", "2"},    {"--bootstrap", "9"},    {"--seed", "2"},  {"--report", "page"},
-      {"--sweep", "q"},    {"--sweep-csv", "q.csv"}};
-  for (const std::vector<std::string>& flag : for_curves) {
-    std::vector<std::string> words = {"fit", "--map", "map.csv", "--radius-mm", "5", "--out", "a.toml"};
-    words.insert(words.end(), flag.begin(), flag.end());
-    const Outcome outcome = run(folder, words);
-    EXPECT_EQ(outcome.exit_code, 2) << flag.front();
-    EXPECT_NE(outcome.err.find(flag.front() + ": has no effect with --map: leave it out"), std::string::npos)
-        << outcome.err;
-    EXPECT_FALSE(std::filesystem::exists(folder / "a.toml"));
-  }
-  const Outcome without = run(folder, {"fit", "a.csv", "--max-inclusions", "2"});
-  EXPECT_EQ(without.exit_code, 2);
-  EXPECT_NE(without.err.find("--max-inclusions: needs --map"), std::string::npos) << without.err;
-}
-
-TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
-  const Folder folder;
-  write_curve(folder, "a.csv");
-  std::ofstream(folder / "bad.csv") << "displacement_mm,force_N\n1,nan\n";
-  const std::vector<std::vector<std::string>> all = {
-      {"fit", "a.csv", "bad.csv", "--out", "a.toml"},
-      {"fit", "a.csv", "--law", "hertz", "--out", "a.toml"},
-      {"fit", "a.csv", "--direction", "up", "--out", "a.toml"},
-      {"fit", "a.csv", "--relaxation", "--out", "a.toml"},
-      {"fit", "a.csv", "--bootstrap", "-1", "--out", "a.toml"},
-      {"fit", "a.csv", "--sweep", "k=1:2", "--out", "a.toml"},
-      {"fit", "a.csv", "--sweep", "q=1:0.5", "--out", "a.toml"},
-      {"fit", "a.csv", "--sweep-csv", "s.csv", "--out", "a.toml"},
-      {"fit", "none.csv", "--out", "a.toml"}};
-  for (const std::vector<std::string>& words : all) {
-    const Outcome outcome = run(folder, words);
-    EXPECT_EQ(outcome.exit_code, 2);
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_FALSE(fs::exists(folder / "a.toml"));
   }
 }
 

@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/program.h"
+#include "tests/refused_outputs.h"
 
 namespace palpate::tests {
 namespace {
@@ -28,29 +28,9 @@ constexpr dev_t kFullDevice = (1 << 8) | 7;  // device number of /dev/full on Li
 const std::string kShortScene =
     "[organ]\nmesh = \"gallbladder\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n";
 
-/// Writes a curve that becomes stiffer.
-void measure(const std::string& file) {
-  std::ofstream out(file);
-  out << "displacement_mm,force_N\n";
-  for (int i = 0; i < 30; ++i) out << 0.2 * i << ',' << 0.05 * i + 0.001 * i * i << '\n';
-}
-
 void record_short(const Folder& folder, const std::string& name) {
   const Outcome made = run(folder, {"run", "--offline", "--duration-s", "0.05", "--record", name});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-}
-
-/// Expects an error with both flags, and unchanged files.
-void expect_refused_untouched(const Folder& folder, const std::vector<std::string>& words,
-                              const std::string& input, const std::string& flag, const std::string& other) {
-  const std::string before = text_of(folder / input);
-  const std::vector<std::string> names = folder.names();
-  const Outcome outcome = run(folder, words);
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr(flag), HasSubstr("is the same file as " + other)));
-  EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
-  EXPECT_EQ(text_of(folder / input), before);
-  EXPECT_EQ(folder.names(), names);
 }
 
 TEST(OutputFiles, AnExportOntoItsRecordingOrALinkToItIsRefused) {
@@ -98,16 +78,6 @@ TEST(OutputFiles, ARecordingOntoABufferOfAGltfMeshIsRefused) {
                            "a.bin", "--record a.bin", "a buffer of --tool");
 }
 
-TEST(OutputFiles, AFitOntoItsMeasurementsIsRefused) {
-  const Folder folder;
-  measure(folder / "a.csv");
-  expect_refused_untouched(folder, {"fit", "a.csv", "--out", "a.csv"}, "a.csv", "--out a.csv",
-                           "the measurements a.csv");
-  expect_refused_untouched(folder,
-                           {"validate", "a.csv", "--tissue", "liver", "--report", ".", "--out", "a.csv"},
-                           "a.csv", "--out a.csv", "the measurements a.csv");
-}
-
 TEST(OutputFiles, ARecordingToADeviceOrAFifoIsRefusedAndTheyStay) {
   const Folder folder;
   ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
@@ -151,17 +121,6 @@ TEST(OutputFiles, APictureThatADeviceDoesNotTakeLeavesTheDevice) {
   const Outcome outcome = run(folder, {"view", "a.h5", "--screenshot", "full.png"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(fs::is_character_file(full));
-}
-
-TEST(OutputFiles, AFitToADeviceKeepsNoLinesBesideIt) {
-  const Folder folder;
-  measure(folder / "a.csv");
-  const std::string full = folder / "full.toml";
-  if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // only root can make one
-  const Outcome outcome = run(folder, {"fit", "a.csv", "--out", "full.toml"});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("--out full.toml: cannot be written: No space left on device"));
-  EXPECT_THAT(folder.names(), UnorderedElementsAre("a.csv", "full.toml"));
 }
 
 TEST(OutputFiles, NoTemporaryFileHasANameThatOthersCanForesee) {
@@ -246,33 +205,16 @@ TEST(OutputFiles, ARunThatIsStoppedByASignalGoesOnWithItsRecordingWhole) {
 TEST(OutputFiles, AFolderThatIsNotThereOrTakesNoFileIsRefusedByEveryFlagAndNothingIsLeftBehind) {
   const Folder folder;
   record_short(folder, "a.h5");
-  measure(folder / "m.csv");
   const std::vector<std::vector<std::string>> commands = {
       {"run", "--offline", "--duration-s", "0.01", "--record"},
       {"run", "--offline", "--duration-s", "0.01", "--screenshot"},
       {"export", "a.h5", "--csv"},
       {"view", "a.h5", "--screenshot"},
       {"view", "a.h5", "--video"},
-      {"fit", "m.csv", "--out"},
-      {"fit", "m.csv", "--report"},
       {"run", "--offline", "--duration-s", "0.01", "--report"},
       {"demo", "--report"},
-      {"validate", "m.csv", "--tissue", "liver", "--direction", "press", "--report"},
       {"serve", "--wait", "--port", "0", "--record"}};
-  const std::vector<std::string> names = folder.names();
-  for (std::vector<std::string> command : commands) {
-    const bool makes_folder = command.back() == "--report";
-    // Nobody can create a file or folder in /proc, not even root. A report creates the folders of its path.
-    command.emplace_back(makes_folder ? "/proc/none/out" : "none/out.x");
-    const std::string flag = command[command.size() - 2] + " " + command.back();
-    const Outcome outcome = run(folder, command);
-    EXPECT_EQ(outcome.exit_code, 2) << flag << ": " << outcome.err;
-    EXPECT_THAT(outcome.err,
-                HasSubstr(makes_folder ? command.back() : flag + ": the folder none does not exist"));
-    EXPECT_EQ(lines(outcome.err), 1U) << outcome.err;
-    EXPECT_EQ(outcome.out, "") << flag;
-    EXPECT_EQ(folder.names(), names) << flag;
-  }
+  expect_unusable_outputs_refused(folder, commands);
 }
 
 /// Runs a command line of the program in a shell. Its standard output goes where the command line sends it.

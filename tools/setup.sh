@@ -49,14 +49,32 @@ install_missing() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
 }
 
-# build_release [TARGET...]: configures once, then builds changed targets.
-build_release() {
+# configure PRESET: configures build/release as the preset product, components or release of CMakePresets.json, each of which
+# builds more than the one before. A build folder that builds as much already stays as it is.
+configure() {
+  local preset="$1" cache=build/release/CMakeCache.txt wanted=""
+  case "$preset" in
+    components) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING" ;;
+    release) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING PALPATE_PYTHON BUILD_TESTING" ;;
+  esac
+  local option has_all=true
+  for option in $wanted; do grep -q "^$option:.*=ON$" "$cache" 2>/dev/null || has_all=false; done
+  if [[ ! -f build/release/build.ninja ]]; then has_all=false; fi
+  if $has_all; then return; fi
   local -a launcher=()
-  [[ -f build/release/build.ninja ]] || {
-    command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    say "configuring build/release"
-    cmake --preset release "${launcher[@]}"
-  }
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  say "configuring build/release ($preset)"
+  cmake --preset "$preset" "${launcher[@]}"
+}
+
+# build TARGET...: builds changed targets of build/release.
+build() {
   say "building build/release"
-  cmake --build --preset release -- -j "${JOBS:-$(nproc)}" "$@"
+  cmake --build build/release -- -j "${JOBS:-$(nproc)}" "$@"
+}
+
+# build_release [TARGET...]: configures everything and builds changed targets.
+build_release() {
+  configure release
+  build "$@"
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "palpate/scene.h"
-#include "science/palpation/score.h"
+#include "run/palpation/score.h"
 
 #include "app/session.h"
 #include "app/window/live_picture.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <memory>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include <dlfcn.h>
@@ -13,6 +12,7 @@
 #include "core/base/text.h"
 #include "core/geometry/signed_distance.h"
 #include "io/system/clock.h"
+#include "io/system/plugin.h"
 
 #include "bench/measure/bench_scene.h"
 
@@ -116,11 +116,7 @@ const std::vector<SupportedPeer>& supported_peers() {
   return known;
 }
 
-std::filesystem::path peers_library() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  return program.parent_path() / "libpalpate_peers.so";
-}
+std::filesystem::path peers_library() { return folder_of_program() / "libpalpate_peers.so"; }
 
 Peers::Peers(const std::filesystem::path& library) {
   // It stays open until the program ends, because threads of a peer may live that long.

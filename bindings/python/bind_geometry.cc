@@ -17,29 +17,10 @@
 
 namespace palpate::python {
 
-using geometry::TriangleMesh;
-
-py::array_t<double> vertices_of(const TriangleMesh& mesh) {
-  py::array_t<double> array({static_cast<py::ssize_t>(mesh.vertices.size()), py::ssize_t{3}});
-  double* to = array.mutable_data();
-  for (const Vec3& vertex : mesh.vertices) {
-    for (Eigen::Index axis = 0; axis < 3; ++axis) *to++ = vertex(axis);
-  }
-  return array;
-}
-
-py::array_t<std::int32_t> triangles_of(const TriangleMesh& mesh) {
-  py::array_t<std::int32_t> array({static_cast<py::ssize_t>(mesh.triangles.size()), py::ssize_t{3}});
-  if (!mesh.triangles.empty()) {
-    std::memcpy(array.mutable_data(), mesh.triangles.data(),
-                mesh.triangles.size() * sizeof(geometry::Triangle));
-  }
-  return array;
-}
-
 namespace {
 
 using geometry::MeshFindings;
+using geometry::TriangleMesh;
 
 using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 

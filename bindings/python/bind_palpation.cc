@@ -5,7 +5,7 @@
 
 #include "palpate/error.h"
 #include "palpate/recording.h"
-#include "science/palpation/score.h"
+#include "run/palpation/score.h"
 
 #include "bindings/python/binding.h"
 #include "bindings/python/scene_arguments.h"

@@ -1,5 +1,5 @@
 #pragma once
-// Shared declarations of the Python module.
+// Shared declarations of the Python modules.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,19 +21,15 @@ namespace py = pybind11;
 /// Numeric argument: any array or sequence, converted to contiguous doubles.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// The parts of the module, one per file.
+/// The parts of the module _palpate, one per file.
 void bind_model(py::module_& module);
 void bind_inclusions(py::module_& module);
 void bind_geometry(py::module_& module);
 void bind_runs(py::module_& module);
 void bind_palpation(py::module_& module);
-void bind_fit(py::module_& module);
 void bind_surface(py::module_& module);
 void bind_live(py::module_& module);
-void bind_study(py::module_& module);
-void bind_learning(py::module_& module);
 void bind_ticked(py::module_& module);
-void bind_validate(py::module_& module);
 
 /// Parses "press" or "pull". @throws InputError
 [[nodiscard]] model::Direction direction_of(const std::string& word);

@@ -32,7 +32,7 @@ __attribute__((constructor)) static void copy_streams(void) {
 // clang-format off
 
 // Functions of SuiteSparse (GPL), CXSparse and LAPACK. libceres.a calls them in solvers that Palpate does not choose:
-// src/science/identify uses DENSE_QR and DENSE_SCHUR with Eigen.
+// components/fit/identify uses DENSE_QR and DENSE_SCHUR with Eigen.
 UNUSED(cholmod_amd) UNUSED(cholmod_analyze) UNUSED(cholmod_analyze_p) UNUSED(cholmod_camd) UNUSED(cholmod_factorize)
 UNUSED(cholmod_finish) UNUSED(cholmod_free_dense) UNUSED(cholmod_free_factor) UNUSED(cholmod_free_sparse)
 UNUSED(cholmod_l_finish) UNUSED(cholmod_l_free_sparse) UNUSED(cholmod_l_start) UNUSED(cholmod_print_common)
@@ -44,7 +44,7 @@ UNUSED(cs_di_post) UNUSED(cs_di_pvec) UNUSED(cs_di_schol) UNUSED(cs_di_sfree) UN
 UNUSED(cs_di_transpose) UNUSED(dgeqrf_) UNUSED(dormqr_) UNUSED(dpotrf_) UNUSED(dpotrs_) UNUSED(dtrtrs_)
 UNUSED(_Z13SuiteSparseQRIdElidlP21cholmod_sparse_structPS1_PPlP21cholmod_common_struct)
 
-// Functions of LAPACK, BLAS and OpenGL. libopencv_core.a calls them for linear algebra and windows; src/science/imaging only
+// Functions of LAPACK, BLAS and OpenGL. libopencv_core.a calls them for linear algebra and windows; components/fit/imaging only
 // filters.
 UNUSED(cblas_cgemm) UNUSED(cblas_dgemm) UNUSED(cblas_sgemm) UNUSED(cblas_zgemm) UNUSED(dgels_) UNUSED(dgesdd_)
 UNUSED(dgesv_) UNUSED(dgetrf_) UNUSED(dposv_) UNUSED(sgels_) UNUSED(sgeqrf_) UNUSED(sgesdd_) UNUSED(sgesv_)

@@ -135,7 +135,8 @@ def write_pages(root, folder):
              '(../docs/install.md#in-a-cmake-project); how to use them: [examples](../examples/cxx/README.md).', '',
              'Who may call a function is said first:', '']
     index += [f'- **{mark}** {says}' for mark, says in MARKS.items() if mark != 'picture'] + ['']
-    for file in sorted((root / 'include' / 'palpate').glob('*.h')):
+    public = [*(root / 'include' / 'palpate').glob('*.h'), *(root / 'components').glob('*/include/palpate/*.h')]
+    for file in sorted(public, key=lambda one: one.name):
         text, names = header_page(root, str(file.relative_to(root)))
         if not text:
             continue

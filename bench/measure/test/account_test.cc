@@ -40,7 +40,7 @@ Account sample() {
   return account;
 }
 
-TEST(Account, JsonHasTheContractsKeysAndFigures) {
+TEST(Account, JsonHasTheDocumentedKeysAndFigures) {
   const auto json = nlohmann::json::parse(to_json(sample()));
   EXPECT_EQ(json["machine"], "a \"machine\", of two cores");
   const auto& tick = json["tick"][0];

@@ -2,12 +2,12 @@
 import ast
 import inspect
 import pathlib
-import subprocess
 import sys
 
 import pytest
 
 import palpate
+from mypy_run import expect_mypy_errors
 
 FOLDER = pathlib.Path(palpate.__file__).parent
 
@@ -22,10 +22,8 @@ with palpate.Simulation("a.toml", tissue=palpate.tissue_preset("liver"), duratio
     simulation.set_noise(gain=1e-4)
     simulation.set_stimulus(0.1, ramp_ms=20.0, interval=1, not_before_tick=100)
 force: numpy.ndarray = palpate.LayeredSpringLaw(palpate.load_tissue("heart")).force_at([1e-3, 2e-3])
-tissue: palpate.Tissue = palpate.validate("liver", forces=palpate.read_specimens("a.csv"))["tissue"]
+tissue: palpate.Tissue = palpate.load_tissue("heart")
 tissue.k1 = 12.0
-quest = palpate.study.QuestPlus.detection(1.0, 100.0)
-quest.update(quest.next(), True)
 '''
 BAD = ('palpate.tissue_preset(3)', 'palpate.tissue_preset("liver").k2', 'palpate.simulate(tisue="liver")',
        'palpate.Simulation().state().tick')
@@ -46,21 +44,8 @@ def test_stubs_name_everything_that_is_public():
                 assert member in members, name
 
 
-def test_the_stub_of_study_names_everything_in_it():
-    tree = ast.parse((FOLDER / 'study.pyi').read_text())
-    named = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
-    assert named == {name for name in dir(palpate.study) if not name.startswith('_')}
-
-
 def test_stubs_let_mypy_see_what_is_right_and_wrong(tmp_path):
-    pytest.importorskip('mypy', reason='mypy (package mypy) is not there')
-    file = tmp_path / 'use.py'
-    lines = GOOD.splitlines()
-    file.write_text('\n'.join(lines + list(BAD)) + '\n')
-    done = subprocess.run([sys.executable, '-m', 'mypy', '--cache-dir', tmp_path, file], capture_output=True, text=True,
-                          env={'MYPYPATH': str(FOLDER.parent), 'PATH': '/usr/bin'})
-    wrong = {int(line.split(':')[1]) for line in done.stdout.splitlines() if ' error: ' in line}
-    assert wrong == set(range(len(lines) + 1, len(lines) + 1 + len(BAD))), done.stdout
+    expect_mypy_errors(tmp_path, GOOD, BAD)
 
 
 def test_tables_have_the_rows_with_phase_and_fault_in_words(tmp_path):

@@ -8,7 +8,6 @@ import pytest
 from numpy.lib.recfunctions import repack_fields
 
 import palpate
-from measurements import write_columns
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / 'examples'
 GOLDEN = EXAMPLES.parent / 'tests' / 'golden_hashes.txt'
@@ -279,59 +278,6 @@ def test_runs_leave_other_threads_running():
         time.sleep(1e-3)
     worker.join()
     assert counted > 3, 'a run takes a tenth of a second and more; this thread went on meanwhile'
-
-
-LAW_PARAMETERS = ('k1_N_per_m', 'beta', 'q', 'limit_mm')
-
-
-def assert_fit_is(ours, said, intervals):
-    for name in LAW_PARAMETERS:
-        value, low, high = ours['parameters'][name]
-        assert value == said['parameters'][name], name
-        assert [low, high] == intervals[name], name
-    for name in ('rms_N', 'nrmse', 'points', 'warnings'):
-        assert ours[name] == said[name], name
-
-
-@pytest.mark.parametrize('law', ['layered', 'smooth'])
-def test_fit_is_the_programs(program, tmp_path, law):
-    true = palpate.tissue_preset('liver')
-    kind = palpate.LayeredSpringLaw if law == 'layered' else palpate.SmoothSpringLaw
-    files = []
-    for n, stiffer in enumerate((1.0, 1.1)):
-        depth = np.linspace(0.0, 12e-3, 60)
-        force = stiffer * kind(true, 'press').force_at(depth) + 2e-3 * np.sin((37.0 + n) * np.arange(60.0))
-        files.append(tmp_path / f'liver-{n}.csv')
-        write_columns(files[-1], ('displacement_mm', 'force_N'), 1e3 * depth, force)
-    toml = tmp_path / 'fitted.toml'
-    said = program.json('fit', *files, '--direction', 'press', '--law', law, '--out', toml)
-    found = palpate.fit([one for file in files for one in palpate.read_specimens(file)], direction='press', law=law)
-    for ours, theirs in zip(found['specimens'], said['specimens'], strict=True):
-        assert (ours['name'], ours['layers'], ours['layers_reached']) == (
-            theirs['name'], theirs['layers'], theirs['layers_reached'])
-        assert ours['leave_out_nrmse'] == theirs['leave_out_nrmse']
-        assert_fit_is(ours, theirs, theirs['interval_95'])
-        assert len(ours['fitted']) == len(ours['measured'])
-    assert_fit_is(found['pooled'], said['pooled'], said['pooled']['interval_95'])
-    assert found['pooled']['tissue'].name == 'fitted'
-    assert found['pooled']['tissue'].to_toml() == toml.read_text()
-
-
-def test_fit_refuses_what_cannot_be_fitted():
-    with pytest.raises(palpate.InputError, match='at least 10'):
-        palpate.Specimen('few', [0.0, 1e-3], [0.0, 0.1])
-    ramp = np.linspace(0.0, 1e-2, 20)
-    with pytest.raises(palpate.InputError, match='same length'):
-        palpate.Specimen('uneven', ramp[1:], ramp)
-    with pytest.raises(palpate.InputError, match='one row'):
-        palpate.Specimen('square', ramp.reshape(4, 5), ramp)
-    specimen = palpate.Specimen('ramp', ramp, 10.0 * ramp)
-    with pytest.raises(palpate.InputError, match='at least one'):
-        palpate.fit([])
-    for arguments, words in (({'loop_period': 0.0}, 'loop_period'), ({'t1': -1.0}, 't1'),
-                             ({'bootstrap': -1}, 'bootstrap'), ({'law': 'cubic'}, 'cubic')):
-        with pytest.raises(palpate.InputError, match=words):
-            palpate.fit([specimen], **arguments)
 
 
 def test_docstrings_are_the_cpp_comments():

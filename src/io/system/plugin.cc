@@ -2,18 +2,30 @@
 
 #include <system_error>
 
+#include <sys/auxv.h>
+
 namespace palpate {
 
-std::vector<std::filesystem::path> find_plugin(const std::string& file_name) {
+namespace fs = std::filesystem;
+
+fs::path folder_of_program() {
   std::error_code failed;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed);
-  if (failed) return {};
-  const std::filesystem::path folder = program.parent_path();
-  std::vector<std::filesystem::path> found;
-  for (const std::filesystem::path& file :
-       {folder / file_name, folder.parent_path() / "lib" / "palpate" / file_name}) {
+  fs::path program = fs::read_symlink("/proc/self/exe", failed);
+  if (failed) {  // without /proc, as in some chroots: the file that the kernel executed
+    const auto* executed = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
+    program = executed == nullptr ? fs::path() : fs::canonical(executed, failed);
+  }
+  return failed ? fs::path() : program.parent_path();
+}
+
+std::vector<fs::path> find_plugin(const std::string& file_name) {
+  const fs::path folder = folder_of_program();
+  if (folder.empty()) return {};
+  std::error_code failed;
+  std::vector<fs::path> found;
+  for (const fs::path& file : {folder / file_name, folder.parent_path() / "lib" / "palpate" / file_name}) {
     // An error counts as absent: a plug-in is optional.
-    if (std::filesystem::exists(file, failed)) found.push_back(file);
+    if (fs::exists(file, failed)) found.push_back(file);
   }
   return found;
 }

@@ -5,7 +5,7 @@
 
 #include "palpate/recording.h"
 #include "palpate/spring_law.h"
-#include "science/palpation/felt_map.h"
+#include "run/palpation/felt_map.h"
 #include "view/report/statistics.h"
 
 namespace palpate::report {

@@ -8,10 +8,10 @@
 
 #include <fmt/core.h>
 
+#include "core/base/normal_distribution.h"
 #include "core/base/text.h"
 #include "io/scene/make_world.h"
 #include "palpate/mesh.h"
-#include "science/identify/distributions.h"
 #include "view/report/text_format.h"
 
 namespace palpate::report {
@@ -266,7 +266,7 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   const double scale = kBins / (2.0 * kRange * static_cast<double>(hand.unit_noise.size()));
   PlotData curve{"normal.dat", {}};
   for (int i = -100; i <= 100; ++i)
-    curve.rows.push_back({kRange * i / 100, identify::normal_density(kRange * i / 100)});
+    curve.rows.push_back({kRange * i / 100, normal_density(kRange * i / 100)});
   std::string script = preamble(640, 420, kKey);
   script +=
       "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"

@@ -5,7 +5,7 @@
 
 #include "palpate/offscreen.h"
 #include "palpate/scene.h"
-#include "science/palpation/score.h"
+#include "run/palpation/score.h"
 
 namespace palpate::report {
 

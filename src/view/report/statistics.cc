@@ -11,9 +11,9 @@
 #include <fmt/core.h>
 #include <unsupported/Eigen/FFT>
 
+#include "core/base/normal_distribution.h"
 #include "core/base/statistics.h"
 #include "palpate/error.h"
-#include "science/identify/distributions.h"
 
 namespace palpate::report {
 namespace {
@@ -117,7 +117,7 @@ NormalCheck check_standard_normal(std::vector<double> values) {
   result.mean = mean(values);
   result.standard_deviation = standard_deviation(values);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double expected = identify::normal_cdf(values[i]);
+    const double expected = normal_cdf(values[i]);
     const double below = static_cast<double>(i) / count;
     const double up_to = static_cast<double>(i + 1) / count;
     result.ks_distance = std::max({result.ks_distance, expected - below, up_to - expected});

@@ -1,7 +1,7 @@
 #pragma once
 #include "io/mesh_io/mesh_file.h"
 
-// One reader per format, with the contract of import_mesh(): [setup], @throws InputError.
+// One reader per format, as import_mesh(): [setup], @throws InputError.
 namespace palpate::geometry {
 
 /// STL, text or binary: a list of triangles, each with its own three vertices.

@@ -30,7 +30,7 @@ std::vector<std::vector<std::string>> exported(const std::vector<haptics::TickRo
   return lines;
 }
 
-TEST(Export, ColumnsAreThoseOfTheContractInItsOrderThenTheDevices) {
+TEST(Export, ColumnsHaveTheDocumentedOrderThenTheDevices) {
   const TemporaryFolder folder;
   export_csv(Recording{}, folder / "a.csv");
   EXPECT_EQ(contents(folder / "a.csv"),

@@ -1,0 +1,23 @@
+# palpate_fuzz_targets(FOLDER): one program per reader, fuzz_NAME, from FOLDER/NAME.cc. FOLDER/targets.txt lists them, also for
+# tools/check_fuzz, which runs them.
+function(palpate_fuzz_targets folder)
+  file(STRINGS ${folder}/targets.txt targets REGEX "^[a-z]")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folder}/targets.txt)
+  foreach(line IN LISTS targets)
+    separate_arguments(words UNIX_COMMAND "${line}")
+    list(GET words 0 name)
+    list(GET words 1 module)
+    if(module STREQUAL imaging AND NOT PALPATE_IMAGING)
+      continue()
+    endif()
+    if(name MATCHES "^mesh_(.*)$")  # one source for all formats, which differ by extension
+      add_executable(fuzz_${name} ${folder}/mesh.cc)
+      target_compile_definitions(fuzz_${name} PRIVATE PALPATE_FUZZ_ENDING=".${CMAKE_MATCH_1}")
+    else()
+      add_executable(fuzz_${name} ${folder}/${name}.cc)
+    endif()
+    set_target_properties(fuzz_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/fuzz)
+    target_link_libraries(fuzz_${name} PRIVATE palpate::${module} palpate::components)
+    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+  endforeach()
+endfunction()

@@ -1,0 +1,132 @@
+#include "fit/commands/map_summary.h"
+
+#include <cmath>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+#include "palpate/units.h"
+
+#include "app/output.h"
+
+namespace palpate::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using identify::Estimate;
+using identify::FoundInclusion;
+
+std::string in_mm(double metres) { return brief(metres / kMillimetre, 3); }
+
+/// Example: "5.1 mm (4.8 to 5.4)".
+std::string estimate_text(const Estimate& estimate, double unit, const char* name) {
+  return fmt::format("{}{} ({} to {})", brief(estimate.value / unit, 3), name,
+                     brief(estimate.interval.low / unit, 3), brief(estimate.interval.high / unit, 3));
+}
+
+Json estimate_json(const Estimate& estimate, double unit) {
+  return {{"value", estimate.value / unit},
+          {"interval", Json::array({estimate.interval.low / unit, estimate.interval.high / unit})},
+          {"determined", estimate.determined}};
+}
+
+std::string inclusion_text(const FoundInclusion& found, std::size_t number) {
+  std::string text =
+      fmt::format("inclusion {}: centre {}, {}, {} mm; 95 % intervals in brackets\n", number,
+                  in_mm(found.centre[0].value), in_mm(found.centre[1].value), in_mm(found.centre[2].value));
+  const char* const axes[] = {"x", "y", "z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("  {:16} {}\n", axes[axis], estimate_text(found.centre[axis], kMillimetre, " mm"));
+  }
+  text += fmt::format("  {:16} {}\n", "depth", estimate_text(found.depth, kMillimetre, " mm"));
+  text += fmt::format("  {:16} {}\n", "rise of force", estimate_text(found.rise, 0.01, " %"));
+  text += fmt::format("  {:16} {}{}\n", "radius", estimate_text(found.radius, kMillimetre, " mm"),
+                      found.radius.determined ? "" : ": not determined");
+  text += fmt::format("  {:16} {}{}\n", "stiffness ratio", estimate_text(found.ratio, 1.0, ""),
+                      found.ratio.determined ? "" : ": not determined");
+  return text;
+}
+
+bool any_undetermined(const identify::MapFit& fit) {
+  for (const FoundInclusion& one : fit.inclusions) {
+    if (!one.radius.determined || !one.ratio.determined) return true;
+  }
+  return false;
+}
+
+constexpr const char* kAdvice =
+    "These probes do not determine radius and stiffness ratio apart: a small hard inclusion feels like a "
+    "larger, softer "
+    "one. Press deeper, and with a second ball of another radius.";
+
+}  // namespace
+
+std::string map_text(const identify::MapFit& fit) {
+  std::string text = fmt::format(
+      "{} probes, {} rows, force range {} N\n"
+      "background tissue: F = {} N at 1 mm, as D^{}; first contact {} mm above the first row{}\n"
+      "error {} % of the range (uniform tissue: {} %)\n{} inclusion{}\n",
+      fit.probes, fit.rows, brief(fit.range, 3),
+      brief(fit.stiffness * std::pow(kMillimetre, fit.exponent), 3), brief(fit.exponent, 3),
+      in_mm(fit.first_depth),
+      fit.map_terms == 1 ? "" : fmt::format("; varies over the surface with {} terms", fit.map_terms),
+      brief(100.0 * fit.error / fit.range, 3), brief(100.0 * fit.uniform_error / fit.range, 3),
+      fit.inclusions.size(), fit.inclusions.size() == 1 ? "" : "s");
+  for (std::size_t i = 0; i < fit.inclusions.size(); ++i) text += inclusion_text(fit.inclusions[i], i + 1);
+  if (any_undetermined(fit)) text += std::string(kAdvice) + '\n';
+  return text;
+}
+
+std::string map_json(const identify::MapFit& fit) {
+  Json json = {{"probes", fit.probes},
+               {"rows", fit.rows},
+               {"range_N", fit.range},
+               {"error_N", fit.error},
+               {"uniform_error_N", fit.uniform_error},
+               {"background",
+                {{"force_at_1_mm_N", fit.stiffness * std::pow(kMillimetre, fit.exponent)},
+                 {"exponent", fit.exponent},
+                 {"first_depth_mm", fit.first_depth / kMillimetre},
+                 {"map_terms", fit.map_terms}}}};
+  json["inclusions"] = Json::array();
+  for (const FoundInclusion& one : fit.inclusions) {
+    json["inclusions"].push_back({{"x_mm", estimate_json(one.centre[0], kMillimetre)},
+                                  {"y_mm", estimate_json(one.centre[1], kMillimetre)},
+                                  {"z_mm", estimate_json(one.centre[2], kMillimetre)},
+                                  {"depth_mm", estimate_json(one.depth, kMillimetre)},
+                                  {"rise", estimate_json(one.rise, 1.0)},
+                                  {"radius_mm", estimate_json(one.radius, kMillimetre)},
+                                  {"stiffness_ratio", estimate_json(one.ratio, 1.0)}});
+  }
+  if (any_undetermined(fit)) json["advice"] = kAdvice;
+  return json_text(json) + '\n';
+}
+
+std::string map_toml(const identify::MapFit& fit) {
+  std::string text =
+      "# Inclusions of a map, by palpate fit --map; copy them into a scene with its [organ].\n";
+  for (std::size_t i = 0; i < fit.inclusions.size(); ++i) {
+    const FoundInclusion& one = fit.inclusions[i];
+    const auto mm = [](const Estimate& estimate) { return brief(estimate.value / kMillimetre, 6); };
+    text += fmt::format(
+        "[[organ.inclusion]]\nname = \"lump {}\"\nposition_mm = [{}, {}, {}]\nradius_mm = "
+        "{}\nstiffness_ratio = "
+        "{}\n",
+        i + 1, mm(one.centre[0]), mm(one.centre[1]), mm(one.centre[2]), mm(one.radius),
+        brief(one.ratio.value, 6));
+  }
+  return text;
+}
+
+std::string map_csv(const identify::MapFit& fit) {
+  std::string text = "x_mm,y_mm,z_mm,factor\n";
+  for (const model::StiffnessPoint& one : fit.stiffness_map) {
+    const Vec3 at = one.point_S / kMillimetre;
+    text += fmt::format("{},{},{},{}\n", brief(at.x(), 9), brief(at.y(), 9), brief(at.z(), 9),
+                        brief(one.factor, 6));
+  }
+  return text;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,294 @@
+// `palpate validate`: compares the model with measurements.
+#include "palpate/validate.h"
+
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "io/system/output_file.h"
+#include "palpate/error.h"
+#include "palpate/scene.h"
+#include "palpate/units.h"
+
+#include "app/commands.h"
+#include "app/components.h"
+#include "app/law_flags.h"
+#include "app/messages.h"
+#include "app/numbers.h"
+#include "app/session.h"
+#include "fit/commands/commands.h"
+#include "fit/commands/validate_image.h"
+#include "fit/commands/validate_summary.h"
+#include "fit/report/validation_report.h"
+#include "fit/validate/baselines.h"
+#include "fit/validate/falloff_fit.h"
+
+namespace palpate::app {
+namespace {
+
+struct ValidateFlags {
+  std::vector<std::string> files;     // force-displacement curves
+  std::vector<std::string> profiles;  // surface displacement u(r)
+  LawFlags law;
+  bool zeros_fitted = false;
+  std::optional<double> first_contact;  // displacement at first contact [m]
+  std::optional<double> offset;         // force reading without load [N]
+  std::string depth;
+  std::string force;
+  std::optional<double> tip_radius;  // m
+  std::optional<double> max_nrmse;
+  std::optional<double> max_error_N;
+  std::optional<double> max_error_mm;
+  ImageFlags image;
+  std::string against;
+  bool fit_reach = false;
+  validate::SurfaceRule rule;
+  std::string out;
+  std::string report;
+  bool as_json = false;
+};
+
+/// Depth [m] of each profile from --depth-mm or --force-N; 0: use the depth in the file. @throws InputError
+std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
+  if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
+  const bool by_force = !flags.force.empty();
+  const std::string name = by_force ? "--force-N" : "--depth-mm";
+  std::vector<double> depths;
+  for (const double value : parse_not_negative_list(name, by_force ? flags.force : flags.depth)) {
+    depths.push_back(by_force ? law.depth_under(value) : value * kMillimetre);
+    if (!(depths.back() > 0.0)) throw InputError(fmt::format("{} {}: must be > 0", name, shortest(value)));
+  }
+  if (depths.size() == 1) depths.resize(count, depths.front());
+  if (depths.size() != count) {
+    throw InputError(fmt::format("{}: has {} values, must have one, or one for each of the {} profiles", name,
+                                 depths.size(), count));
+  }
+  return depths;
+}
+
+std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
+  std::vector<identify::Specimen> all;
+  for (const std::string& file : flags.files) {
+    for (identify::Specimen& specimen : identify::read_specimens(file)) all.push_back(std::move(specimen));
+  }
+  return all;
+}
+
+std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
+  std::vector<validate::Deformation> all;
+  for (const std::string& file : flags.profiles) {
+    for (const validate::Deformation& profile : validate::read_deformations(file))
+      all.push_back(validate::thinned(profile, validate::kMaxPoints));
+  }
+  return all;
+}
+
+/// Radius of the tool's tip [m]: from --tip-radius-mm, or the radius of the indenter in the tissue file.
+/// @throws InputError without both
+double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
+  if (flags.tip_radius) return *flags.tip_radius;
+  if (law.tissue.source) return law.tissue.source->radius;
+  throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
+}
+
+/// Adds a line to `missed` when the error of the data set `name` exceeds the goal of `flag`.
+void hold(const std::string& flag, std::optional<double> goal, double error, const std::string& name,
+          std::vector<std::string>& missed) {
+  if (!goal || error <= *goal) return;
+  missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, shortest(*goal)));
+}
+
+/// Compares the profiles with the tissue's displacement profile u(r). With --fit-reach the falloff ratios of
+/// u(r) are fitted to the profiles first.
+void compare_profiles(const ValidateFlags& flags, const std::vector<validate::Deformation>& profiles,
+                      report::Validation& validation) {
+  const double radius = tip_radius_of(flags, validation.law);
+  const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
+  validate::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, flags.rule);
+}
+
+void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
+  for (const report::ForceSet& set : validation.forces) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-N", flags.max_error_N, set.ours.errors.max, name, validation.missed);
+  }
+  for (const report::ProfileSet& set : validation.profiles) {
+    const std::string& name = set.ours.measured.name;
+    hold("--max-nrmse", flags.max_nrmse, set.ours.errors.nrmse, name, validation.missed);
+    hold("--max-error-mm", flags.max_error_mm, set.ours.errors.max / kMillimetre, name, validation.missed);
+  }
+}
+
+/// Rejects flags that would have no effect with the given data. @throws InputError
+void check_use(const ValidateFlags& flags) {
+  const bool no_image = flags.image.files.empty();
+  if (flags.files.empty() && flags.profiles.empty() && no_image) {
+    throw InputError(
+        "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
+  }
+  if (flags.zeros_fitted && flags.files.empty())
+    throw InputError("--zeros fitted: applies to force curves, needs DATA");
+  if (flags.zeros_fitted && (flags.first_contact || flags.offset)) {
+    throw InputError(
+        "--zeros fitted: fits the zeros that --first-contact-mm and --offset-N give; use one or the other");
+  }
+  if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
+  if (flags.rule.as_drawn && flags.law.direction == model::Direction::kPull) {
+    throw InputError("--as-drawn: applies to a ball that is pressed in, needs --direction press");
+  }
+  if (flags.profiles.empty() && no_image &&
+      !(flags.depth.empty() && flags.force.empty() && !flags.tip_radius)) {
+    throw InputError(
+        "--depth-mm, --force-N and --tip-radius-mm: apply to profiles, need --profile FILE or --image BEFORE "
+        "AFTER");
+  }
+}
+
+/// Adds the deformation measured in two photographs as one more profile.
+void add_image(const ValidateFlags& flags, report::Validation& validation) {
+  const double depth = depths_of(flags, validation.law, 1).front();
+  const double radius = tip_radius_of(flags, validation.law);
+  validation.image = validate_image(flags.image, validation.law, depth, radius);
+  report::ProfileSet set;
+  set.ours = validation.image->comparison;
+  validation.profiles.push_back(std::move(set));
+}
+
+report::Validation validation_of(const ValidateFlags& flags) {
+  check_use(flags);
+  report::Validation validation;
+  const validate::Zeros zeros{flags.first_contact.value_or(0.0), flags.offset.value_or(0.0)};
+  validation.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
+  const std::vector<validate::BaselineKind> baselines = validate::parse_baselines(flags.against);
+  const std::vector<identify::Specimen> specimens = read_forces(flags);
+  const std::vector<validate::Deformation> profiles = read_profiles(flags);
+  for (const identify::Specimen& specimen : specimens) {
+    validation.forces.push_back(
+        validate::compare_forces(specimen, validation.law, zeros, flags.zeros_fitted));
+  }
+  if (!profiles.empty()) compare_profiles(flags, profiles, validation);
+  if (!flags.image.files.empty()) add_image(flags, validation);
+  if (!baselines.empty()) validate::compare_with_baselines(baselines, validation);
+  hold_goals(flags, validation);
+  return validation;
+}
+
+void check_validate_outputs(const ValidateFlags& flags) {
+  std::vector<NamedFile> outputs = {{"--out", flags.out}};
+  if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
+  std::vector<NamedFile> inputs = {{"--tissue", flags.law.tissue}};
+  for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
+  for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
+  for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
+  require_no_overwrite(outputs, inputs);
+  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
+  if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
+}
+
+/// Writes the tissue file of --out with the fitted falloff ratios.
+void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
+  write_output(file, scene::to_toml(tissue), "--out");
+}
+
+void add_goals(CLI::App& command, ValidateFlags& flags) {
+  add_number(command, "--max-nrmse", flags.max_nrmse, Numbers::kNotNegative,
+             "goal: RMS error divided by the force range or the depth (0.05 is 5 %)");
+  add_number(command, "--max-error-N", flags.max_error_N, Numbers::kNotNegative,
+             "goal: largest error of a force, newtons");
+  add_number(command, "--max-error-mm", flags.max_error_mm, Numbers::kNotNegative,
+             "goal: largest error of a profile, millimetres");
+}
+
+void add_zeros(CLI::App& command, ValidateFlags& flags, CLI::Option* data) {
+  using Zeros = std::vector<std::pair<std::string, bool>>;
+  add_choice(command, "--zeros", flags.zeros_fitted, Zeros{{"given", false}, {"fitted", true}},
+             "given: use the stated first contact and zero of the sensor (default); fitted: fit both. "
+             "Both errors are reported; this selects which one is judged and drawn");
+  add_number(command, "--first-contact-mm", flags.first_contact, Numbers::kAny,
+             "displacement at which the tool touched (default 0)", kMillimetre)
+      ->needs(data);
+  add_number(command, "--offset-N", flags.offset, Numbers::kAny,
+             "reading of the sensor without load (default 0)")
+      ->needs(data);
+}
+
+void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
+  CLI::Option* profile = command.add_option(
+      "--profile", flags.profiles,
+      "CSV files with the columns r_mm and u_mm, and optionally depth_mm: displacement u of the surface "
+      "at a distance r from the contact");
+  CLI::Option* depth = command.add_option(
+      "--depth-mm", flags.depth,
+      "depth of the tool in the profiles: one value, or one per profile, separated by commas");
+  command
+      .add_option("--force-N", flags.force,
+                  "instead of --depth-mm: the load, from which the law gives the depth")
+      ->excludes(depth);
+  add_number(command, "--tip-radius-mm", flags.tip_radius, Numbers::kPositive,
+             "radius of the tool's tip in the profiles (default: from [tissue.source])", kMillimetre);
+  command
+      .add_flag("--fit-reach", flags.fit_reach,
+                "first fit the tissue's displacement profile ([tissue.reach]) to all profiles together")
+      ->needs(profile);
+  CLI::Option* drawn = command
+                           .add_flag("--as-drawn", flags.rule.as_drawn,
+                                     "compare (and fit) the surface as it is drawn, which is never above the "
+                                     "ball's surface, instead of u(r) alone")
+                           ->needs(profile);
+  add_number(command, "--surface-radius-mm", flags.rule.rest_radius, Numbers::kPositive,
+             "with --as-drawn: radius of a surface at rest that bulges towards the ball (default: flat)",
+             kMillimetre)
+      ->needs(drawn);
+  command.add_option("--out", flags.out,
+                     "with --fit-reach: tissue file to write, with the fitted displacement profile");
+}
+
+}  // namespace
+
+void add_validate(CLI::App& program, const std::string& command_line, int& exit_code) {
+  auto flags = std::make_shared<ValidateFlags>();
+  CLI::App* command = add_component_command(program, "validate");
+  CLI::Option* data = command->add_option(
+      "DATA", flags->files,
+      "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
+  add_law_flags(*command, flags->law);
+  add_zeros(*command, *flags, data);
+  add_profile_flags(*command, *flags);
+  add_image_flags(*command, flags->image);
+  add_goals(*command, *flags);
+  command->add_option("--against", flags->against,
+                      "baseline models, fitted to the same data: hertz,linear,exponential,mass-spring");
+  command->add_option("--report", flags->report, "folder for a report with one figure per data set");
+  command->add_flag("--json", flags->as_json, "one JSON document");
+  command->footer(
+      "Exit code 4 when a goal is missed. Examples:\n"
+      "  palpate validate liver-3.csv --tissue liver.toml --max-nrmse 0.05\n"
+      "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5\n"
+      "  palpate validate liver-3.csv --tissue liver.toml --against hertz,linear,exponential,mass-spring\n"
+      "  palpate validate --profile side.csv --tissue liver.toml --depth-mm 5 --tip-radius-mm 5 --fit-reach "
+      "\\\n"
+      "    --out liver-reach.toml --report liver-reach\n"
+      "  palpate validate --image before.png after.png --scale-mm-per-px 0.08 --tissue liver.toml \\\n"
+      "    --tip-radius-mm 3 --report side\n"
+      "docs/validation.md explains the comparison and its figures.");
+  command->callback([flags, command_line, &exit_code] {
+    check_validate_outputs(*flags);
+    const report::Validation validation = validation_of(*flags);
+    if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
+    if (!flags->report.empty()) {
+      report_message("report: " +
+                     report::write_validation_report(validation, command_line, flags->report).string());
+    }
+    std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
+    exit_code = validation.missed.empty() ? kDone : kGoalMissed;
+  });
+}
+
+}  // namespace palpate::app

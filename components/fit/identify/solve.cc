@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include "fit/identify/least_squares.h"
+
+namespace palpate::identify {
+namespace {
+
+bool all_finite(const double* values, std::size_t count) {
+  return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
+}
+
+/// Residuals and Jacobian of a part for Ceres, with two parameter blocks: shared and own.
+class PartCost final : public ceres::CostFunction {
+ public:
+  PartCost(const Problem& problem, const Part& part) : problem_(problem), part_(part) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(shared_count(problem.terms)));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(kOwnParameters));
+    set_num_residuals(static_cast<int>(residual_count(part)));
+  }
+
+  bool Evaluate(double const* const* blocks, double* values, double** derivatives) const override {
+    const std::span<const double> shared(blocks[0], shared_count(problem_.terms));
+    const std::span<const double> own(blocks[1], kOwnParameters);
+    const std::size_t rows = residual_count(part_);
+    residuals(problem_, part_, shared, own, {values, rows});
+    if (!all_finite(values, rows)) return false;
+    if (derivatives == nullptr) return true;
+    const std::vector<double> all = jacobian(problem_, part_, shared, own);
+    const std::size_t columns = shared.size() + own.size();
+    for (std::size_t r = 0; r < rows; ++r) {
+      const double* const row = all.data() + r * columns;
+      if (derivatives[0] != nullptr) std::copy_n(row, shared.size(), derivatives[0] + r * shared.size());
+      if (derivatives[1] != nullptr) {
+        std::copy_n(row + shared.size(), own.size(), derivatives[1] + r * own.size());
+      }
+    }
+    return all_finite(all.data(), all.size());
+  }
+
+ private:
+  const Problem& problem_;
+  const Part& part_;
+};
+
+void clamp_into(Point& point, const Bounds& bounds) {
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    point[i] = std::clamp(point[i], bounds.low[i], bounds.high[i]);
+  }
+}
+
+void set_bounds(ceres::Problem& problem, double* block, const Bounds& bounds) {
+  for (std::size_t i = 0; i < bounds.low.size(); ++i) {
+    problem.SetParameterLowerBound(block, static_cast<int>(i), bounds.low[i]);
+    problem.SetParameterUpperBound(block, static_cast<int>(i), bounds.high[i]);
+  }
+}
+
+/// Holds one parameter of a block constant.
+void hold(ceres::Problem& problem, double* block, std::size_t size, std::size_t index) {
+  auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(size),
+                                                          std::vector<int>{static_cast<int>(index)});
+  problem.SetManifold(block, manifold.release());  // the problem owns it
+}
+
+/// Eliminates the own parameters of each part first. Ceres orders blocks by memory address; all lie in one
+/// array, so that sums have the same order in every run.
+std::shared_ptr<ceres::ParameterBlockOrdering> own_before_shared(std::vector<double>& own, double* shared) {
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (std::size_t i = 0; i < own.size(); i += kOwnParameters) ordering->AddElementToGroup(&own[i], 0);
+  ordering->AddElementToGroup(shared, 1);
+  return ordering;
+}
+
+/// Silences Ceres's messages about steps without a finite result, which cost_of() reports as well. The log
+/// level belongs to the whole process, so it is restored.
+class QuietLibrary final {
+ public:
+  QuietLibrary() noexcept : before_(FLAGS_minloglevel) { FLAGS_minloglevel = google::GLOG_FATAL; }
+  ~QuietLibrary() { FLAGS_minloglevel = before_; }
+  QuietLibrary(const QuietLibrary&) = delete;
+  QuietLibrary& operator=(const QuietLibrary&) = delete;
+
+ private:
+  int before_;
+};
+
+/// Adapter of a SmallProblem for Ceres.
+class SmallErrors final {
+ public:
+  explicit SmallErrors(const SmallProblem& problem) : problem_(problem) {}
+
+  bool operator()(double const* const* blocks, double* errors) const {
+    problem_.errors({blocks[0], problem_.bounds.low.size()}, {errors, problem_.residuals});
+    return true;
+  }
+
+ private:
+  const SmallProblem& problem_;
+};
+
+}  // namespace
+
+double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held) {
+  const QuietLibrary quiet;
+  const std::size_t count = point.size();
+  ceres::Problem all;
+  all.AddParameterBlock(point.data(), static_cast<int>(count));
+  set_bounds(all, point.data(), problem.bounds);
+  if (held >= 0) hold(all, point.data(), count, static_cast<std::size_t>(held));
+  using Cost = ceres::DynamicNumericDiffCostFunction<SmallErrors, ceres::CENTRAL>;
+  auto cost =
+      std::make_unique<Cost>(std::make_unique<SmallErrors>(problem).release());  // ownership passes to `cost`
+  cost->AddParameterBlock(static_cast<int>(count));
+  cost->SetNumResiduals(static_cast<int>(problem.residuals));
+  all.AddResidualBlock(cost.release(), nullptr, point.data());  // the problem owns it
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = most_iterations;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &all, &summary);
+  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
+Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held,
+               double tolerance) {
+  const QuietLibrary quiet;
+  Solution found = start;
+  clamp_into(found.shared, problem.bounds);
+  std::vector<double> all_own;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    clamp_into(found.own[p], own_bounds(problem.parts[p].prior));
+    all_own.insert(all_own.end(), found.own[p].begin(), found.own[p].end());
+  }
+  const Solution clamped = found;
+  ceres::Problem::Options ownership;
+  ownership.enable_fast_removal = false;
+  ceres::Problem all(ownership);
+  double* const shared = found.shared.data();
+  all.AddParameterBlock(shared, static_cast<int>(found.shared.size()));
+  set_bounds(all, shared, problem.bounds);
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    double* const own = &all_own[kOwnParameters * p];
+    auto cost = std::make_unique<PartCost>(problem, problem.parts[p]);
+    all.AddResidualBlock(cost.release(), nullptr, shared, own);
+    set_bounds(all, own, own_bounds(problem.parts[p].prior));
+  }
+  if (held >= 0) {
+    const auto index = static_cast<std::size_t>(held);
+    const std::size_t count = found.shared.size();
+    if (index < count) hold(all, shared, count, index);
+    if (index >= count) hold(all, all_own.data(), kOwnParameters, index - count);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  if (problem.parts.size() > 1) {  // otherwise the own parameters of all parts would form one large matrix
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.linear_solver_ordering = own_before_shared(all_own, shared);
+  }
+  options.num_threads = 1;
+  options.max_num_iterations = most_iterations;
+  options.function_tolerance = tolerance;
+  options.parameter_tolerance = 1e-9;
+  options.gradient_tolerance = 1e-14;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &all, &summary);
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    std::copy_n(&all_own[kOwnParameters * p], kOwnParameters, found.own[p].begin());
+  }
+  found.cost = cost_of(problem, found.shared, found.own);
+  if (std::isfinite(found.cost)) return found;
+  Solution as_it_was = clamped;
+  as_it_was.cost = cost_of(problem, as_it_was.shared, as_it_was.own);
+  return as_it_was;
+}
+
+}  // namespace palpate::identify

@@ -1,0 +1,153 @@
+#include "fit/identify/warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "palpate/units.h"
+
+namespace palpate::identify {
+namespace {
+
+/// Three digits are enough for a sentence.
+void add_undetermined(const std::vector<Identifiability>& determined, const SpecimenFit& fit,
+                      std::vector<std::string>& out) {
+  const std::vector<ParameterLabel> names = labels(fit.terms);
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    if (determined[i] == Identifiability::kIdentifiable) continue;
+    out.push_back(undetermined_warning(determined[i], names[i], fit.estimates[i].interval));
+  }
+}
+
+void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenFit& fit,
+                    std::vector<std::string>& out) {
+  constexpr double kToldFrom = 0.99;
+  const std::vector<ParameterLabel> names = labels(fit.terms);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t k = i + 1; k < all.size(); ++k) {
+      if (!(std::abs(all[i][k]) > kToldFrom)) continue;
+      out.push_back(fmt::format("{} and {} are only determined together (correlation {}): read neither alone",
+                                names[i].name, names[k].name, brief(all[i][k], 3)));
+    }
+  }
+}
+
+/// What to measure when the law's shape is poorly determined.
+std::string advice(const SpecimenFit& fit, const Part& part) {
+  const double q = fit.estimates[2].value;
+  const double third_layer =
+      fit.estimates[4 + 2 * fit.terms].value + fit.estimates[3].value * (1.0 + q * (1.0 + q));
+  const double deepest = part.ranges.lowest_displacement + part.ranges.displacement;
+  if (deepest < third_layer) {
+    return "measure to about " + brief(third_layer / kMillimetre, 3) +
+           " mm, where the third layer of this fit ends";
+  }
+  return "measure more points, or with less noise";
+}
+
+void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::string>& out) {
+  constexpr double kFactor = 2.0;
+  std::string wide;
+  for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
+    const Interval& interval = fit.estimates[i].interval;
+    if (interval.high > kFactor * interval.low) wide += (wide.empty() ? "" : " and ") + labels(0)[i].name;
+  }
+  if (wide.empty()) return;
+  out.push_back("the interval of " + wide +
+                " is wider than a factor 2, because L_1, q and beta compensate each other: " +
+                advice(fit, part) + "; the curve itself is determined better");
+}
+
+/// Whether the displacement decreases by more than half of its range in total.
+bool turns_back(const Specimen& specimen, double range) {
+  double back = 0.0;
+  for (std::size_t i = 1; i < specimen.size(); ++i) {
+    back += std::max(0.0, specimen.displacement[i - 1] - specimen.displacement[i]);
+  }
+  return !specimen.time.empty() && back > 0.5 * range;
+}
+
+void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
+  const Problem& problem = optima.problem;
+  const Part& part = problem.parts.front();
+  if (fit.rows > fit.points) {
+    out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
+  }
+  constexpr double kPoor = 0.2;  // of the range of force
+  if (fit.nrmse > kPoor) {
+    out.push_back(
+        fmt::format("the fit leaves {} % of the range of force: the data do not have the law's shape",
+                    brief(100.0 * fit.nrmse, 3)));
+  }
+  const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
+  const double limit = 1.5 * problem.loss_scale;  // six standard deviations
+  const auto outliers =
+      std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
+  if (outliers > 0 && problem.loss_scale > 1e-4) {
+    out.push_back(fmt::format("{}{} far off the curve and hardly counted (Cauchy's loss)", outliers,
+                              outliers == 1 ? " point lies" : " points lie"));
+  }
+  constexpr double kLongFlat = 0.15;  // of the range of displacement
+  const double flat = flat_until(*part.specimen, part.ranges);
+  if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
+    out.push_back(
+        "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
+        " mm: if that is motion without contact, cut it off and count displacement from contact; if it is "
+        "tissue, its first layer is hardly visible");
+  }
+  if (fit.layers_reached < 2) {
+    out.emplace_back("the data stay within the first layer: they do not determine beta and q");
+  }
+  if (optima.effective < 0.5 * static_cast<double>(fit.points)) {
+    out.push_back(
+        fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
+                    "does not fit the curve's shape everywhere",
+                    fit.points, brief(optima.effective, 3)));
+  }
+  if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
+    out.emplace_back(
+        "the displacement decreases again; without --relaxation loading and unloading are one curve");
+  }
+}
+
+}  // namespace
+
+Identifiability identifiability_of_interval(double low, double high, double lowest, double highest) {
+  const double whole = highest - lowest;
+  if (high - low > 0.5 * whole) return Identifiability::kSpansSearchRange;
+  const bool at_end = low - lowest < 0.03 * whole || highest - high < 0.03 * whole;
+  return at_end ? Identifiability::kAtSearchBound : Identifiability::kIdentifiable;
+}
+
+std::string undetermined_warning(Identifiability how, const ParameterLabel& label, const Interval& interval) {
+  return fmt::format("{} is not determined by the data: its interval, {} to {}{}", label.name,
+                     brief(interval.low / label.unit, 3), brief(interval.high / label.unit, 3),
+                     how == Identifiability::kSpansSearchRange ? ", spans most of the searched range"
+                                                               : ", ends at a bound of the search");
+}
+
+std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const std::vector<Point>& points) {
+  const Bounds& bounds = optima.problem.bounds;
+  std::vector<Identifiability> determined;
+  for (std::size_t i = 0; i < bounds.low.size(); ++i) {
+    const auto [low, high] = std::minmax_element(points.begin(), points.end(),
+                                                 [i](const Point& a, const Point& b) { return a[i] < b[i]; });
+    determined.push_back(identifiability_of_interval((*low)[i], (*high)[i], bounds.low[i], bounds.high[i]));
+  }
+  return determined;
+}
+
+std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
+                                     const Curvature& curvature, const SpecimenFit& fit) {
+  std::vector<std::string> out;
+  add_undetermined(identifiability_of(optima, points), fit, out);
+  add_correlated(curvature.correlations, fit, out);
+  add_wide_law(fit, optima.problem.parts.front(), out);
+  add_data(optima, fit, out);
+  return out;
+}
+
+}  // namespace palpate::identify

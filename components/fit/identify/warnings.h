@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "palpate/identify.h"
+
+#include "fit/identify/intervals.h"
+#include "fit/identify/local_optima.h"
+
+namespace palpate::identify {
+
+/// [any] Identifiability of a parameter: where its interval [logarithms] lies within the searched range.
+enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
+[[nodiscard]] Identifiability identifiability_of_interval(double low, double high, double lowest,
+                                                          double highest);
+
+/// [any] Warning "q is not determined by the data: ...", for any result but kYes.
+[[nodiscard]] std::string undetermined_warning(Identifiability how, const ParameterLabel& label,
+                                               const Interval& interval);
+
+/// [setup] Identifiability of each shared parameter, from points in the confidence set.
+[[nodiscard]] std::vector<Identifiability> identifiability_of(const LocalOptima& optima,
+                                                              const std::vector<Point>& points);
+
+/// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
+/// rows, layers not reached, hysteresis.
+[[nodiscard]] std::vector<std::string> warnings_of(const LocalOptima& optima,
+                                                   const std::vector<Point>& points,
+                                                   const Curvature& curvature, const SpecimenFit& fit);
+
+}  // namespace palpate::identify

@@ -1,0 +1,14 @@
+#include "fit/imaging/image_compare.h"
+
+#include "palpate/error.h"
+
+namespace palpate::imaging {
+
+ImageSet compare_photographs(const std::filesystem::path& before, const std::filesystem::path& /*after*/,
+                             const ImageSettings& /*settings*/, const validate::Law& /*law*/,
+                             double /*depth*/, double /*tip_radius*/) {
+  throw InputError(before.string() +
+                   ": this palpate was built without photographs, build it with -DPALPATE_IMAGING=ON");
+}
+
+}  // namespace palpate::imaging

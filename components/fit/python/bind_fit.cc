@@ -1,0 +1,147 @@
+// Fits of tissue parameters to measured force over displacement.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/identify.h"
+#include "palpate/units.h"
+
+#include "fit/python/docs.h"
+#include "fit/python/module.h"
+
+namespace palpate::python {
+namespace {
+
+using identify::Specimen;
+
+std::vector<double> list_of(const Numbers& numbers, const char* name) {
+  if (numbers.ndim() != 1) throw InputError(std::string(name) + ": must be one row of numbers");
+  return {numbers.data(), numbers.data() + numbers.size()};
+}
+
+Specimen make_specimen(std::string name, const Numbers& displacement, const Numbers& force,
+                       const std::optional<Numbers>& time) {
+  Specimen specimen{std::move(name), {}, list_of(displacement, "displacement"), list_of(force, "force")};
+  if (time) specimen.time = list_of(*time, "time");
+  const std::size_t size = specimen.force.size();
+  if (size < identify::kFewestPoints) {
+    throw InputError("force: has " + std::to_string(size) + " points, must be at least " +
+                     std::to_string(identify::kFewestPoints));
+  }
+  if (specimen.displacement.size() != size || (time && specimen.time.size() != size)) {
+    throw InputError("displacement, force and time: must have the same length");
+  }
+  return specimen;
+}
+
+/// Maps each name to (value, low, high) in the unit that the name states.
+py::dict parameters_of(const std::vector<identify::Estimate>& estimates, std::size_t terms) {
+  const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
+  py::dict parameters;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const double unit = labels[i].unit;
+    const identify::Estimate& estimate = estimates[i];
+    parameters[py::str(labels[i].name)] =
+        py::make_tuple(estimate.value / unit, estimate.interval.low / unit, estimate.interval.high / unit);
+  }
+  return parameters;
+}
+
+py::dict dictionary_of(const identify::SpecimenFit& one) {
+  py::dict result;
+  result["name"] = one.name;
+  result["law"] = model::to_string(one.law);
+  result["layers"] = one.layers_allowed;
+  result["layers_reached"] = one.layers_reached;
+  result["parameters"] = parameters_of(one.estimates, one.terms);
+  result["rms_N"] = one.rms;
+  result["nrmse"] = one.nrmse;
+  result["leave_out_nrmse"] = one.cross_validation;
+  result["points"] = one.points;
+  result["warnings"] = one.warnings;
+  result["displacement"] = array_of(one.curve.displacement);
+  result["measured"] = array_of(one.curve.measured);
+  result["fitted"] = array_of(one.curve.fitted);
+  result["low"] = array_of(one.curve.low);
+  result["high"] = array_of(one.curve.high);
+  return result;
+}
+
+py::dict dictionary_of(const identify::PooledFit& pooled) {
+  py::dict result;
+  result["parameters"] = parameters_of(pooled.estimates, pooled.terms);
+  result["rms_N"] = pooled.rms;
+  result["nrmse"] = pooled.nrmse;
+  result["points"] = pooled.points;
+  result["warnings"] = pooled.warnings;
+  model::TissueParameters tissue = pooled.tissue;
+  if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file needs a name
+  result["tissue"] = tissue;
+  return result;
+}
+
+py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string& law,
+                       const std::string& direction, bool relaxation, double loop_period, double t1,
+                       int bootstrap, std::uint64_t seed) {
+  if (specimens.empty()) throw InputError("specimens: is empty, must have at least one");
+  identify::Settings settings;
+  settings.law = model::parse_law(law);
+  settings.direction = direction_of(direction);
+  settings.relaxation = relaxation;
+  if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
+  if (!(t1 > 0.0)) throw ParameterError("t1", t1, "> 0 (s)");
+  if (bootstrap < 0) throw ParameterError("bootstrap", bootstrap, ">= 0");
+  settings.period = loop_period;
+  settings.t1 = t1;
+  settings.bootstrap = bootstrap;
+  settings.seed = seed;
+  std::vector<identify::SpecimenFit> fits;
+  identify::PooledFit pooled;
+  {
+    const py::gil_scoped_release others_may_run;
+    const auto silent = [](double, const std::string&) {};
+    for (const Specimen& specimen : specimens) {
+      fits.push_back(
+          identify::fit_specimen(specimen, settings, static_cast<std::uint32_t>(fits.size()), silent));
+    }
+    pooled = identify::fit_pooled(specimens, fits, settings, silent);
+  }
+  py::list each;
+  for (const identify::SpecimenFit& one : fits) each.append(dictionary_of(one));
+  py::dict result;
+  result["specimens"] = each;
+  result["pooled"] = dictionary_of(pooled);
+  return result;
+}
+
+}  // namespace
+
+void bind_fit(py::module_& module) {
+  py::class_<Specimen>(module, "Specimen", doc("Specimen"))
+      .def(py::init(&make_specimen), py::arg("name"), py::arg("displacement"), py::arg("force"),
+           py::arg("time") = py::none())
+      .def_readonly("name", &Specimen::name)
+      .def_property_readonly(
+          "displacement", [](const Specimen& one) { return array_of(one.displacement); },
+          doc("Specimen::displacement"))
+      .def_property_readonly(
+          "force", [](const Specimen& one) { return array_of(one.force); }, doc("Specimen::force"))
+      .def_property_readonly(
+          "time", [](const Specimen& one) { return array_of(one.time); }, doc("Specimen::time"));
+  module.def("read_specimens", &identify::read_specimens, py::arg("file"), doc("read_specimens"));
+  module.def(
+      "fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
+      py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,
+      py::arg("t1") = 1e-6, py::arg("bootstrap") = 0, py::arg("seed") = 1,
+      "Fits each specimen and all specimens together, as `palpate fit` does. Returns a dictionary. "
+      "`specimens` is a list with one dictionary per specimen: `parameters` (name to value, low and "
+      "high end of the 95 % interval, in the unit of the name), rms_N, nrmse, leave_out_nrmse, points, "
+      "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `tissue` is "
+      "named fitted. Raises InputError.");
+}
+
+}  // namespace palpate::python

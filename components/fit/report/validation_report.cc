@@ -1,0 +1,212 @@
+#include "fit/report/validation_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "palpate/units.h"
+#include "view/report/gnuplot.h"
+#include "view/report/page.h"
+#include "view/report/text_format.h"
+
+namespace palpate::report {
+namespace {
+
+/// Labels of one figure.
+struct Axes {
+  std::string x;
+  std::string y;
+  std::string unit;
+  std::string jnd;  // label for 7 % of the measured value
+  std::string key;  // side of the legend: left or right
+};
+
+/// Both curves, and their absolute error with 7 % of the measured value. Columns: x, measured, computed.
+std::string script(const Axes& axes, double largest_error) {
+  const std::string upper =
+      fmt::format(R"(set ylabel '{}, {}'; set yrange [*:*<1e9]; set offsets 0,0,graph 0.12,0
+plot 'curve.dat' using 1:2 with points pt 7 ps 0.45 lc rgb '{}' title 'measured', \
+  '' using 1:3 with lines lw 2 lc rgb '{}' title 'computed')",
+                  axes.y, axes.unit, kOrange, kBlue);
+  const std::string lower = fmt::format(R"(set xlabel '{}'; set ylabel 'absolute error, {}'
+set yrange [0:*]; set offsets 0,0,graph 0.35,0; set ytics {}
+plot 'curve.dat' using 1:(abs($3-$2)) with linespoints pt 7 ps 0.3 lw 1 lc rgb '{}' title 'absolute error', \
+  '' using 1:({}*abs($2)) with lines lw 1.5 dt 2 lc rgb '#555555' title '{}')",
+                                        axes.x, axes.unit, shortest(tic_step(largest_error)), kOrange,
+                                        shortest(validate::kForceJnd), axes.jnd);
+  return two_panes(620, "top " + axes.key + " Left reverse samplen 2 spacing 1.15 noopaque", 0.4, upper,
+                   lower);
+}
+
+/// Data of one figure.
+struct Curves {
+  const std::string& name;
+  const std::vector<double>& x;
+  double x_unit;
+  const std::vector<double>& measured;
+  const std::vector<double>& computed;
+  double unit;
+};
+
+Figure draw(const Curves& curves, bool sorted, const std::string& caption, const Axes& axes,
+            const std::filesystem::path& file) {
+  constexpr std::size_t kMostRows = 2000;  // limits the size of the picture
+  std::vector<std::vector<double>> all;
+  for (std::size_t i = 0; i < curves.x.size(); ++i) {
+    all.push_back(
+        {curves.x[i] / curves.x_unit, curves.measured[i] / curves.unit, curves.computed[i] / curves.unit});
+  }
+  if (sorted) sort_by_x(all);
+  std::vector<std::vector<double>> rows;
+  double largest = 0.0;  // largest value in the lower panel
+  for (std::size_t i = 0; i < all.size(); i += all.size() / kMostRows + 1) {
+    rows.push_back(all[i]);
+    largest = std::max({largest, std::abs(all[i][2] - all[i][1]), validate::kForceJnd * std::abs(all[i][1])});
+  }
+  return drawn(
+      {file, "Measured and computed curve of " + curves.name + ", and their absolute error", caption},
+      script(axes, largest), {{"curve.dat", rows}});
+}
+
+Figure draw_force(const ForceSet& set, bool relaxes, const std::filesystem::path& file) {
+  const validate::ForceComparison& ours = set.ours;
+  const bool over_time = relaxes && !ours.measured.time.empty();
+  const Axes axes{over_time ? "time, s" : "displacement, mm", "force", "N",
+                  "7 % of the force: what a hand notices", over_time ? "right" : "left"};
+  return draw({ours.measured.name, over_time ? ours.measured.time : ours.measured.displacement,
+               over_time ? 1.0 : kMillimetre, ours.measured.force, ours.computed, 1.0},
+              !over_time, "Measured and computed force, and the absolute error.", axes, file);
+}
+
+Figure draw_profile(const ProfileSet& set, const std::filesystem::path& file) {
+  const validate::DeformationComparison& ours = set.ours;
+  const Axes axes{"distance from the contact along the surface, mm", "displacement", "mm",
+                  "7 % of the displacement (a hand notices 7 % of a force)", "right"};
+  return draw(
+      {ours.measured.name, ours.measured.distance, kMillimetre, ours.measured.displacement, ours.computed,
+       kMillimetre},
+      true,
+      "Measured and computed deformation around the contact, and the absolute error, as in figure 7 of "
+      "the paper.",
+      axes, file);
+}
+
+std::string zeros_of(const validate::ZeroedErrors& with) {
+  return fmt::format("first contact {} mm, sensor {} N: RMS {} of the force range",
+                     brief(with.zeros.first_contact / kMillimetre, 3), brief(with.zeros.force, 3),
+                     percent(with.errors.nrmse));
+}
+
+TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& words,
+                      const std::vector<BaselineResult>& baselines, double unit,
+                      const std::string& unit_name) {
+  TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
+                     "one evaluation, ns"}};
+  rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
+                  percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
+  for (const BaselineResult& baseline : baselines) {
+    const validate::Errors& errors = baseline.fit.errors;
+    rows.push_back({validate::to_string(baseline.fit.kind), escaped(baseline.fit.parameters),
+                    brief(errors.rms / unit, 3), brief(errors.max / unit, 3), percent(errors.nrmse),
+                    brief(baseline.cost_ns, 3)});
+  }
+  return rows;
+}
+
+void write_summary(Page& page, const Validation& validation, const std::string& command) {
+  const validate::Law& law = validation.law;
+  page.section("summary", "What came out");
+  page.code(command);
+  page.facts({{"tissue", law.tissue.name},
+              {"law", model::to_string(law.tissue.law)},
+              {"direction", law.direction == model::Direction::kPull ? "pull" : "press"}});
+  TableRows rows = {{"data set", "points", "RMS", "largest", "RMS, relative to", "", "within 7 %"}};
+  for (const ForceSet& set : validation.forces) {
+    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
+                    brief(set.ours.errors.rms, 3) + " N", brief(set.ours.errors.max, 3) + " N",
+                    percent(set.ours.errors.nrmse), "of the force range", percent(set.ours.within_jnd)});
+  }
+  for (const ProfileSet& set : validation.profiles) {
+    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
+                    brief(set.ours.errors.rms / kMillimetre, 3) + " mm",
+                    brief(set.ours.errors.max / kMillimetre, 3) + " mm", percent(set.ours.errors.nrmse),
+                    "of the depth", ""});
+  }
+  page.table(rows);
+  if (validation.reach) {
+    const model::FalloffRatios& reach = validation.reach->reach;
+    page.paragraph(
+        fmt::format("The reach was fitted to these profiles: c = {}, a = {}, s = {}, g = {}, p = {}{}",
+                    brief(reach.contact_ratio, 3), brief(reach.first_bar_ratio, 3), brief(reach.bar_ratio, 3),
+                    brief(reach.weight_ratio, 3), brief(reach.depth_exponent, 3),
+                    validation.reach->exponent_kept ? " (as the tissue has it)." : "."));
+  }
+  std::vector<std::string> missed;
+  for (const std::string& goal : validation.missed) missed.push_back("missed: " + goal);
+  page.list(missed);
+}
+
+void write_set(Page& page, const std::string& name, std::size_t number, const Figure& figure,
+               const TableRows& table, bool baselines, const std::string& note) {
+  page.section("set-" + std::to_string(number), name);
+  page.figures("one", {figure});
+  page.table(table);
+  if (baselines) {
+    page.paragraph("The other laws were each fitted to these very data; ours is the tissue as it was given.");
+  }
+  if (!note.empty()) page.paragraph(note);
+}
+
+void write_sets(Page& page, const Validation& validation, const std::filesystem::path& folder) {
+  const model::TissueParameters& tissue = validation.law.tissue;
+  std::size_t number = 0;
+  const auto file = [&] { return folder / fmt::format("set-{}.svg", ++number); };
+  for (const ForceSet& set : validation.forces) {
+    const Figure figure = draw_force(set, !tissue.relaxation.empty(), file());
+    std::string note = zeros_text(set);
+    if (set.ours.beyond > 0) {
+      note += std::to_string(set.ours.beyond) +
+              " points are deeper than the tissue's layers go: the law holds its largest force there.";
+    }
+    const TableRows table =
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, 1.0, "N");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(), note);
+  }
+  for (const ProfileSet& set : validation.profiles) {
+    const Figure figure = draw_profile(set, file());
+    const TableRows table =
+        error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, kMillimetre, "mm");
+    write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(),
+              fmt::format("Tip of {} mm radius, {} mm deep.", brief(set.ours.tip_radius / kMillimetre, 3),
+                          brief(set.ours.depth / kMillimetre, 3)));
+  }
+}
+
+}  // namespace
+
+std::string zeros_text(const ForceSet& set) {
+  std::string text = fmt::format("  zeros as {}{}); as {}{})\n", set.zeros_fitted ? "fitted (" : "given (",
+                                 zeros_of(set.zeros_fitted ? set.fitted : set.given),
+                                 set.zeros_fitted ? "given (" : "fitted (",
+                                 zeros_of(set.zeros_fitted ? set.given : set.fitted));
+  if (set.fitted.at_limit) {
+    text +=
+        "  ! the fitted zeros lie at a bound of their search: cut off motion without contact, subtract the "
+        "sensor's zero\n";
+  }
+  return text;
+}
+
+std::filesystem::path write_validation_report(const Validation& validation, const std::string& command,
+                                              const std::filesystem::path& folder) {
+  make_report_folder(folder);
+  Page page("Validation of " + validation.law.tissue.name, "The model against measurements, by palpate");
+  write_summary(page, validation, command);
+  if (validation.image) write_image_section(page, *validation.image, folder);
+  write_sets(page, validation, folder);
+  return page.write(folder);
+}
+
+}  // namespace palpate::report

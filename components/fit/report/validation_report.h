@@ -1,0 +1,26 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "fit/imaging/image_compare.h"
+#include "fit/report/image_section.h"
+
+namespace palpate::report {
+
+using imaging::Validation;
+using validate::BaselineResult;
+using validate::ForceSet;
+using validate::ProfileSet;
+
+/// [setup] Given and fitted zeros of a force curve with the errors of the law for each, as indented lines.
+[[nodiscard]] std::string zeros_text(const ForceSet& set);
+
+/// [setup] Writes `folder`/report.html (self-contained) and its figures as files: for each data set the
+/// measured and computed curve and their absolute error, as in figure 7 of [Zhang 2011], and a table of
+/// errors.
+/// @param command the command line of the validation @return path of report.html.
+/// @throws InputError when the folder cannot be written.
+std::filesystem::path write_validation_report(const Validation& validation, const std::string& command,
+                                              const std::filesystem::path& folder);
+
+}  // namespace palpate::report

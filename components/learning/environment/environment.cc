@@ -1,0 +1,281 @@
+#include "learning/environment/environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "core/geometry/signed_distance.h"
+#include "core/haptics/prepared_update.h"
+#include "io/scene/make_world.h"
+#include "io/scene/search.h"
+#include "palpate/error.h"
+#include "palpate/tool_path.h"
+
+namespace palpate::learning {
+namespace {
+
+constexpr double kFastest = 0.1;           // m/s, of the hand
+constexpr Range kTargets{0.2, 0.8};        // N
+constexpr std::uint32_t kEpisodePart = 0;  // part of the random numbers
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+void require_count(const char* name, std::uint64_t value, std::uint64_t most, std::uint64_t least = 1) {
+  if (value >= least && value <= most) return;
+  throw InputError(fmt::format("{} = {}: must be {} to {}", name, value, least, most));
+}
+
+void require_range(const char* name, const Range& range, double least, double most, const char* unit) {
+  if (range.low >= least && range.low <= range.high && range.high <= most) return;
+  throw InputError(fmt::format("{} = {} to {}: must be ascending, within {} to {}{}", name,
+                               shortest(range.low), shortest(range.high), shortest(least), shortest(most),
+                               unit));
+}
+
+const Settings& checked(const Settings& settings) {
+  constexpr double kMostNoise = 1.0;  // N m; the scene's own limit of sigma is lower
+  require_count("ticks", settings.ticks, 1000);
+  require_count("steps", settings.steps, 1'000'000);
+  require_count("surface_points", settings.surface_points, 10'000, 0);
+  require_range("tolerance", {settings.tolerance, settings.tolerance}, 1e-4, 1.0, " m");
+  require_range("stiffness_factor", settings.stiffness_factor, 0.01, 100.0, "");
+  if (settings.noise_gain) require_range("noise_gain", *settings.noise_gain, 0.0, kMostNoise, " N m");
+  require_range("start_offset", {settings.start_offset, settings.start_offset}, 0.0, 1.0, " m");
+  return settings;
+}
+
+/// The part of the scene that the task uses: it presses, and a search has one lump.
+scene::Scene adapted(scene::Scene setup, Task task) {
+  setup.task = scene::Task::kPress;
+  if (task != Task::kSearch) return setup;
+  if (setup.inclusions.empty()) {
+    throw InputError("search: the scene has no inclusion to find, must have one (such as nodule)");
+  }
+  setup.inclusions.resize(1);
+  return setup;
+}
+
+/// Puts the hands where their paths start and replaces the devices by ones in the world frame. @param
+/// approach receives the direction in which the first tool meets the organ
+std::vector<haptics::DeviceState> take_hands(scene::Scene& setup, Vec3& approach) {
+  std::vector<haptics::DeviceState> start;
+  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
+    scene::DeviceSetup& device = setup.devices[hand];
+    const bool has_path = device.kind == "scripted" && !device.path.empty();
+    const scene::PathRow row =
+        (has_path ? scene::read_tool_path(device.path) : scene::default_path(setup, hand)).rows().front();
+    const Pose pose_W =
+        haptics::WorkspaceMapping{device.workspace_scale, device.base}.apply(row.position, row.orientation);
+    haptics::DeviceState& state = start.emplace_back();
+    state.position_D = pose_W.position;
+    state.orientation_D = pose_W.rotation;
+    state.gripper = row.gripper;
+    if (hand == 0 && !has_path) approach = pose_W.rotation * Vec3::UnitZ();  // a default path moves along +z
+  }
+  setup.devices.assign(setup.devices.size(), {});
+  return start;
+}
+
+/// Centres for the lump, as deep below the upper side as the scene's. @throws InputError when the organ has
+/// no place
+std::vector<Vec3> lump_places_of(const scene::Scene& setup) {
+  const geometry::SignedDistance surface(setup.organ);
+  const scene::SearchArea area(setup.organ, setup.organ_pose);
+  const model::Inclusion& lump = setup.inclusions.front().inclusion;
+  const double depth = -surface.nearest(lump.centre_S).distance;
+  std::vector<Vec3> places;
+  for (const std::int32_t t : area.triangles()) {
+    const geometry::Triangle& corners = setup.organ.triangles[static_cast<std::size_t>(t)];
+    Vec3 centre = -depth * geometry::area_vector_doubled(setup.organ, corners).normalized();
+    for (const std::int32_t v : corners) centre += setup.organ.vertices[static_cast<std::size_t>(v)] / 3.0;
+    const geometry::NearestPoint above = surface.nearest(centre);
+    if (-above.distance >= lump.radius + lump.pulse && area.contains(above.triangle))
+      places.push_back(centre);
+  }
+  if (places.empty()) throw InputError("search: the organ has no place for the lump under its upper side");
+  return places;
+}
+
+}  // namespace
+
+const char* to_string(Task task) noexcept {
+  return task == Task::kPress ? "press" : task == Task::kHold ? "hold" : "search";
+}
+
+Task parse_task(const std::string& text) {
+  for (const Task task : {Task::kPress, Task::kHold, Task::kSearch}) {
+    if (text == to_string(task)) return task;
+  }
+  throw InputError("task: " + one_line(text) + " is not press, hold or search");
+}
+
+scene::Overrides with_defaults(Task task, scene::Overrides request) {
+  if (request.scene || request.scene_text) return request;
+  if (!request.organ) request.organ = "liver";
+  if (request.tools.empty()) request.tools = {"sphere:5"};
+  if (task == Task::kHold && request.organ_motion.empty()) request.organ_motion = {"breathing"};
+  if (task == Task::kSearch && request.inclusions.empty()) request.inclusions = {"nodule"};
+  return request;
+}
+
+Environment::Environment(scene::Scene setup, const Settings& settings, const contact::Preparation& how)
+    : settings_(checked(settings)),
+      scene_(adapted(std::move(setup), settings.task)),
+      start_(take_hands(scene_, approach_)),
+      world_(scene::make_world(scene_, how)),
+      state_(world_),
+      samples_(world_.hands()),
+      commands_(world_.hands()),
+      rows_(world_.hands()),
+      limit_(kFastest * static_cast<double>(settings.ticks) / scene_.rate_Hz),
+      random_(0, 0, kEpisodePart) {
+  if (settings_.task == Task::kSearch) {
+    lump_places_S_ = lump_places_of(scene_);
+    lump_S_ = lump_places_S_.front();
+  }
+  if (settings_.surface_points > 0) deformer_.emplace(scene_.organ);
+  list_channels();
+  // Rejects now what the bounds of a range would make of the tissue and the noise.
+  for (const bool high : {false, true}) {
+    noise::NoiseSettings noise = world_.noise.settings();
+    if (settings_.noise_gain) noise.gain = high ? settings_.noise_gain->high : settings_.noise_gain->low;
+    start_state(high ? settings_.stiffness_factor.high : settings_.stiffness_factor.low, noise);
+  }
+}
+
+void Environment::list_channels() {
+  for (const char* name : {"dx", "dy", "dz"}) acted_.push_back({name, "m", -limit_, limit_});
+  for (const char* name : {"x", "y", "z"}) observed_.push_back({name, "m", -kInfinite, kInfinite});
+  observed_.push_back({"depth", "m", 0.0, kInfinite});
+  observed_.push_back({"distance", "m", -kInfinite, kInfinite});
+  const double most = scene_.safety.max_force;
+  for (const char* name : {"force_x", "force_y", "force_z"}) observed_.push_back({name, "N", -most, most});
+  observed_.push_back({"target", "N", 0.0, most});
+  for (std::uint64_t i = 0; i < settings_.surface_points; ++i) {
+    observed_.push_back({"displacement_" + std::to_string(i), "m", 0.0, kInfinite});
+  }
+  drawn_.push_back(
+      {"stiffness_factor", "1", settings_.stiffness_factor.low, settings_.stiffness_factor.high});
+  const double noise = scene_.noise.enabled ? scene_.noise.gain : 0.0;
+  const Range gain = settings_.noise_gain.value_or(Range{noise, noise});
+  drawn_.push_back({"noise_gain", "N m", gain.low, gain.high});
+  for (const char* name : {"start_x", "start_y"}) {
+    drawn_.push_back({name, "m", -settings_.start_offset, settings_.start_offset});
+  }
+  if (settings_.task != Task::kSearch) {
+    drawn_.push_back({"target", "N", kTargets.low, kTargets.high});
+    return;
+  }
+  acted_.push_back({"mark", "1", 0.0, 1.0});
+  for (const char* name : {"lump_x", "lump_y", "lump_z"}) {
+    drawn_.push_back({name, "m", -kInfinite, kInfinite});
+  }
+}
+
+double Environment::draw(const Range& range) noexcept {
+  const double share = random_.uniform();  // drawn also for a constant, so that ranges do not change others
+  return range.low + share * (range.high - range.low);
+}
+
+/// The state before tick 0, with the tissue, noise and lump of an episode.
+void Environment::start_state(double stiffness_factor, const noise::NoiseSettings& noise) {
+  world_.noise = noise::TouchNoise(noise, world_.rate_Hz);
+  state_ = haptics::SimulationState(world_);
+  model::TissueParameters tissue = scene_.tissue;
+  tissue.k1 *= stiffness_factor;
+  haptics::ParameterUpdate update = haptics::parameter_update(
+      tissue, {noise.enabled, noise.gain, noise.threshold}, haptics::kTissueChanged);
+  if (settings_.task == Task::kSearch) {
+    update.what |= haptics::kInclusionChanged;
+    update.inclusion = {
+        0, {lump_S_.x(), lump_S_.y(), lump_S_.z()}, scene_.inclusions.front().inclusion.ratio};
+  }
+  haptics::apply_update(world_, state_, haptics::prepare_update(world_, update));
+}
+
+StepResult Environment::reset(std::optional<std::uint64_t> seed) {
+  if (seed) random_ = Random(*seed, 0, kEpisodePart);
+  const double factor = draw(settings_.stiffness_factor);
+  noise::NoiseSettings noise = world_.noise.settings();
+  noise.gain = draw(settings_.noise_gain.value_or(Range{noise.gain, noise.gain}));
+  noise.enabled = noise.enabled || settings_.noise_gain;
+  noise.seed = random_.below(std::size_t{1} << 53);
+  const Range offset{-settings_.start_offset, settings_.start_offset};
+  const Vec3 moved(draw(offset), draw(offset), 0.0);
+  parameters_ = {factor, noise.enabled ? noise.gain : 0.0, moved.x(), moved.y()};
+  if (settings_.task == Task::kSearch) {
+    lump_S_ = lump_places_S_[random_.below(lump_places_S_.size())];
+    const Vec3 lump = scene_.organ_pose * lump_S_ - start();
+    parameters_.insert(parameters_.end(), {lump.x(), lump.y(), lump.z()});
+  } else {
+    target_ = draw(kTargets);
+    parameters_.push_back(target_);
+  }
+  start_state(factor, noise);
+  position_ = start() + moved;
+  tick_ = step_ = 0;
+  finished_ = false;
+  return move(Vec3::Zero());
+}
+
+StepResult Environment::move(const Vec3& change) {
+  const auto ticks = static_cast<double>(settings_.ticks);
+  samples_ = start_;
+  samples_.front().velocity_D = change * (world_.rate_Hz / ticks);
+  for (std::uint64_t i = 1; i <= settings_.ticks; ++i) {
+    samples_.front().position_D = position_ + (static_cast<double>(i) / ticks) * change;
+    haptics::tick(world_, state_, tick_++, samples_, commands_, rows_);
+  }
+  position_ += change;
+  const haptics::TickRow& row = rows_.front();
+  const Vec3 moved = position_ - start();
+  observation_ = {moved.x(),    moved.y(),    moved.z(),    row.depth, row.distance,
+                  row.force[0], row.force[1], row.force[2], target_};
+  if (deformer_) {
+    const std::vector<Vec3>& rest = deformer_->rest().vertices;
+    deformer_->deform(state_.reach, deform::indentations_of(state_.results), vertices_);
+    const std::size_t gaps = std::max<std::size_t>(settings_.surface_points, 2) - 1;
+    for (std::size_t i = 0; i < settings_.surface_points; ++i) {
+      const std::size_t vertex = i * (rest.size() - 1) / gaps;  // evenly numbered, from the first to the last
+      observation_.push_back((vertices_[vertex] - rest[vertex]).norm());
+    }
+  }
+  return {0.0, false, false, row.tissue_force, row.tick, row.fault};
+}
+
+/// Reward of a mark at the tool.
+double Environment::judge_mark(bool& terminated) const {
+  const Vec3 away = position_ - state_.organ_W * lump_S_;
+  terminated = away.x() * away.x() + away.y() * away.y() <= settings_.tolerance * settings_.tolerance;
+  return terminated ? 1.0 : -0.1;
+}
+
+StepResult Environment::step(std::span<const double> action) {
+  if (finished_) throw std::logic_error("Env.step: the episode has ended, call reset() first");
+  const bool finite =
+      std::all_of(action.begin(), action.end(), [](double value) { return std::isfinite(value); });
+  if (action.size() != acted_.size() || !finite) {
+    std::vector<std::string> given, names;
+    for (const double value : action) given.push_back(shortest(value));
+    for (const Channel& channel : acted_) names.push_back(channel.name);
+    throw InputError(fmt::format("action: [{}], must be {} finite numbers: {}", joined(given), names.size(),
+                                 joined(names)));
+  }
+  Vec3 change(action[0], action[1], action[2]);
+  if (const double length = change.norm(); length > limit_) change *= limit_ / length;
+  StepResult result = move(change);
+  if (settings_.task != Task::kSearch) {
+    result.reward = -std::abs(result.tissue_force - target_) / target_;
+  } else if (action[3] > 0.5) {
+    result.reward = judge_mark(result.terminated);
+  }
+  result.truncated = ++step_ >= settings_.steps && !result.terminated;
+  finished_ = result.terminated || result.truncated;
+  return result;
+}
+
+}  // namespace palpate::learning

@@ -1,0 +1,78 @@
+"""Reinforcement learning: one hand presses an organ, in Gymnasium's form, without Gymnasium.
+
+    env = palpate.Env('press')
+    observation, info = env.reset(seed=1)
+    observation, reward, terminated, truncated, info = env.step([0.0, 0.0, -1e-3])
+
+The same seed and actions give the same observations bit for bit. For libraries that need Gymnasium's own classes:
+
+    class GymEnv(gymnasium.Env):
+        def __init__(self, *arguments, **named):
+            self.env = palpate.Env(*arguments, **named)
+            self.action_space, self.observation_space = (
+                gymnasium.spaces.Box(space['low'], space['high'], space['shape'], np.float64)
+                for space in (self.env.action_space, self.env.observation_space))
+
+        def reset(self, *, seed=None, options=None):
+            super().reset(seed=seed)
+            return self.env.reset(seed=seed)
+
+        def step(self, action):
+            return self.env.step(action)
+"""
+from __future__ import annotations
+
+import secrets
+from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple
+
+import numpy as np
+
+from . import _learning  # type: ignore[attr-defined]  # has no stub
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray  # NumPy 1.21
+
+TASKS = ('press', 'hold', 'search')
+
+
+class Env:
+    """Tasks: 'press' reaches a force, 'hold' keeps it while the organ breathes, 'search' finds a hidden lump.
+
+    Action: change of the tool's position [m] in the world frame (at most 0.1 m/s), in 'search' then `mark`: above 0.5 it
+    marks the place under the tool. Observation: position from the start [m], depth and distance [m], force of the tissue on the
+    tool [N], target [N] (0 in 'search'), then the displacement [m] of `surface_points` points of the surface. Reward for each step: -|F -
+    target|/target, in 'search' 1 for a mark that finds the lump and -0.1 for another. A found lump ends the episode;
+    `seconds` of simulated time truncate it.
+
+    Each episode draws from the ranges `stiffness_factor` (of the tissue's k1) and `noise_gain` [N m] (None: as the scene), and
+    moves the start by at most `start_offset` [m] along x and y. Other arguments are those of TickedSimulation; without a scene,
+    a ball of 5 mm presses the liver. Raises InputError, ParameterError.
+    """
+
+    def __init__(self, task: str = 'press', *, seconds: float = 5.0, ticks: int = 10, tolerance: float = 10e-3,
+                 surface_points: int = 0, noise: bool = False, stiffness_factor: Sequence[float] = (1.0, 1.0),
+                 noise_gain: Optional[Sequence[float]] = None, start_offset: float = 0.0, **scene: Any) -> None:
+        self.task, self.ticks, self.tolerance = task, ticks, tolerance
+        self._environment = _learning._Environment(
+            learning_task=task, seconds=seconds, ticks=ticks, tolerance=tolerance, surface_points=surface_points, noise=noise,
+            stiffness_factor=stiffness_factor, noise_gain=noise_gain, start_offset=start_offset, **scene)
+        self.action_space: Dict[str, Any] = self._environment.action_space
+        self.observation_space: Dict[str, Any] = self._environment.observation_space
+        self._seeded = False
+
+    @property
+    def parameters(self) -> Dict[str, float]:
+        """What the episode drew, with the target or the centre of the hidden lump from the start [m]. Empty before reset()."""
+        return dict(self._environment.parameters)
+
+    def reset(self, *, seed: Optional[int] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[NDArray[np.float64], Dict[str, Any]]:
+        """Starts an episode. Without a seed the random numbers go on. `options` has no effect."""
+        if seed is None and not self._seeded:
+            seed = secrets.randbits(63)
+        self._seeded = True
+        return self._environment.reset(seed)
+
+    def step(self, action: ArrayLike) -> Tuple[NDArray[np.float64], float, bool, bool, Dict[str, Any]]:
+        """One step of `ticks` ticks. Returns observation, reward, terminated, truncated, info."""
+        return self._environment.step(action)

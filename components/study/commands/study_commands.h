@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace palpate::app {
+
+/// [setup] Adds `palpate study`, as the functions of app/commands.h.
+void add_study(CLI::App& program, const std::string& command_line, int& exit_code);
+
+// Each function adds one subcommand of `palpate study`.
+void add_study_check(CLI::App& study, int& exit_code);
+void add_study_power(CLI::App& study, int& exit_code);
+void add_study_prepare(CLI::App& study, int& exit_code);
+void add_study_run(CLI::App& study, int& exit_code);
+void add_study_simulate(CLI::App& study, int& exit_code);
+void add_study_status(CLI::App& study, int& exit_code);
+void add_study_verify(CLI::App& study, int& exit_code);
+void add_study_analyse(CLI::App& study, const std::string& command_line, int& exit_code);
+void add_study_unblind(CLI::App& study, int& exit_code);
+void add_study_export(CLI::App& study, int& exit_code);
+
+}  // namespace palpate::app

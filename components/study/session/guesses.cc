@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/text.h"
+
+#include "study/session/analysis_parts.h"
+
+namespace palpate::study {
+namespace {
+
+struct Sums {
+  int yes = 0;
+  int no = 0;
+  int unsure = 0;
+  double confidence = 0.0;
+};
+
+// Bang's index of one arm: share of right guesses less share of wrong ones [Bang, Ni, Davis 2004].
+psychophysics::Estimate bang_index(const Guesses& guesses) {
+  const double all = guesses.yes + guesses.no + guesses.unsure;
+  const double right = (guesses.noise ? guesses.yes : guesses.no) / all;
+  const double wrong = (guesses.noise ? guesses.no : guesses.yes) / all;
+  psychophysics::Estimate index;
+  index.mean = right - wrong;
+  index.sd = std::sqrt((right * (1.0 - right) + wrong * (1.0 - wrong) + 2.0 * right * wrong) / all);
+  index.low = std::max(-1.0, index.mean - 1.96 * index.sd);
+  index.high = std::min(1.0, index.mean + 1.96 * index.sd);
+  return index;
+}
+
+}  // namespace
+
+std::vector<Guesses> count_guesses(const Study& study, std::span<const Participant> people,
+                                   const ArmNames& names) {
+  std::map<std::pair<std::string, bool>, Sums> sums;
+  for (const Participant& person : people) {
+    if (person.log.withdrawn()) continue;
+    for (const EventRecord& event : person.log.events) {
+      if (event.event != "blinding") continue;
+      const std::optional<std::size_t> task = study.find_task(event.value("task"));
+      if (!task || study.tasks[*task].kind == TaskKind::kNoiseThreshold) continue;  // always noise
+      const bool noise = names.unblinded() && names.has_noise(person.number, *task, event.value("code"));
+      Sums& of = sums[{event.value("who"), noise}];
+      const std::string answer = event.value("answer");
+      ++(answer == "yes" ? of.yes : answer == "no" ? of.no : of.unsure);
+      of.confidence += palpate::parse_number(event.value("confidence")).value_or(0.0);
+    }
+  }
+  std::vector<Guesses> all;
+  for (const auto& [key, of] : sums) {
+    Guesses guesses;
+    guesses.who = key.first;
+    guesses.noise = key.second;
+    guesses.pooled = !names.unblinded();
+    guesses.yes = of.yes;
+    guesses.no = of.no;
+    guesses.unsure = of.unsure;
+    guesses.confidence = of.confidence / (of.yes + of.no + of.unsure);
+    if (names.unblinded()) guesses.index = bang_index(guesses);
+    all.push_back(guesses);
+  }
+  return all;
+}
+
+}  // namespace palpate::study

@@ -1,0 +1,444 @@
+#include "study/session/run_session.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "core/base/random.h"
+#include "core/base/spsc_queue.h"
+#include "io/record/machine.h"
+#include "io/scene/device_kinds.h"
+#include "io/system/file_exists.h"
+#include "io/system/sha256.h"
+#include "palpate/error.h"
+#include "palpate/session.h"
+
+#include "study/session/block_scene.h"
+#include "study/session/observer_hand.h"
+#include "study/session/session_questions.h"
+#include "study/session/simulated_person.h"
+
+namespace palpate::study {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kLead = 20e-3;                     // s, of decisions in real time
+constexpr std::uint32_t kTremorPart = 0x8000'0000;  // of the random numbers: an observer's hand
+
+std::string text_of(std::uint64_t number) { return std::to_string(number); }
+
+/// One session of one participant: the log, the course, and what a screen shows.
+class RunningSession final {
+ public:
+  RunningSession(const StudyFolder& study, SealedKey key, const SessionOptions& options)
+      : study_(study),
+        options_(options),
+        number_(study.number_of(options.participant)),
+        log_(study.log_of(options.participant), study.log_key(options.participant)),
+        course_(study.study, key, number_) {
+    if (!options.observer.empty()) person_ = make_person(options.observer, study.study.seed, number_);
+  }
+
+  SessionOutcome run();
+
+ private:
+  class Block;
+  friend class Block;
+
+  void require_for_person() const;
+  void open_session();
+  [[nodiscard]] SessionQuestions questions() { return {study_, options_, number_, log_}; }
+  void run_block();
+  void attend(session::Session& run, Block& block, const session::RunOptions& run_options);
+  bool take_break();
+  void take_withdrawal();
+  void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
+  void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
+  void note();
+  void withdraw();
+
+  const StudyFolder& study_;
+  const SessionOptions& options_;
+  std::uint32_t number_;
+  LogWriter log_;
+  Course course_;
+  std::optional<SimulatedPerson> person_;
+  SessionOutcome outcome_;
+  int planned_ = 1;
+  int block_ = 0;
+  bool stop_ = false;
+  bool last_second_ = false;
+  std::uint64_t late_ticks_ = 0;
+  std::string message_;
+  std::vector<double> ladder_;
+  Clock::time_point began_ = Clock::now();
+};
+
+/// One block: one haptic run.
+class RunningSession::Block final : public haptics::TickObserver {
+ public:
+  Block(RunningSession& session, session::Session& run, const StudyTask& task, TrialScene scene,
+        ObserverHand* hand)
+      : session_(session),
+        run_(run),
+        task_(task),
+        loop_(session.study_.study, std::move(scene), run.updates()),
+        rate_Hz_(run.setup().rate_Hz) {
+    if (hand != nullptr) agent_.emplace(*hand, rate_Hz_);
+  }
+
+  void on_row(const haptics::TickRow& row) noexcept override {
+    if (row.hand != 0) return;
+    if (agent_) {
+      take(row);  // an offline run: nobody waits for the tick
+    } else if (!rows_.push(row)) {
+      lost_rows_.store(true, std::memory_order_relaxed);
+    }
+  }
+
+  /// A person's block: takes the rows of the running loop.
+  void follow() {
+    haptics::TickRow row;
+    while (rows_.pop(row)) take(row);
+    if (lost_rows_.exchange(false, std::memory_order_relaxed)) loop_.abandon("the screen was too slow");
+  }
+
+  [[nodiscard]] TrialLoop& loop() noexcept { return loop_; }
+  [[nodiscard]] const std::string& last_code() const noexcept { return last_code_; }
+  [[nodiscard]] std::uint32_t fault() const noexcept { return fault_; }
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  [[nodiscard]] std::uint64_t late_ticks() const noexcept { return late_ticks_; }
+  void end() noexcept { ending_ = true; }
+
+ private:
+  void take(const haptics::TickRow& row) noexcept {
+    try {
+      step(row);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+      run_.control().stop();
+    }
+  }
+  void step(const haptics::TickRow& row);
+  void begin_next();
+
+  RunningSession& session_;
+  session::Session& run_;
+  const StudyTask& task_;
+  TrialLoop loop_;
+  double rate_Hz_;
+  std::optional<ObserverAgent> agent_;
+  SpscQueue<haptics::TickRow> rows_{1U << 14U};
+  std::atomic<bool> lost_rows_{false};
+  int trials_ = 0;
+  bool ending_ = false;
+  std::uint32_t fault_ = 0;
+  std::uint64_t late_ticks_ = 0;
+  std::uint32_t last_buttons_ = 0;
+  std::string last_code_;
+  std::string failure_;
+};
+
+void RunningSession::Block::begin_next() {
+  const std::optional<Trial> next = session_.course_.next();
+  const Study& study = session_.study_.study;
+  const double minutes = static_cast<double>(loop_.view().tick) / rate_Hz_ / 60.0;
+  const bool rest = trials_ >= study.break_trials || minutes >= study.break_minutes;
+  if (!next || ending_ || rest || &study.tasks[next->task] != &task_) {
+    run_.control().stop();
+    return;
+  }
+  loop_.begin(*next);
+  if (agent_) agent_->begin(Random(study.seed, session_.number_, kTremorPart + next->draw));
+}
+
+void RunningSession::Block::step(const haptics::TickRow& row) {
+  if (static_cast<double>(row.late_ns) > 1e9 / rate_Hz_) ++late_ticks_;
+  if (loop_.view().state == TrialState::kIdle && !run_.control().stopping()) begin_next();
+  loop_.row(row);
+  fault_ = row.fault;
+  if (agent_) {
+    agent_->row(row, loop_, session_.study_.study);
+    if (agent_->has_searched()) loop_.next();
+    if (loop_.view().state == TrialState::kAnswer) loop_.answer(1);
+  }
+  if ((row.buttons & ~last_buttons_ & (1U << session_.study_.study.next_button)) != 0) loop_.next();
+  last_buttons_ = row.buttons;
+  if (!loop_.finished() || run_.control().stopping()) return;
+  session_.finish_trial(loop_, agent_ ? &*agent_ : nullptr);
+  last_code_ = loop_.trial().code;
+  ++trials_;
+  if (fault_ != 0) {
+    run_.control().stop();
+    return;
+  }
+  begin_next();
+}
+
+void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* agent) {
+  TrialRecord record = record_of(study_.study, loop.trial(), outcome_.session, block_);
+  record.time = utc_now();
+  loop.fill_in(record);
+  const StudyTask& task = study_.study.tasks[loop.trial().task];
+  if (agent != nullptr) {
+    const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
+    answer_by_force(study_.study, *person_, loop.trial(), agent->samples(), progress, last_second_, number_,
+                    record);
+  }
+  last_second_ = record.answer == 2;
+  log_.append(record);
+  course_.add(record);
+  ++outcome_.trials;
+  outcome_.spoiled += record.spoiled.empty() ? 0 : 1;
+  if (task.kind == TaskKind::kNoiseThreshold && !record.practice && record.spoiled.empty())
+    ladder_.push_back(loop.trial().noise);
+  message_.clear();
+  const bool tells =
+      study_.study.feedback == "always" || (study_.study.feedback == "practice" && record.practice);
+  if (tells && task.two_intervals() && record.answer != 0) {
+    message_ = is_correct(task, record) ? "correct" : "not correct";
+  }
+  if (options_.progress) {
+    const CoursePosition at = course_.position();
+    options_.progress(std::min(1.0, static_cast<double>(outcome_.trials) / planned_),
+                      task.name + ", part " + std::to_string(std::min(at.part + 1, at.parts)) + " of " +
+                          std::to_string(at.parts));
+  }
+}
+
+void RunningSession::show(const TrialView& trial, const std::string& message, double break_left) {
+  if (options_.screens == nullptr) return;
+  ScreenContent content;
+  content.trial = trial;
+  content.message = message;
+  if (const auto next = course_.next()) {
+    content.sentence = sentence_of(study_.study.tasks[next->task]);
+    content.task = study_.study.tasks[next->task].name;
+  }
+  content.session = outcome_.session;
+  content.block = block_;
+  content.position = course_.position();
+  content.spoiled = course_.spoiled();
+  content.catch_trials = course_.catch_trials();
+  content.catch_correct = course_.catch_correct();
+  content.late_ticks = late_ticks_;
+  content.minutes = std::chrono::duration<double>(Clock::now() - began_).count() / 60.0;
+  content.break_left = break_left;
+  content.max_force = study_.study.max_force;
+  content.ladder = ladder_;
+  options_.screens->show(content);
+}
+
+// In the log at once, whatever happens to the run.
+void RunningSession::withdraw() {
+  if (!outcome_.withdrawn) log_.append(event_of("withdrawn", {}));
+  outcome_.withdrawn = true;
+}
+
+void RunningSession::note() {
+  const std::string text = options_.screens->take_note();
+  if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
+}
+
+// A person consents, and feels a device that a hand holds.
+void RunningSession::require_for_person() const {
+  if (study_.study.consent_file.empty()) {
+    throw InputError(study_.study.file.string() +
+                     ": ethics.consent_file: is missing; without it only simulated people take part");
+  }
+  const std::string kind = study_scene(study_.study, options_.device).devices.front().kind;
+  const scene::DeviceKind* found = scene::find_device_kind(kind);
+  if (found != nullptr && found->held) return;
+  throw InputError("--device " + kind + ": no hand holds it; a person needs forcedimension, haply or touch");
+}
+
+void RunningSession::open_session() {
+  const ParticipantLog& before = log_.opened();
+  require_blind(study_);  // the log's writer keeps `unblind` out from now on
+  remove_leftovers(study_);
+  if (options_.screens != nullptr) require_for_person();
+  if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
+  const int begun = course_.replay(before);
+  const bool finished =
+      begun == 0 || std::any_of(before.events.begin(), before.events.end(), [&](const auto& event) {
+        return event.event == "session-end" && event.value("session") == std::to_string(begun);
+      });
+  const auto sessions = static_cast<int>(plan_sessions(study_.study).size());
+  outcome_.session = options_.session.value_or(finished ? begun + 1 : begun);
+  if (outcome_.session > sessions || outcome_.session < std::max(begun, 1) ||
+      (finished && outcome_.session == begun)) {
+    throw InputError(options_.participant + ": session " + std::to_string(outcome_.session) +
+                     " cannot be run: of " + std::to_string(sessions) + " sessions, " +
+                     (begun == 0 ? "none was begun"
+                                 : std::to_string(begun) + (finished ? " is finished" : " is unfinished")));
+  }
+  const std::string number = std::to_string(outcome_.session);
+  const std::string program = "palpate " + record::palpate_version();
+  if (!finished && outcome_.session == begun) {
+    if (!questions().still_wanted()) {
+      stop_ = true;
+      return;
+    }
+    log_.append(event_of("resumed", {{"session", number}, {"program", program}}));
+    course_.resume();
+  } else {
+    course_.begin_session(outcome_.session);
+    log_.append(event_of("session", {{"session", number},
+                                     {"program", program},
+                                     {"device", options_.device},
+                                     {"observer", options_.observer},
+                                     {"level", options_.observer.empty() ? "" : "force"}}));
+  }
+  for (const TrialRecord& trial : before.trials) {
+    if (trial.session == outcome_.session) block_ = std::max(block_, trial.block);
+  }
+  planned_ = std::max(course_.trials_left(), 1);
+}
+
+void RunningSession::run_block() {
+  const Trial next = course_.next().value();
+  const StudyTask& task = study_.study.tasks[next.task];
+  do {
+    ++block_;
+  } while (file_exists(study_.recording_of(options_.participant, outcome_.session, block_)));
+  const std::filesystem::path file = study_.recording_of(options_.participant, outcome_.session, block_);
+  TrialScene trial_scene;
+  scene::Scene setup = block_scene(study_.study, task, {number_, outcome_.session, block_}, options_.device,
+                                   trial_scene.lumps);
+  trial_scene.rate_Hz = setup.rate_Hz;
+  trial_scene.tissue = setup.tissue;
+  session::SessionOptions session_options;
+  session_options.preparation = options_.preparation;
+  session_options.duration_s = 60.0 * (study_.study.break_minutes + 5.0);
+  ObserverHand* hand = nullptr;
+  if (person_) {
+    auto owned = std::make_unique<ObserverHand>(setup);
+    hand = owned.get();
+    session_options.devices.push_back(std::move(owned));
+  } else {
+    trial_scene.lead = static_cast<std::uint64_t>(kLead * setup.rate_Hz);
+  }
+  session::Session run(std::move(setup), std::move(session_options));
+  Block block(*this, run, task, trial_scene, hand);
+  session::RunOptions run_options;
+  run_options.recording = file;
+  run_options.offline = person_.has_value();
+  run_options.study = study_.mark();
+  if (person_) {
+    run.run(run_options, {&block});
+  } else {
+    attend(run, block, run_options);
+  }
+  if (!block.failure().empty()) throw InputError(block.failure());
+  late_ticks_ += block.late_ticks();
+  outcome_.fault = block.fault();
+  ++outcome_.blocks;
+  log_.append(event_of("block", {{"session", std::to_string(outcome_.session)},
+                                 {"block", std::to_string(block_)},
+                                 {"recording", file.filename().string()},
+                                 {"sha256", sha256_of_file(file)},
+                                 {"task", task.name},
+                                 {"late_ticks", text_of(block.late_ticks())},
+                                 {"faults", block.fault() == 0 ? "0" : "1"}}));
+  if (task.arms.size() > 1 && !stop_ && !block.last_code().empty()) {
+    questions().blinding({outcome_.session, block_, task.name, block.last_code()});
+  }
+}
+
+// A person's block: rows, keys and pictures until the run has ended.
+void RunningSession::attend(session::Session& run, Block& block, const session::RunOptions& run_options) {
+  const auto background = run.run_in_background(run_options, {&block});
+  while (!background->ended()) {
+    block.follow();
+    while (const auto input = options_.screens->take_input()) {
+      switch (*input) {
+        case ScreenInput::kFirst:
+          block.loop().answer(1);
+          break;
+        case ScreenInput::kSecond:
+          block.loop().answer(2);
+          break;
+        case ScreenInput::kNext:
+          block.loop().next();
+          break;
+        case ScreenInput::kPause:
+          block.end();
+          break;
+        case ScreenInput::kWithdraw:
+          run.control().stop();  // the force first
+          withdraw();
+          [[fallthrough]];
+        case ScreenInput::kForceOff:
+        case ScreenInput::kStop:
+          stop_ = true;
+          run.control().stop();
+          break;
+      }
+    }
+    show(block.loop().view(), message_);
+    note();
+  }
+  background->wait();
+  block.follow();
+  if (!background->failure().empty()) throw InputError(background->failure());
+}
+
+bool RunningSession::take_break() {
+  if (options_.screens == nullptr) return true;
+  const auto end = Clock::now() + std::chrono::duration<double>(study_.study.break_least);
+  bool ready = false;
+  while (!ready || Clock::now() < end) {
+    const double left = std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
+    show({}, left > 0.0 ? "Take a break" : "Press a key to go on", left);
+    while (const auto input = options_.screens->take_input()) {
+      if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
+          *input == ScreenInput::kForceOff) {
+        if (*input == ScreenInput::kWithdraw) withdraw();
+        stop_ = true;
+        return false;
+      }
+      ready = Clock::now() >= end;
+    }
+    note();
+    if (ready) break;
+  }
+  return true;
+}
+
+// A question ends without an answer when the participant withdraws.
+void RunningSession::take_withdrawal() {
+  if (options_.screens == nullptr) return;
+  while (const auto input = options_.screens->take_input()) {
+    if (*input == ScreenInput::kWithdraw) withdraw();
+  }
+}
+
+SessionOutcome RunningSession::run() {
+  open_session();
+  if (stop_) return outcome_;
+  const bool agreed = options_.screens == nullptr ||
+                      (questions().consent_and_bands() && questions().audibility(outcome_.session));
+  while (agreed && course_.next() && !stop_) {
+    run_block();
+    if (outcome_.fault != 0 || stop_) break;
+    if (course_.next() && !take_break()) break;
+  }
+  take_withdrawal();
+  outcome_.complete = !course_.next();
+  if (outcome_.complete)
+    log_.append(event_of("session-end", {{"session", std::to_string(outcome_.session)}}));
+  return outcome_;
+}
+
+}  // namespace
+
+SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options) {
+  return RunningSession(study, key, options).run();
+}
+
+}  // namespace palpate::study

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/session/folder.h"
+#include "study/session/run_session.h"
+#include "study/session/trial_log.h"
+
+namespace palpate::study {
+
+/// [setup] An event of this moment.
+[[nodiscard]] EventRecord event_of(const std::string& name,
+                                   std::vector<std::pair<std::string, std::string>> values);
+
+/// What a session asks people besides its trials. The answers go to the log. [setup], one thread; the screens
+/// of the options must be there.
+class SessionQuestions final {
+ public:
+  SessionQuestions(const StudyFolder& study, const SessionOptions& options, std::uint32_t participant,
+                   LogWriter& log)
+      : study_(study), options_(options), participant_(participant), log_(log) {}
+
+  /// After more than a day, a question decides whether an interrupted session goes on. Without screens it
+  /// does.
+  [[nodiscard]] bool still_wanted() const;
+  /// Consent until it is given, then [participants] ask, once. @return false: no consent, or the window was
+  /// closed
+  [[nodiscard]] bool consent_and_bands();
+  /// Whether the noise is heard with the hand off the device: 20 trials, once. @return false: the window was
+  /// closed
+  [[nodiscard]] bool audibility(int session);
+
+  struct LastTrial {
+    int session = 1;
+    int block = 1;
+    std::string task;
+    std::string code;
+  };
+  /// Whether both people believe that the last trial had noise.
+  void blinding(const LastTrial& last);
+
+ private:
+  [[nodiscard]] bool has(const std::string& event, const std::string& answer = "") const;
+
+  const StudyFolder& study_;
+  const SessionOptions& options_;
+  std::uint32_t participant_;
+  LogWriter& log_;
+};
+
+}  // namespace palpate::study

@@ -1,0 +1,336 @@
+#include "study/session/analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+
+#include "study/psychophysics/normal.h"
+#include "study/session/test/simulated_log.h"
+
+namespace palpate::study {
+namespace {
+
+constexpr std::size_t kThreshold = 0;
+constexpr std::size_t kCurve = 1;
+constexpr std::size_t kStiffness = 2;
+constexpr std::size_t kHold = 3;
+
+// People whose standard deviation with "constant" is `ratio` times that without noise.
+std::vector<Participant> stiffness_group(const Study& study, int people, int trials, double ratio) {
+  std::vector<Participant> group;
+  for (std::uint32_t number = 0; number < static_cast<std::uint32_t>(people); ++number) {
+    Random random(3, number, 0);
+    const double spread = 0.15 + 0.1 * random.uniform();
+    group.push_back(new_participant(number));
+    add_stiffness(group.back(), study, trials, {spread, ratio * spread, spread}, random);
+  }
+  return group;
+}
+
+TEST(Analysis, PrimaryContrastIsFirstAndFindsTheEffect) {
+  const Study study = test_study();
+  const std::vector<Participant> people = stiffness_group(study, 12, 120, 0.65);
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  ASSERT_EQ(found.contrasts.size(), 2U);
+  const Contrast& primary = found.contrasts.front();
+  EXPECT_TRUE(primary.primary);
+  EXPECT_EQ(primary.task, kStiffness);
+  EXPECT_EQ(found.tasks[kStiffness].arms[primary.condition], "constant");
+  EXPECT_EQ(found.tasks[kStiffness].arms[primary.reference], "off");
+  EXPECT_FALSE(primary.holm);
+  ASSERT_TRUE(primary.kept);
+  EXPECT_NEAR(primary.kept->effect, std::log(0.65), 0.12);
+  EXPECT_LT(primary.kept->high, 0.0);
+  EXPECT_LT(primary.kept->p_value, 0.01);
+  EXPECT_EQ(primary.kept->people, 12);
+  const auto is_paper = [&](const Contrast& one) {
+    return one.task == kStiffness && found.tasks[kStiffness].arms[one.condition] == "paper";
+  };
+  const auto paper = std::find_if(found.contrasts.begin(), found.contrasts.end(), is_paper);
+  ASSERT_NE(paper, found.contrasts.end());
+  EXPECT_FALSE(paper->primary);
+  EXPECT_EQ(paper->alternative, "two-sided");
+  ASSERT_TRUE(paper->holm);
+  EXPECT_DOUBLE_EQ(*paper->holm, paper->kept->p_value);  // the only exploratory one of its task
+  EXPECT_LT(std::abs(paper->kept->effect), 0.2);
+}
+
+TEST(Analysis, OneSidedAlternativeHalvesThePValueOnItsSideOnly) {
+  Study study = test_study();
+  const std::vector<Participant> people = stiffness_group(study, 4, 40, 0.8);
+  study.primary->alternative = "two-sided";
+  const Effect both = *analyse(study, people, kTestKey, true).contrasts.front().kept;
+  ASSERT_LT(both.effect, 0.0);
+  study.primary->alternative = "less";
+  EXPECT_NEAR(analyse(study, people, kTestKey, true).contrasts.front().kept->p_value, 0.5 * both.p_value,
+              1e-12);
+  study.primary->alternative = "greater";
+  const Effect greater = *analyse(study, people, kTestKey, true).contrasts.front().kept;
+  EXPECT_NEAR(greater.p_value, 1.0 - 0.5 * both.p_value, 1e-12);
+  // t(3): quantiles 0.975: 3.182446, 0.95: 2.353363, 0.8: 0.978472.
+  EXPECT_NEAR(both.smallest_effect, 0.5 * (both.high - both.low) * (3.182446 + 0.978472) / 3.182446, 1e-6);
+  EXPECT_NEAR(greater.smallest_effect, 0.5 * (both.high - both.low) * (2.353363 + 0.978472) / 3.182446, 1e-6);
+}
+
+TEST(Analysis, BlindAnalysisPoolsByLabelAndNamesNothing) {
+  const Study study = test_study();
+  const std::vector<Participant> people = stiffness_group(study, 3, 20, 0.7);
+  const StudyAnalysis blind = analyse(study, people, kTestKey, false);
+  const StudyAnalysis open = analyse(study, people, kTestKey, true);
+  EXPECT_THAT(blind.tasks[kStiffness].arms, testing::ElementsAre("A", "B", "C"));
+  EXPECT_TRUE(blind.tasks[kStiffness].shares.empty());
+  const std::vector<std::size_t> labels = labels_of_arms(kTestKey, kStiffness, 3);
+  for (std::size_t person = 0; person < 3; ++person) {
+    for (std::size_t arm = 0; arm < 3; ++arm) {
+      const ArmResult& a = open.people[person].tasks[kStiffness].arms[arm];
+      const ArmResult& b = blind.people[person].tasks[kStiffness].arms[labels[arm]];
+      EXPECT_EQ(a.fit->estimate.mean, b.fit->estimate.mean);
+    }
+  }
+  int pairs = 0;
+  for (const Contrast& contrast : blind.contrasts) {
+    EXPECT_FALSE(contrast.primary);
+    EXPECT_EQ(contrast.alternative, "two-sided");
+    EXPECT_GT(contrast.condition, contrast.reference);
+    pairs += contrast.task == kStiffness ? 1 : 0;
+  }
+  EXPECT_EQ(pairs, 3);
+}
+
+TEST(Analysis, EstimateDoesNotDependOnTheOrderOfTheTrials) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 1, 30, 0.7);
+  const double before = analyse(study, people, kTestKey, true).people[0].tasks[2].arms[1].fit->estimate.mean;
+  std::reverse(people[0].log.trials.begin(), people[0].log.trials.end());
+  const StudyAnalysis after = analyse(study, people, kTestKey, true);
+  EXPECT_NEAR(after.people[0].tasks[2].arms[1].fit->estimate.mean, before, 1e-9);
+}
+
+TEST(Analysis, PracticeAndSpoiledTrialsDoNotCount) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 1, 20, 1.0);
+  people[0].log.trials[0].practice = true;
+  people[0].log.trials[3].spoiled = {"clamp", "late"};  // also of the first arm
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  const ArmResult& arm = found.people[0].tasks[kStiffness].arms[0];
+  EXPECT_EQ(arm.trials, 18);
+  EXPECT_EQ(arm.spoiled, 1);
+  EXPECT_THAT(arm.reasons, testing::ElementsAre(testing::Pair("clamp", 1), testing::Pair("late", 1)));
+  EXPECT_EQ(found.people[0].trials, 58);
+  EXPECT_EQ(found.people[0].spoiled, 1);
+  int answers = 0;
+  for (const Point& point : arm.points) answers += point.count.trials;
+  EXPECT_EQ(answers, 18);
+}
+
+TEST(Analysis, PeopleWhoWithdrewAreLeftOut) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 3, 20, 1.0);
+  people[1].log.events.push_back({"2026-03-01T10:00:00Z", "withdrawn", {}});
+  people[1].log.events.push_back({"", "blinding", {{"who", "participant"}, {"task", "stiffness"}}});
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  EXPECT_EQ(found.withdrawn, 1);
+  EXPECT_TRUE(found.people[1].tasks.empty());
+  EXPECT_EQ(found.contrasts.front().everybody->people, 2);
+  EXPECT_TRUE(found.guesses.empty());
+}
+
+TEST(Analysis, ExcludedPeopleAreShownBothWays) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 4, 20, 1.0);
+  for (int i = 0; i < 10; ++i) {  // 6 of 10 catch trials correct
+    TrialRecord& trial = people[0].log.trials[static_cast<std::size_t>(i)];
+    trial.catch_trial = true;
+    trial.level = 1.0;
+    trial.counted = i < 6;
+  }
+  for (std::size_t i = 0; i < 7; ++i) people[1].log.trials[i].spoiled = {"band"};  // 7 of 60
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  EXPECT_EQ(found.excluded, 2);
+  EXPECT_THAT(found.people[0].exclusions,
+              testing::ElementsAre("6 of 10 catch trials correct, less than 70 %"));
+  EXPECT_THAT(found.people[1].exclusions, testing::ElementsAre("7 of 60 trials spoiled, more than 10 %"));
+  EXPECT_EQ(found.contrasts.front().kept->people, 2);
+  EXPECT_EQ(found.contrasts.front().everybody->people, 4);
+}
+
+TEST(Analysis, ThresholdOutsideTheRangeIsNoNumber) {
+  const Study study = test_study();
+  std::vector<Participant> people = {new_participant(0), new_participant(1)};
+  for (Participant& person : people) {
+    Random random(5, person.number, 0);
+    const double threshold = person.number == 0 ? -0.8 : -2.0;  // the range ends at -1
+    const auto function = grid_of(study.tasks[kThreshold]).function;
+    add_trials(
+        person, study, kThreshold, 60, levels_near(study.tasks[kThreshold], threshold, 0.6),
+        [&](std::size_t, double level, double) {
+          return function(level, {threshold, 2.5, 0.0});
+        },
+        random);
+  }
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  EXPECT_FALSE(is_number(found.people[0].tasks[kThreshold].arms[0].fit));
+  EXPECT_THAT(found.people[0].flags, testing::Contains("threshold: range of stimuli too small"));
+  ASSERT_TRUE(is_number(found.people[1].tasks[kThreshold].arms[0].fit));
+  // 75 % lies at t + log10(ln 2)/b = -2 - 0.0637.
+  EXPECT_NEAR(found.people[1].tasks[kThreshold].arms[0].fit->estimate.mean, -2.064, 0.15);
+  EXPECT_FALSE(found.people[0].reached);
+  ASSERT_TRUE(found.people[1].reached);
+  EXPECT_NEAR(found.people[1].reached->mean, 0.0, 1e-12);  // no repetition: the same trials
+}
+
+TEST(Analysis, ShareReachedComparesTheFirstThresholdWithAllTrials) {
+  const Study study = test_study();
+  std::vector<Participant> people = {new_participant(0)};
+  Random random(6, 0, 0);
+  const auto function = grid_of(study.tasks[kThreshold]).function;
+  for (const double threshold : {-2.2, -1.9}) {
+    add_trials(
+        people[0], study, kThreshold, 80, levels_near(study.tasks[kThreshold], threshold, 0.4),
+        [&](std::size_t, double level, double) {
+          return function(level, {threshold, 3.0, 0.0});
+        },
+        random);
+  }
+  for (std::size_t i = 80; i < 160; ++i) people[0].log.trials[i].repeat = true;
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  const ArmResult& arm = found.people[0].tasks[kThreshold].arms[0];
+  EXPECT_EQ(arm.fit->trials, 80);
+  EXPECT_EQ(arm.repeated->trials, 80);
+  EXPECT_NEAR(arm.repeated->estimate.mean - arm.fit->estimate.mean, 0.3, 0.12);
+  // The noise was set by a threshold that was too low, so less than the share was reached.
+  EXPECT_LT(found.people[0].reached->mean, -0.05);
+  EXPECT_LT(found.people[0].reached->low, found.people[0].reached->mean);
+  EXPECT_GT(found.people[0].reached->high, found.people[0].reached->mean);
+  EXPECT_THAT(found.people[0].flags,
+              testing::Contains(testing::HasSubstr("threshold changed by a factor of")));
+}
+
+TEST(Analysis, ForceControlComparesMeansOfLogarithms) {
+  const Study study = test_study();
+  // ln rms with "constant" less that without noise: -0.1, -0.2, -0.3. t(2, 0.975) = 4.302653, s = 0.1.
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < 3; ++number) {
+    people.push_back(new_participant(number));
+    for (std::size_t arm = 0; arm < 3; ++arm) {
+      for (const double factor : {0.5, 2.0}) {
+        TrialRecord trial;
+        trial.task = "hold";
+        trial.code = code_of(number, kHold, arm, 3);
+        trial.level = 1.0;
+        trial.rms_error = 0.2 * factor * (arm == 1 ? std::exp(-0.1 * (number + 1)) : 1.0);
+        trial.variation = 0.1;
+        people.back().log.trials.push_back(trial);
+      }
+    }
+  }
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  const auto rms = std::find_if(found.contrasts.begin(), found.contrasts.end(), [](const Contrast& one) {
+    return one.task == kHold && one.condition == 1 && one.measure == "ln_rms";
+  });
+  ASSERT_NE(rms, found.contrasts.end());
+  EXPECT_NEAR(rms->kept->effect, -0.2, 1e-12);
+  EXPECT_NEAR(rms->kept->high, -0.2 + 4.302653 * 0.1 / std::sqrt(3.0), 1e-6);
+}
+
+// People with a share of correct answers at each share of the noise.
+StudyAnalysis curve_group(const Study& study, const std::vector<double>& correct, std::uint32_t group) {
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < 16; ++number) {
+    Random random(7, number, group);
+    people.push_back(new_participant(number));
+    add_trials(
+        people.back(), study, kCurve, 40, {-1.5},
+        [&](std::size_t arm, double, double) { return correct[arm]; }, random);
+  }
+  return analyse(study, people, kTestKey, true);
+}
+
+TEST(Analysis, InvertedUIsFoundForStochasticResonanceAndNotForALinearObserver) {
+  const Study study = test_study();
+  psychophysics::Observer linear = psychophysics::make_observer("linear");
+  std::vector<double> harmed;
+  for (const Arm& arm : study.tasks[kCurve].arms) {
+    harmed.push_back(psychophysics::probability_second(linear, {0.1907, 0.5818 * arm.share, true}));
+  }
+  EXPECT_NEAR(harmed.front(), 0.65, 0.001);
+  int claimed = 0;
+  for (std::uint32_t group = 0; group < 20; ++group) {
+    claimed += curve_group(study, harmed, group).curves.front().found ? 1 : 0;
+  }
+  EXPECT_LE(claimed, 2);
+  const StudyAnalysis found =
+      curve_group(study, {.65, .69556716, .7577147, .76822891, .72827633, .66273063}, 1);
+  ASSERT_EQ(found.curves.size(), 1U);
+  EXPECT_TRUE(found.curves[0].found);
+  EXPECT_EQ(found.curves[0].d_primes.size(), 16U);
+  // d' of 65 % in two intervals: sqrt 2 z(0.65).
+  EXPECT_NEAR(found.curves[0].levels[0].mean, 0.5449, 0.2);
+}
+
+TEST(Analysis, CurveIsShownBlindWithoutTheTestOfItsShape) {
+  const Study study = test_study();
+  std::vector<Participant> people;
+  for (std::uint32_t number = 0; number < 3; ++number) {
+    Random random(8, number, 0);
+    people.push_back(new_participant(number));
+    add_trials(
+        people.back(), study, kCurve, 20, {-1.5}, [](std::size_t, double, double) { return 0.7; }, random);
+  }
+  const StudyAnalysis blind = analyse(study, people, kTestKey, false);
+  ASSERT_EQ(blind.curves.size(), 1U);
+  EXPECT_FALSE(blind.curves[0].inverted_u);
+  EXPECT_FALSE(blind.curves[0].found);
+}
+
+EventRecord guess(const char* code, const char* answer, const char* confidence) {
+  return {"",
+          "blinding",
+          {{"who", "participant"},
+           {"task", "stiffness"},
+           {"code", code},
+           {"answer", answer},
+           {"confidence", confidence}}};
+}
+
+TEST(Analysis, BangIndexIsTheShareOfRightLessThatOfWrongGuesses) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 1, 10, 1.0);
+  const std::string noise = code_of(0, kStiffness, 1, 3);
+  const std::string off = code_of(0, kStiffness, 0, 3);
+  for (const char* answer : {"yes", "yes", "yes", "no", "unsure"}) {
+    people[0].log.events.push_back(guess(noise.c_str(), answer, "3"));
+  }
+  for (const char* answer : {"yes", "no"}) people[0].log.events.push_back(guess(off.c_str(), answer, "5"));
+  const std::vector<Guesses> blind = analyse(study, people, kTestKey, false).guesses;
+  ASSERT_EQ(blind.size(), 1U);  // pooled
+  EXPECT_EQ(blind[0].yes, 4);
+  EXPECT_EQ(blind[0].no, 2);
+  EXPECT_EQ(blind[0].unsure, 1);
+  EXPECT_FALSE(blind[0].index);
+  const std::vector<Guesses> open = analyse(study, people, kTestKey, true).guesses;
+  ASSERT_EQ(open.size(), 2U);
+  EXPECT_FALSE(open[0].noise);
+  EXPECT_NEAR(open[0].index->mean, 0.0, 1e-12);
+  EXPECT_NEAR(open[1].index->mean, 0.4, 1e-12);  // 3/5 - 1/5
+  EXPECT_NEAR(open[1].confidence, 3.0, 1e-12);
+  // sd of (right - wrong)/5: sqrt((0.6 + 0.2 - 0.4^2)/5) = 0.35777.
+  EXPECT_NEAR(open[1].index->sd, 0.35777, 1e-5);
+}
+
+TEST(Analysis, UnknownTaskOrCodeIsRejected) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 1, 5, 1.0);
+  people[0].log.trials[0].code = "c4";
+  EXPECT_THROW((void)analyse(study, people, kTestKey, false), InputError);
+  people[0].log.trials[0].task = "squeeze";
+  EXPECT_THROW((void)analyse(study, people, kTestKey, false), InputError);
+}
+
+}  // namespace
+}  // namespace palpate::study
