@@ -1,3 +1,38 @@
+// Where should a fit of the law to measured forces begin? The sum of squares over k_1, beta, q, L_1 and
+// the relaxation has several local optima, because layers fill in order and each end of a layer is a
+// corner of F(D). One start finds the nearest of them. So a coarse grid is judged first, and its best
+// points, spread out, become the starts of the refinement (local_optima.cc).
+//
+//     grid over L_1, q, beta      times relaxation guesses, or depths of the first contact
+//        |    at each point: k_1 and the offset by linear least squares; the cost is what remains.
+//        v
+//     for each L_1: points near a better one are dropped; the best `most` stay.
+//        |
+//        v
+//     starts, from each value of L_1 -> refined in local_optima.cc -> distinct optima
+//
+// Three facts keep the grid small:
+// - For fixed beta, q, L_1 and relaxation the force is proportional to k_1. So the best k_1 and offset
+//   follow from six weighted sums (LineSums), and the grid has one arbitrary k_1 that is scaled
+//   afterwards. A point whose best scale is not positive is no start. On a profile that holds k_1 the
+//   scale is 1.
+// - All values are logarithms: a step of the grid is a factor. L_1 is relative to the deepest measured
+//   depth.
+// - Only a start has to be right, not an estimate. So all parts share one offset here, the first contact
+//   is the mean of its prior or 1.5 deviations beside it, and the prior of the offset counts like 5 % more
+//   points that measure 0.
+//
+// The best of each L_1 are kept, and not the best of all. A coarse grid misses the narrow optimum of a law
+// with steep layers, and would give all starts to the broad ones.
+//
+// Two starts are neighbours when none of their logarithms beta, q, L_1 and relaxation differs by 0.3 or
+// more. k_1 does not count, because it follows from the others.
+//
+// With relaxation every evaluation integrates the history, which is dear. Then the depths of the first
+// contact are left out, and the relaxation times are a few spreads over the range that the data resolve:
+// from twice the shortest step to half of the duration. multistart_points_at() does all this with one
+// parameter held, for a profile of the confidence interval.
+
 #include "fit/identify/multistart.h"
 
 #include <algorithm>

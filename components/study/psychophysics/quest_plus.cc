@@ -1,3 +1,38 @@
+// QUEST+ [Watson 2017]: which stimulus teaches most about a person's psychometric function?
+//
+// The method holds a probability for each cell of a grid: location x spread x lapse rate.
+//
+//     prior --> next(): the level with the least expected entropy --> the person answers --+
+//                  ^                                                                       |
+//                  +------------- posterior <-- update(): Bayes, p(cell) *= P(answer | cell)
+//
+// next() is the dear step. It needs, for every level, the mean entropy of the posterior over both answers.
+// It does not form these posteriors. The expected entropy is today's entropy less the mutual information
+// of answer and parameters, and that needs only the probability of the answer in each cell:
+//
+//     gain(level) = H(sum_c p_c y_c) - sum_c p_c H(y_c),    H(y) = -y ln y - (1 - y) ln(1 - y)
+//
+// with p_c the probability of cell c and y_c that of the counted answer in it. The first term is the
+// uncertainty of the answer as we see it. The second is what would remain if the parameters were known. A
+// level is useful where cells disagree about the answer, and useless where all agree, however uncertain
+// that answer is.
+//
+// Three things make this fast:
+// - y is linear in the lapse rate for both shapes. A table over levels and pairs (location, spread) holds
+//   y without lapses and its slope, instead of one entry for each lapse rate.
+// - When the lapse rate is a nuisance [Prins 2013], the entropy of location and spread alone counts.
+//   Because y is linear, a pair answers like one cell at its mean lapse rate. So groups() sums the lapse
+//   rates out. Without this, the method would spend trials on easy stimuli, to learn about lapses.
+// - H comes from a table of cubic pieces.
+//
+// Ties within 1e-9 nats go to the lowest level, and own logarithms have the same bits on any x86-64. So a
+// log of stimuli and answers replays exactly. A stimulus is not shown more than most_repeats times in
+// succession: a person would learn the answer.
+//
+// An answer that is impossible in every cell throws and leaves the posterior as it is. A grid with a lapse
+// rate above 0 avoids this. estimate() gives mean, deviation and interval of any function of the
+// parameters; edge_probability() and lapses_often() warn when the grid or the person does not fit.
+
 #include <algorithm>
 #include <array>
 #include <cmath>

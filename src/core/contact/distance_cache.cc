@@ -1,3 +1,39 @@
+// Which points of a rigid part are inside the organ? A tick may not query all of its up to 2,000 points.
+// It need not: when no point of the part moves by more than m, no signed distance changes by more than m.
+// So a point that was d from the surface, when the odometer read o, cannot cross before the odometer reads
+// o + |d| (conservative advancement).
+//
+//     surface          bound at odometer x        point, when it was queried at odometer o
+//        |<----- d - (x - o) ----->|<----- x - o ----->|
+//        |-------------------------+-------------------o
+//
+// The odometer is the sum, over the ticks, of a bound of the largest motion of any point relative to the
+// organ (largest_motion). move() asks at three levels, each only where the level above leaves a doubt:
+//
+//     part       next_crossing_: until the odometer reaches it, a tick queries nothing
+//     cluster    up to 32 neighbouring points: `crossing` is the least o + |d| of them
+//     point      may_have_crossed(): |d| <= x - o
+//
+// When many points of a cluster are in doubt, the distance of the cluster's centre is queried first. Less
+// each point's offset from the centre, it often settles their sides at the cost of one query. An outside
+// point first asks for a clearance, a lower bound of its distance. If the clearance spheres of then and
+// now overlap, and the new one contains the motion of this tick, the point has stayed outside. Only then
+// is its distance queried.
+//
+// A point that went in becomes an entry. The entry is where the straight path of this tick first crosses
+// the surface. A point that is outside before and after may still have passed through a thin organ. Its
+// path is tested when it is long enough to reach the surface and return.
+//
+// Three cases need more:
+// - Next to a proxy no point may start a contact. Clusters that lie wholly within reach of a proxy are
+//   deferred: their points are not queried. When the proxy has moved away, resolve() finds the sides
+//   again, without entries.
+// - A part that jumps, or has its first pose, has no path. reset() finds all sides, without entries.
+// - find_nearest() needs an exact distance. It queries the point that was nearest in its last search, and
+//   then only points whose lower bound is below the least distance found so far.
+//
+// The margins kInside and kBoundSlack cover rounding. The results equal those of querying every point.
+
 #include "core/contact/distance_cache.h"
 
 #include <algorithm>

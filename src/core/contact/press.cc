@@ -1,3 +1,38 @@
+// The press contacts of one rigid part, up to four at a time. Each contact is a proxy (proxy.cc). Two
+// contacts may press one edge or one concave organ from two sides. They must not press the same tissue
+// twice.
+//
+//                 a point entered, or is shallow inside.
+//       (none) ------------------------------------------> holding depth back
+//         ^                                                      |
+//         |  patch depth 0, or the part jumped.                  | within 50 ms.
+//         |<---------------------------------------------- pressing in full
+//         |                                                   |      ^
+//         |                  lost, or merged with a stronger. |      | no longer lost (never after merging).
+//         |                                                   v      |
+//         +------------------------------------------------- fading
+//                           fade weight is 0
+//
+// update_press() does the steps of one tick in this order:
+//
+// 1. Every proxy walks. A contact whose patch has no depth ends.
+// 2. Of two proxies closer than R_ref/10, the weaker is merged into the other. A proxy is lost while p* is
+//    more than R_ref/10 aside, towards a deeper contact of the part: it slides into the other's patch.
+//    Both are stale. A stale contact fades within 100 ms and gets no deeper, so that load sharing gives
+//    its part to the others without a step.
+// 3. If this ended the last contact, and a point is deeper than 1 mm inside, the surface above the tool is
+//    unknown. The part then starts no contact until it has been outside.
+// 4. New contacts start, first at points that entered in this tick, at the place of entry. Then some of
+//    the points that are at most 0.5 mm inside are tried, in turn, a few in each tick: they find a second
+//    contact that grows under a part that already touches.
+// 5. Every contact computes its force. Load sharing between all contacts of all tools follows in
+//    contact.cc.
+//
+// A contact starts only where it is needed: farther than R_ref from the part's other contacts, near the
+// centroid of its own patch, and not lost from the beginning. A point that is not near its centroid passes
+// the attempt on to the tool point at the centroid, at most twice. If the part has a contact, the new one
+// may be at most 1 mm deep. The number of patches evaluated in a tick is bounded, which bounds its time.
+
 #include "core/contact/press.h"
 
 #include <algorithm>

@@ -1,3 +1,38 @@
+// The proxy c of a press contact: a point on the organ's rest surface that stays under the deepest part of
+// the tool, and carries the force. The tool may be inside the tissue; the proxy never is.
+//
+//                tool \           n ^           /
+//     tangent plane ---\-----------c----------/----    D: depth of the deepest tool point behind the plane
+//                       \            \        /   |     n: normal, that of the averaged surface at c
+//                        \____________p*_____/    v D   p*: centroid of the points within 0.2 mm of D
+//
+// The patch (D and p*) belongs to one position and normal of the proxy (contact_patch.cc). walk() moves c
+// along the surface towards p*. The walk ends where p* is straight below c. In a tick:
+//
+//     find the patch
+//     at most kWalkSteps times:
+//         step towards p*, along the surface (OrganSurface::walk)
+//         turn n towards the surface normal at the new c
+//         find the patch again
+//     turn n further, as far as the limit allows
+//
+// A step that is too long makes p* swing from side to side. So a step grows by half while it goes on in
+// its direction, and is halved when it reverses. After a rest it starts again at an eighth of the motion
+// since. One tick moves c by at most kWalkSpeed T plus the tool's own motion there, and turns n by at most
+// this length over R_ref. So at an edge of the organ, or at a new deepest corner of the tool, the force
+// turns over several ticks and not in one.
+//
+// The force follows from D, less the depth that is held back:
+//
+//     D - held back -> spring law -> relaxation -> + damping x speed -> normal force -> friction
+//
+// - A contact that starts deep, such as the second one of an edge that is already inside, holds back what
+//   is deeper than the tool's motion of the tick. The held-back depth is admitted evenly within kLetIn.
+// - The speed is that of the tool's material at the point of application, not dD/dt, which has the steps
+//   of the walk. The damping grows with depth up to kDampingDepth, so that the first touch has no jump.
+// - The point of application follows p* at a limited speed.
+// - A stale proxy (press.cc) loses its weight within kFade, and holds back all depth that it would gain.
+
 #include "core/contact/proxy.h"
 
 #include <algorithm>

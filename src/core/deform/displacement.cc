@@ -1,3 +1,44 @@
+// How the surface around a contact moves: the displacement profile u(r), and the rules that keep a deep
+// press inside the organ. docs/model.md, section 3, has the formula; the paper has none.
+//
+// In the paper's spring network, a cross bar below each spring carries four springs of the next layer. So
+// layer i spreads over a wider circle than layer i - 1. The profile is a sum of six paraboloids, one for
+// each layer. All have their top at the contact, and each has its own radius R_i and weight w_i:
+//
+//     u/D
+//      1 |*                                   u(r) = D sum_i w_i max(0, 1 - (r/R_i)^2)
+//        | *
+//        |  *                                 narrow layers: the pit under the tip;
+//        |   **                               wide ones: the long slope around it.
+//        |     ***
+//        |        ******
+//      0 +---+----+----+--------************---- r, along the surface
+//           R_1  R_2  R_3  ...           R_6
+//
+// - R_1 = c R (D/R)^p follows the radius of contact of a ball of radius R; with p = 1/2 it is c sqrt(R D).
+//   The steps from R_1 to R_6 form a geometric series.
+// - The weights fall by the factor g from layer to layer. Their sum is 1, so that u(0) = D.
+// - u(r) has a corner in its slope at each R_i. Light would show them as rings. rounded_at() averages u
+//   over a band of relative width `share` about r, from the integral of each paraboloid.
+//
+// A profile is for one contact. SurfaceDeformer (palpate/surface.h) blends several, with distances r along
+// the surface. Two rules limit the depth that is drawn; the force does not know them:
+//
+//     drawn depth
+//     0.9 |- - - - - - - - - -
+//         |           ..-----       depths relative to the organ's thickness
+//     0.7 |        .-'
+//         |     .'
+//         |  .'
+//         +-------+--------- depth
+//                0.7
+//
+// limited_depth() draws a press unchanged up to 0.7 of the thickness. Deeper presses follow a hyperbola
+// with the same slope at the joint, which stays below 0.9 for any depth. So the pressed side never comes
+// out of the far side. opposition_factors() does this for two presses from opposite sides, with the
+// distance of their contacts as thickness. The sum of their depths is limited, and both are lowered by one
+// factor. The rule sets in gradually with the angle between the presses.
+
 #include <algorithm>
 #include <cmath>
 #include <utility>

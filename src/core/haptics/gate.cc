@@ -1,3 +1,36 @@
+// The one gate between the computed force and the device. Whatever contact computes, what leaves here is
+// finite, within the device's limits, without sudden changes, and does not keep on giving energy.
+//
+//     tissue -> duty limit --> slew reserve -> passivity control -+
+//                                                                 +-> clamp -> slew -> command
+//     touch noise ------> noise scale ----------------------------+
+//     commanded force --> noise scale, duty limit ----------------+
+//
+//     a latched fault replaces all of this by a ramp to zero
+//
+// 1. Account. The force of the last tick, times the motion since, is the energy that went to the hand. The
+//    observer keeps two accounts: the tissue's, which may only return what the hand has put in, and that
+//    of the noise and the commanded force, which are open-loop sources with an allowance (passivity.h).
+//    The motion is relative to the organ for the tissue, so that a breathing organ's work is not charged
+//    to the hand.
+// 2. Duty. The mean square of the written force lowers the force near what the motors hold without a
+//    limit.
+// 3. Finite. A force that is not finite is a fault.
+// 4. Slew reserve. The slew limit delays the fall of a force that the hand moves away from. So the force
+//    is limited to what can be brought to zero before the hand gets more energy than it has put in.
+// 5. Passivity control. While the tissue has given too much, damping is added against the recent motion.
+// 6. Limits. The sum is clamped and then slewed, both as vector norms, so that no direction is favoured. A
+//    limit may take away the damping of step 5. keep_dissipation() then moves the limited vector against
+//    the motion, as far as both limits allow.
+//
+// Noise scale, reserve and control act only on a held device (`controlled`); otherwise the energy is only
+// observed.
+//
+// A fault latches. The commands ramp to exactly zero and stay there until reset_fault(). The ramp takes
+// kFaultFall, because a step to zero would kick the hand. After Fault::kUnstable it takes kUnstableFall,
+// and what gives energy along the motion goes first. After a stall there is no ramp: the watchdog has
+// already removed the force, and a ramp would begin with a jump up.
+
 #include "core/haptics/gate.h"
 
 #include <algorithm>

@@ -1,3 +1,38 @@
+// Writes a recording as one HDF5 file, so that a killed process or a full disk costs at most the last
+// rows.
+//
+//     /           attributes: format, version, compiler, machine, start time, seed, rate.
+//     /scene      the scene as JSON, with a content hash; a replay reads it.
+//     /organ      vertices and triangles, each with a content hash.
+//     /tools/T/parts/P    likewise, for each rigid part of each tool
+//     /tissue     attributes: the tissue's values again, for other programs.
+//     /run        summary; every value is created at the beginning and filled at the end, `complete` last.
+//     /ticks      one row per hand and tick, in chunks of 1,024 rows, each chunk with a checksum.
+//     /changes    parameter updates, with the tick from which they apply
+//
+//     constructor -> start() -> append(), flush() ... -> write_summary() -> close()
+//                                    | a write failed
+//                                    +--------------------> abandon()
+//
+// Killed. start() switches to HDF5's SWMR mode, in which the file on disk can be read at any time. In this
+// mode no dataset, group or attribute can be added: this is why the constructor creates all of them. Rows
+// reach the system with flush(), and the disk with flush(true). Updates are flushed before rows, so that a
+// file that ends early has the updates of all its ticks. A reader takes a file without `complete` for one
+// that ended early.
+//
+// Disk full. HDF5 1.10.8 corrupts a file when one of its writes fails. So reserve_space() takes disk space
+// from the file system ahead of every append. At least 4 MiB are reserved at any time, enough for HDF5's
+// caches and the summary. When no more can be had, append() throws before it writes, and the reserve still
+// holds the end of the file. close() returns the rest of the reserve.
+//
+// Failed write. `damaged_` is set during each step that writes, and stays set when the step throws. To
+// close the file would then corrupt it. abandon() forgets the HDF5 objects instead: the file stays as a
+// killed process would have left it, with all rows of the last flush.
+//
+// In SWMR mode HDF5 gives its lock up. start() takes another one, which shows `palpate repair` that the
+// file is still being written. One thread uses the writer (recorder.cc); the loop never waits for it in
+// real time.
+
 #include "io/record/recording_writer.h"
 
 #include <algorithm>

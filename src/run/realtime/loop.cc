@@ -1,3 +1,43 @@
+// The real-time loop: one thread that calls haptics::tick() once a period and nothing else may delay.
+// run_loop() prepares it (memory lock, watchdog, priority, core), waits for its end and writes the remarks
+// of the report.
+//
+//     wait until due -> begin -> update -> read -> tick -> write -> hand over -+
+//          ^                                                                  |
+//          +------------------------------------------------------------------+
+//
+// - wait: until an absolute deadline, an anchor plus whole periods (schedule.h). A tick that begins a full
+//   period or more late moves the anchor. No tick number is skipped, and no burst makes up for lost time.
+// - begin: notes the lateness, shows the watchdog a sign of life and finds out whether the loop had
+//   stalled.
+// - update: takes at most one parameter update that waits for this tick (take_change).
+// - read: one sample per hand. Faults that the loop found, and resets that a user asked for, become part
+//   of the sample. So the recorded row has them, and a replay repeats them.
+// - tick: computes commands and rows. It is a pure function of world, state, samples and tick number.
+// - write: one command per hand, in the device's frame. A device that refuses has Fault::kDevice in the
+//   next tick.
+// - hand over: passes rows and state to the observers, which must not block.
+//
+// The vectors have their sizes before the first tick, and run() is noexcept. Requests of other threads
+// come through RunControl.
+//
+// A stall. The watchdog is a second thread. When no tick has begun for too long, it stops the devices
+// itself. The loop may then be in the middle of a tick, with a force ready to be written:
+//
+//     watchdog   -------- stop() ----------------------------------------------------------
+//     loop       .. hangs .......... writes zero | next tick: kStalled, zero until the gate is at 0
+//
+// A stop before the writes replaces them by zero. A stop during the writes is repeated after them
+// (write_commands), because the last call must leave no force. The next tick latches Fault::kStalled on
+// every hand without another fault. Zero is written until the gate's own command is zero, so that the
+// force does not jump back.
+//
+// A pause exists only in real time without a watchdog, which means that nobody holds a device. The devices
+// are stopped, and the schedule starts again afterwards, so that no tick is late because of it. Offline
+// the loop waits for nothing and writes no times into the rows: the same scene gives the same rows.
+//
+// However the loop ends, StopAtEnd stops every device.
+
 #include "run/realtime/loop.h"
 
 #include <algorithm>
