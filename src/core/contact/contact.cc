@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/contact/contact_constants.h"
 #include "core/contact/load_sharing.h"
 #include "core/contact/press.h"
 #include "core/contact/state.h"
@@ -63,7 +64,6 @@ void place_inclusions(const std::vector<model::Inclusion>& inclusions, World::Da
 /// Moves one part. @return false when the part jumped (DistanceCache::move): its contacts are dropped, and it
 /// starts none until it has been outside the organ
 bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
-  constexpr double kOutside = -1e-6;  // m; a part that only touches counts as outside
   std::array<Vec3, kContactsPerPart> contacts_S;
   std::size_t count = 0;
   for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
@@ -183,8 +183,6 @@ void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexc
   result.distance = nearest.distance;
   result.nearest_W = organ_W * nearest.point;
   const Vec3 to_tool = distances.point_S(distances.nearest_point()) - nearest.point;
-  constexpr double kTouching =
-      1e-9;  // m; below this the direction is rounding noise, so the surface normal is used
   Vec3 away = nearest.normal;
   if (nearest.distance > kTouching) away = to_tool.normalized();
   result.away_W = organ_W.rotation * away;

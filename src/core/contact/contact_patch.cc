@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/contact/contact_constants.h"
+
 namespace palpate::contact {
 namespace {
 

@@ -5,9 +5,6 @@
 
 namespace palpate::contact {
 
-/// Width of the patch: points within this depth of the deepest one carry the contact [m].
-inline constexpr double kPatchBand = 0.2e-3;
-
 /// The part's points that carry a contact, in the frame of the query.
 struct ContactPatch {
   double depth = 0.0;            // D [m]; 0: no point is behind the tangent plane

@@ -42,15 +42,6 @@
 #include "palpate/tool_contact.h"
 
 namespace palpate::contact {
-namespace {
-
-// When more points of a cluster than this need a query, the cluster's centre is queried first.
-constexpr std::size_t kFewPoints = 4;
-
-constexpr double kContactDrift = 0.1;  // m/s; twice the speed at which a proxy may move relative to the tool
-
-}  // namespace
-
 DistanceCache::DistanceCache(const OrganSurface& surface, const PartPoints& points)
     : surface_(&surface),
       points_(&points),

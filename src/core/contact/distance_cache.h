@@ -8,17 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "core/contact/contact_constants.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/tool_points.h"
 
 namespace palpate::contact {
-
-/// Largest speed of a hand [m/s]. A faster part has jumped, for example after a device reading was lost.
-inline constexpr double kFastestHand = 20.0;
-
-/// A point is inside the organ when its signed distance is below this [m]. The margin keeps rounding from
-/// moving a touching tool in and out.
-inline constexpr double kInside = -1e-9;
 
 /// A pose with its rotation as a matrix, which is cheaper for many points.
 struct RigidTransform {

@@ -2,16 +2,11 @@
 
 #include <algorithm>
 
+#include "core/contact/contact_constants.h"
 #include "core/contact/state.h"
 
 namespace palpate::contact {
 namespace {
-
-constexpr double kClosedBelow = 0.3;  // gripper value, 0 closed to 1 open
-constexpr double kOpenAbove = 0.5;    // gripper value
-constexpr double kGraspReach = 1e-3;  // m, largest distance of a jaw from the organ at which it grasps
-constexpr double kPressFade = 20e-3;  // s
-constexpr double kLetGoFade = 25e-3;  // s
 
 /// Whether a part grasps: a jaw, or any part of a tool without jaws.
 bool holds(const ToolPoints& points, std::size_t part) noexcept {

@@ -37,16 +37,10 @@
 
 #include <algorithm>
 
+#include "core/contact/contact_constants.h"
+
 namespace palpate::contact {
 namespace {
-
-// Constants of the press rules (docs/model.md, section 4).
-constexpr double kShallow = 0.5e-3;      // m, an inside point up to this deep may start a contact
-constexpr double kDeepestSecond = 1e-3;  // m, largest D of a second contact of a part at its start
-// m, a part that loses its last contact below this distance starts none until it has been outside
-constexpr double kDeepInside = -1e-3;
-constexpr int kMaxEvaluations = 8;          // patches evaluated for new contacts per tick and part
-constexpr std::uint32_t kPointsTried = 32;  // inside points tried in turn per tick and part
 
 void remove_contact(PartState& part, int index) noexcept {
   for (int i = index; i + 1 < part.contact_count; ++i) {

@@ -39,22 +39,11 @@
 #include <cmath>
 
 #include "core/base/portable_math.h"
+#include "core/contact/contact_constants.h"
 #include "core/contact/load_sharing.h"
 
 namespace palpate::contact {
 namespace {
-
-// Constants of the press rules (docs/model.md, section 4).
-constexpr double kWalkSpeed = 0.05;    // m/s, of the proxy relative to the tool
-constexpr double kTouchSpeed = 0.1;    // m/s, of the point of application relative to the tool
-constexpr double kStillStep = 0.1e-6;  // m, a shorter step ends the walk
-constexpr int kWalkSteps = 3;          // steps per tick
-constexpr double kRestartShare = 8.0;  // the first step is the motion since the last walk, divided by this
-// R_ref times this: distance of the proxy from the patch centroid above which it may be lost
-constexpr double kLost = 0.1;
-constexpr double kLetIn = 50e-3;        // s, in which held-back depth is admitted
-constexpr double kFade = 100e-3;        // s, in which a stale proxy fades out
-constexpr double kDampingDepth = 1e-3;  // m, depth from which the damping counts in full
 
 /// Turns `normal` towards `goal` by at most `most` [rad]. @return the angle turned [rad]
 double turn_towards(Vec3& normal, const Vec3& goal, double most) noexcept {

@@ -1,6 +1,6 @@
 #include "core/haptics/workspace.h"
 
-#include "core/contact/distance_cache.h"
+#include "core/contact/contact_constants.h"
 
 namespace palpate::haptics {
 

@@ -1,0 +1,75 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+/// Constants of the contact rules that act in a tick (docs/model.md, section 4). Those that prepare organ and
+/// tools are in organ_arrays.h, averaged_normals.h and tool_points.cc.
+namespace palpate::contact {
+
+// Geometry.
+
+/// Largest speed of a hand [m/s]. A faster part has jumped, for example after a device reading was lost.
+inline constexpr double kFastestHand = 20.0;
+/// A point is inside the organ when its signed distance is below this [m]. The margin keeps rounding from
+/// moving a touching tool in and out.
+inline constexpr double kInside = -1e-9;
+/// A part is outside from this distance on [m]: a part that only touches counts as outside.
+inline constexpr double kOutside = -1e-6;
+/// Below this distance [m] the direction to the tool is rounding noise; the surface normal replaces it.
+inline constexpr double kTouching = 1e-9;
+/// Width of the patch: points within this depth of the deepest one carry the contact [m].
+inline constexpr double kPatchBand = 0.2e-3;
+
+// Start and end of a press contact.
+
+/// An inside point up to this deep may start a contact [m].
+inline constexpr double kShallow = 0.5e-3;
+/// Largest D of a second contact of a part at its start [m].
+inline constexpr double kDeepestSecond = 1e-3;
+/// A part that loses its last contact below this distance [m] starts none until it has been outside.
+inline constexpr double kDeepInside = -1e-3;
+/// Bounds of a tick's time: patches evaluated for new contacts, and inside points tried in turn; each part.
+inline constexpr int kMaxEvaluations = 8;
+inline constexpr std::uint32_t kPointsTried = 32;
+/// Distance of the proxy from the patch centroid, in R_ref, above which it may be lost (decision 13).
+inline constexpr double kLost = 0.1;
+/// Time in which a stale proxy fades out [s], so that load sharing has no step (decision 13).
+inline constexpr double kFade = 100e-3;
+/// Time in which held-back depth is admitted [s].
+inline constexpr double kLetIn = 50e-3;
+
+// Walk of the proxy.
+
+/// Speed of the proxy relative to the tool [m/s].
+inline constexpr double kWalkSpeed = 0.05;
+/// A shorter step ends the walk [m].
+inline constexpr double kStillStep = 0.1e-6;
+/// Steps per tick.
+inline constexpr int kWalkSteps = 3;
+/// The first step is the motion since the last walk, divided by this.
+inline constexpr double kRestartShare = 8.0;
+/// Speed of the point of application relative to the tool [m/s] (decision 15).
+inline constexpr double kTouchSpeed = 0.1;
+/// Depth from which the damping counts in full [m].
+inline constexpr double kDampingDepth = 1e-3;
+
+// Distance cache. Results do not depend on the first one, nor on the second one while it is large enough.
+
+/// When more points of a cluster than this need a query, the cluster's centre is queried first.
+inline constexpr std::size_t kFewPoints = 4;
+/// Drift of a proxy relative to the tool that deferred clusters allow for [m/s]: twice the
+/// largest.
+inline constexpr double kContactDrift = 2.0 * kWalkSpeed;
+
+// Grasp.
+
+/// Gripper values, 0 closed to 1 open: the jaws hold below the first and let go above the second.
+inline constexpr double kClosedBelow = 0.3;
+inline constexpr double kOpenAbove = 0.5;
+/// Largest distance of a jaw from the organ at which it grasps [m].
+inline constexpr double kGraspReach = 1e-3;
+/// Times in which the press of jaws that hold fades [s], and the pull of jaws that let go.
+inline constexpr double kPressFade = 20e-3;
+inline constexpr double kLetGoFade = 25e-3;
+
+}  // namespace palpate::contact
