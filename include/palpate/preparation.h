@@ -4,8 +4,9 @@
 #include <string>
 
 namespace palpate::geometry {
+class SignedDistance;
 struct TriangleMesh;
-}
+}  // namespace palpate::geometry
 
 namespace palpate::contact {
 
@@ -20,6 +21,8 @@ struct Preparation {
   /// Stores the arrays that were computed.
   std::function<void(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays)>
       store = {};
+  /// Returns the signed distance of the refined organ. By default it is built.
+  std::function<geometry::SignedDistance(const geometry::TriangleMesh& refined)> distance = {};
   /// Called repeatedly with the completed fraction of the preparation, 0..1, and a description of the current
   /// step; on the thread that prepares the organ.
   std::function<void(double share, const std::string& what)> progress = {};

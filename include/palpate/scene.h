@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,6 +17,10 @@
 #include "palpate/tissue.h"
 #include "palpate/tool.h"
 #include "palpate/touch_noise.h"
+
+namespace palpate::geometry {
+class SignedDistance;
+}
 
 namespace palpate::scene {
 
@@ -168,6 +173,20 @@ struct SourceFile {
   std::filesystem::path path;
 };
 
+/// The signed distance of a scene's organ, built at the first use. Copies share it.
+class OrganDistance final {
+ public:
+  OrganDistance();
+
+  /// [setup] From any thread. Builds again when `organ` is not the mesh of the last call. @throws InputError
+  /// when the mesh is not closed.
+  [[nodiscard]] geometry::SignedDistance of(const geometry::TriangleMesh& organ) const;
+
+ private:
+  struct Built;
+  std::shared_ptr<Built> built_;
+};
+
 /// One scene, resolved and checked. It holds everything that the simulation needs, in SI units; no further
 /// file is read.
 struct Scene {
@@ -177,6 +196,7 @@ struct Scene {
   std::uint64_t seed = 1;
   std::string organ_name;        // built-in name or file, for messages
   geometry::TriangleMesh organ;  // organ frame, m
+  OrganDistance organ_distance;  // of `organ`
   Pose organ_pose;               // at rest
   std::vector<model::OrganMotionParameters>
       organ_motion;  // their sum, about the centre of the bounding box; empty: no motion

@@ -83,8 +83,8 @@ std::vector<haptics::DeviceState> take_hands(scene::Scene& setup, Vec3& approach
 /// Centres for the lump, as deep below the upper side as the scene's. @throws InputError when the organ has
 /// no place
 std::vector<Vec3> lump_places_of(const scene::Scene& setup) {
-  const geometry::SignedDistance surface(setup.organ);
-  const scene::SearchArea area(setup.organ, setup.organ_pose);
+  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const scene::SearchArea area(setup.organ, surface, setup.organ_pose);
   const model::Inclusion& lump = setup.inclusions.front().inclusion;
   const double depth = -surface.nearest(lump.centre_S).distance;
   std::vector<Vec3> places;

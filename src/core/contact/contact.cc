@@ -243,6 +243,7 @@ const model::TissueParameters& World::tissue() const noexcept { return data_->ti
 const model::SpringLaw& World::press_law() const noexcept { return data_->laws.press; }
 const model::SpringLaw& World::pull_law() const noexcept { return data_->laws.pull; }
 const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
+const geometry::SignedDistance& World::rest_distance() const noexcept { return data_->surface.distance(); }
 std::vector<model::Inclusion> World::inclusions() const {
   std::vector<model::Inclusion> inclusions;
   for (const PlacedInclusion& one : data_->inclusions.at_rest()) inclusions.push_back(one.inclusion);

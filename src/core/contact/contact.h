@@ -14,6 +14,10 @@
 #include "palpate/tool.h"
 #include "palpate/tool_contact.h"
 
+namespace palpate::geometry {
+class SignedDistance;
+}
+
 namespace palpate::contact {
 
 /// The constant part of a simulation: an organ, its tissue and the tools.
@@ -39,6 +43,8 @@ class World final {
   [[nodiscard]] const model::SpringLaw& pull_law() const noexcept;
   /// [any] The refined rest surface, organ frame.
   [[nodiscard]] const geometry::TriangleMesh& rest_surface() const noexcept;
+  /// [any] The signed distance of rest_surface().
+  [[nodiscard]] const geometry::SignedDistance& rest_distance() const noexcept;
   /// [any] Radius of curvature [m] of a tool at its tip: given by the user, or estimated from its mesh.
   [[nodiscard]] double tip_radius(std::size_t tool) const noexcept;
   /// [any] The inclusions before tick 0.

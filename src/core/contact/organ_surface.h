@@ -29,6 +29,7 @@ class OrganSurface final {
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
   [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
+  [[nodiscard]] const geometry::SignedDistance& distance() const noexcept { return distance_; }
 
   /// [rt] The surface point nearest to p, with signed distance; `guess` as in
   /// geometry::SignedDistance::nearest.

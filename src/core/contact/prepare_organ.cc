@@ -21,19 +21,22 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   const auto report_progress = [&](double share, const std::string& what) {
     if (how.progress) how.progress(share, what);
   };
+  const auto distance_of = [&](const geometry::TriangleMesh& mesh) {
+    return how.distance ? how.distance(mesh) : geometry::SignedDistance(mesh);
+  };
   const WorkerThreads workers;
   report_progress(0.0, "cache");
   std::optional<OrganArrays> loaded = how.load ? how.load(organ, reference_radius) : std::nullopt;
   if (loaded) {
     report_progress(kDistanceFrom, "distances");
-    geometry::SignedDistance distance(loaded->mesh);
+    geometry::SignedDistance distance = distance_of(loaded->mesh);
     report_progress(1.0, "done");
     return {std::move(*loaded), std::move(distance)};
   }
   report_progress(0.0, "refinement");
   geometry::TriangleMesh mesh = refined(organ, reference_radius);
   report_progress(kDistanceFrom, "distances");
-  geometry::SignedDistance distance(mesh);  // throws if the mesh is not closed
+  geometry::SignedDistance distance = distance_of(mesh);  // throws if the mesh is not closed
   OrganArrays arrays =
       organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
         report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);

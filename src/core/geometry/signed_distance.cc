@@ -1,6 +1,7 @@
 #include "core/geometry/signed_distance.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -15,6 +16,8 @@
 
 namespace palpate::geometry {
 namespace {
+
+std::atomic<std::uint64_t> built{0};  // hierarchies
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -240,7 +243,7 @@ std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, const std::ve
 
 SignedDistance::SignedDistance(const TriangleMesh& mesh) {
   auto neighbours = neighbours_of_closed(mesh);
-  auto tree = std::make_unique<Tree>(mesh);
+  auto tree = std::make_shared<Tree>(mesh);
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3> face_normals(count);
   constexpr std::size_t kAtOnce = 8192;
@@ -268,11 +271,22 @@ SignedDistance::SignedDistance(const TriangleMesh& mesh) {
     }
   });
   tree_ = std::move(tree);
+  ++built;
 }
 
-SignedDistance::~SignedDistance() = default;
-SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
-SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
+std::uint64_t SignedDistance::builds() noexcept { return built; }
+
+bool SignedDistance::is_of(const TriangleMesh& mesh) const {
+  if (mesh.triangles != tree_->triangles) return false;
+  if (mesh.vertices.size() != tree_->vertex_normals.size()) return false;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Corners& corners = tree_->corners[at(tree_->slot_of[t])];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (corners[k] != mesh.vertices[at(mesh.triangles[t][k])]) return false;
+    }
+  }
+  return true;
+}
 
 Vec3 SignedDistance::Tree::face_normal(std::int32_t triangle) const noexcept {
   const Corners& corner = corners[at(slot_of[at(triangle)])];

@@ -34,15 +34,18 @@ struct Entry {
 
 /// Exact signed distance and nearest point on a closed, outward-oriented surface, by a bounding-volume
 /// hierarchy. The sign comes from angle-weighted pseudonormals (Baerentzen and Aanaes 2005), so it is right
-/// at edges and corners.
+/// at edges and corners. A value that never changes; copies share the hierarchy.
 class SignedDistance final {
  public:
   /// [setup] Builds the hierarchy; copies what it needs. @throws InputError when the mesh is empty or not
   /// closed, or an edge is not shared by exactly two triangles of opposite direction.
   explicit SignedDistance(const TriangleMesh& mesh);
-  ~SignedDistance();
-  SignedDistance(SignedDistance&&) noexcept;
-  SignedDistance& operator=(SignedDistance&&) noexcept;
+
+  /// [any] Number of hierarchies that this process has built; for tests.
+  [[nodiscard]] static std::uint64_t builds() noexcept;
+
+  /// [setup] Whether it was built from a mesh with the same vertices and triangles.
+  [[nodiscard]] bool is_of(const TriangleMesh& mesh) const;
 
   /// [rt] The nearest point to p; among equally near ones that of the triangle with the smallest index.
   [[nodiscard]] NearestPoint nearest(const Vec3& p) const noexcept;
@@ -61,7 +64,7 @@ class SignedDistance final {
 
  private:
   struct Tree;
-  std::unique_ptr<const Tree> tree_;
+  std::shared_ptr<const Tree> tree_;
 };
 
 /// [rt] The point of triangle (a, b, c) nearest to p. Public for tests.

@@ -146,7 +146,7 @@ std::string depth_warning(double depth) {
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
 PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip) {
   constexpr int kDepths = 12;  // trial depths, 1 mm apart
-  const geometry::SignedDistance surface(setup.organ);
+  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};

@@ -214,7 +214,7 @@ void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) 
   options.unit = scene.organ_unit.value_or(LengthUnit::kMillimetre);
   try {
     StiffnessMapFile map = read_stiffness_map(scene.stiffness_map->file(), options);
-    const geometry::SignedDistance surface(setup.organ);
+    const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
     for (std::size_t i = 0; i < map.points.size(); ++i) {
       const double distance = std::abs(surface.nearest(map.points[i].point_S).distance);
       if (distance <= model::kFarthestStiffnessPoint) continue;

@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/contact/largest_stiffness.h"
+#include "core/geometry/signed_distance.h"
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
 #include "palpate/error.h"
@@ -116,8 +117,14 @@ haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparati
   noise.seed = setup.seed;
   const haptics::GateLimits limits = gate_limits(setup);
   noise::validate(noise, setup.rate_Hz, limits.max_sigma());
+  contact::Preparation sharing = how;
+  sharing.distance = [&setup](const geometry::TriangleMesh& refined) {
+    const geometry::TriangleMesh& organ = setup.organ;  // a fine organ is its own refinement
+    const bool is_organ = refined.triangles == organ.triangles && refined.vertices == organ.vertices;
+    return is_organ ? setup.organ_distance.of(organ) : geometry::SignedDistance(refined);
+  };
   haptics::SimulationWorld world{
-      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how, variation_of(setup)),
+      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, sharing, variation_of(setup)),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
       .limits = limits,
       .mappings = mappings_of(setup),

@@ -33,8 +33,9 @@ struct Crossing {
 /// Vertical lines through an organ in its pose.
 class VerticalLines final {
  public:
-  VerticalLines(const geometry::TriangleMesh& organ, const Pose& organ_pose)
-      : surface_(organ), to_organ_(organ_pose.inverse()) {
+  VerticalLines(const geometry::TriangleMesh& organ, const geometry::SignedDistance& distance,
+                const Pose& organ_pose)
+      : surface_(distance), to_organ_(organ_pose.inverse()) {
     geometry::TriangleMesh placed = organ;
     geometry::transform(placed, organ_pose);
     box_ = geometry::bounds(placed);
@@ -163,7 +164,7 @@ std::vector<SearchPress> presses_of(const VerticalLines& lines, const Scene& set
   constexpr std::size_t kMost = 60;
   constexpr double kMostColumns = 4000.0;
   constexpr double kClosest = 8e-3;  // m, between two presses
-  const SearchArea area(setup.organ, setup.organ_pose);
+  const SearchArea area(setup.organ, setup.organ_distance.of(setup.organ), setup.organ_pose);
   const Vec3 size = lines.box().size();
   const double coarse = std::sqrt(size.x() * size.y() / kMostColumns);  // of a very large organ
   for (double spacing = std::max(kClosest, coarse);; spacing *= 1.1) {
@@ -213,10 +214,11 @@ SearchTable read_search(const std::optional<TomlTable>& table) {
   return search;
 }
 
-SearchArea::SearchArea(const geometry::TriangleMesh& organ, const Pose& organ_pose)
+SearchArea::SearchArea(const geometry::TriangleMesh& organ, const geometry::SignedDistance& distance,
+                       const Pose& organ_pose)
     : inside_(organ.triangles.size(), false) {
   constexpr double kSame = 0.1e-3;  // m, between a triangle's middle and the entry of the vertical line
-  const VerticalLines lines(organ, organ_pose);
+  const VerticalLines lines(organ, distance, organ_pose);
   for (std::int32_t t = 0; t < static_cast<std::int32_t>(organ.triangles.size()); ++t) {
     if (!is_flat_enough(organ, organ_pose, t)) continue;
     const Vec3 middle = organ_pose * middle_of(organ, organ.triangles[static_cast<std::size_t>(t)]);
@@ -237,8 +239,8 @@ void hide_inclusions(const SearchTable& table, Scene& setup) {
                                  table.where, wanted, setup.inclusions.size(), model::kMaxInclusions));
   }
   if (wanted == 0) return;
-  const SearchArea area(setup.organ, setup.organ_pose);
-  const geometry::SignedDistance surface(setup.organ);
+  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const SearchArea area(setup.organ, surface, setup.organ_pose);
   const RandomPlaces places(setup.organ, area, setup.seed);
   std::size_t hidden = 0;
   for (std::uint32_t number = 0; number < kTries && hidden < wanted && !area.triangles().empty(); ++number) {
@@ -288,7 +290,7 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
           {from.time + u * duration, from.position + minimum_jerk(u) * (to - from.position), down});
     }
   };
-  const VerticalLines lines(setup.organ, setup.organ_pose);
+  const VerticalLines lines(setup.organ, setup.organ_distance.of(setup.organ), setup.organ_pose);
   const std::vector<SearchPress> presses = presses_of(lines, setup);
   const std::size_t first = std::min(presses.size() - 1, presses.size() * hand / setup.tools.size());
   const std::size_t last = std::max(first + 1, presses.size() * (hand + 1) / setup.tools.size());

@@ -9,6 +9,10 @@
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
 
+namespace palpate::geometry {
+class SignedDistance;
+}
+
 namespace palpate::scene {
 
 /// The [search] table of a scene, checked except for the room in the organ. SI units.
@@ -27,8 +31,9 @@ struct SearchTable {
 /// most 60 degrees.
 class SearchArea final {
  public:
-  /// [setup] @throws InputError when the organ's mesh is not closed
-  SearchArea(const geometry::TriangleMesh& organ, const Pose& organ_pose);
+  /// [setup] @param distance of `organ`
+  SearchArea(const geometry::TriangleMesh& organ, const geometry::SignedDistance& distance,
+             const Pose& organ_pose);
 
   /// [any] Indices of the triangles, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& triangles() const noexcept { return triangles_; }

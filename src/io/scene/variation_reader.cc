@@ -128,7 +128,7 @@ std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& 
 
 void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup) {
   if (tables.empty()) return;
-  const geometry::SignedDistance surface(setup.organ);
+  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
   for (const InclusionTable& table : tables) {
     InclusionSetup made = table.setup;
     model::Inclusion& inclusion = made.inclusion;

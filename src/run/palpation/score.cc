@@ -23,9 +23,10 @@ constexpr double kRateWindow = 50e-3;  // s, over which the force is averaged fo
 Vec3 vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
 /// The search area that belongs to each vertex [m^2]: a third of its triangles there.
-std::vector<double> areas_of(const geometry::TriangleMesh& surface, const Pose& organ_pose) {
+std::vector<double> areas_of(const contact::World& world, const Pose& organ_pose) {
+  const geometry::TriangleMesh& surface = world.rest_surface();
   std::vector<double> areas(surface.vertices.size(), 0.0);
-  const scene::SearchArea area(surface, organ_pose);
+  const scene::SearchArea area(surface, world.rest_distance(), organ_pose);
   for (const std::int32_t t : area.triangles()) {
     const geometry::Triangle& corners = surface.triangles[static_cast<std::size_t>(t)];
     const double third = geometry::area_vector_doubled(surface, corners).norm() / 6.0;
@@ -45,7 +46,7 @@ std::vector<Lump> lumps_of(const scene::Scene& setup) {
                                  [](const scene::InclusionSetup& one) { return !one.visible; });
   std::vector<Lump> lumps;
   if (setup.inclusions.empty()) return lumps;
-  const geometry::SignedDistance surface(setup.organ);
+  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
   for (const scene::InclusionSetup& one : setup.inclusions) {
     if (hides && one.visible) continue;
     lumps.push_back({one.name, surface.nearest(one.inclusion.centre_S).point});
@@ -61,7 +62,7 @@ Scorer::Scorer(const scene::Scene& setup, const contact::World& world)
       organ_pose_(setup.organ_pose),
       motion_(scene::organ_motion_of(setup)),
       map_(world),
-      areas_(areas_of(map_.surface(), setup.organ_pose)),
+      areas_(areas_of(world, setup.organ_pose)),
       hands_(setup.tools.size()) {
   score_.lumps = lumps_of(setup);
 }
