@@ -40,8 +40,8 @@ class Traces final {
 
  private:
   double period_ns_;
-  std::array<std::deque<haptics::TickRow>, haptics::Snapshot::kMaxHands> kept_;
-  std::array<haptics::TickRow, haptics::Snapshot::kMaxHands> newest_{};
+  std::array<std::deque<haptics::TickRow>, kMaxHands> kept_;
+  std::array<haptics::TickRow, kMaxHands> newest_{};
   double newest_time_ = 0.0;
   haptics::Histogram tick_time_;
   haptics::Histogram lateness_;

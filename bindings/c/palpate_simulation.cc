@@ -19,8 +19,7 @@ using palpate::c_interface::UseError;
 
 namespace {
 
-static_assert(PALPATE_MAX_HANDS == palpate::scene::kMaxHands);
-static_assert(PALPATE_MAX_HANDS == palpate::haptics::Snapshot::kMaxHands);
+static_assert(PALPATE_MAX_HANDS == palpate::kMaxHands);
 static_assert(PALPATE_ENERGY_DAMPED == palpate::haptics::kEnergyDamped);
 static_assert(PALPATE_DUTY_HIGH == palpate::haptics::kDutyHigh);
 static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);

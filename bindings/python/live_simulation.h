@@ -26,7 +26,7 @@ namespace palpate::python {
 /// never waits. When the collecting thread is too slow, rows are dropped and counted.
 class RowCollector final : public haptics::TickObserver {
  public:
-  using Newest = std::array<haptics::TickRow, haptics::Snapshot::kMaxHands>;  // one per hand
+  using Newest = std::array<haptics::TickRow, kMaxHands>;  // one per hand
 
   /// [setup] @param kept maximum number of rows; the oldest rows are dropped
   RowCollector(std::size_t hands, std::size_t kept);

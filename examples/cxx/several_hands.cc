@@ -34,7 +34,7 @@ class LargestForces final : public palpate::haptics::TickObserver {
     double& largest = of_hand[row.hand];
     largest = std::max(largest, row.tissue_force);
   }
-  std::array<double, palpate::scene::kMaxHands> of_hand{};  // N
+  std::array<double, palpate::kMaxHands> of_hand{};  // N
 };
 
 void press_with_both() {

@@ -91,9 +91,6 @@ enum class Task { kPress, kPull, kPalpate };
 /// [any] The task with this name; empty for an unknown name.
 [[nodiscard]] std::optional<Task> find_task(std::string_view name) noexcept;
 
-inline constexpr std::size_t kMaxHands = 4;      // tools (and devices) in one scene
-inline constexpr std::size_t kMaxToolParts = 3;  // rigid parts of one tool that contact supports
-
 inline constexpr double kSlowestRate = 100.0;    // Hz, lowest rate of the loop
 inline constexpr double kFastestRate = 20000.0;  // Hz
 

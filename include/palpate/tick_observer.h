@@ -10,6 +10,7 @@
 #include "palpate/run_control.h"
 #include "palpate/tick_row.h"
 #include "palpate/tissue.h"
+#include "palpate/tool.h"
 #include "palpate/tool_contact.h"
 #include "palpate/triple_buffer.h"
 
@@ -20,7 +21,6 @@ struct SimulationState;
 /// The state after one tick, for pictures and for other programs. It is plain data, so one copy passes it to
 /// another thread.
 struct Snapshot {
-  static constexpr std::size_t kMaxHands = 4;
   std::uint64_t tick = 0;
   std::int64_t taken_ns = 0;  // start of the tick, monotonic clock; 0 in an offline run
   Pose organ_W;               // pose of the organ at the tick

@@ -1,9 +1,17 @@
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/mesh.h"
+
+namespace palpate {
+
+inline constexpr std::size_t kMaxHands = 4;  // tools (and devices) in one scene
+inline constexpr std::size_t kMaxParts = 3;  // rigid parts of one tool
+
+}  // namespace palpate
 
 namespace palpate::geometry {
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "palpate/pose.h"
+#include "palpate/tool.h"
 
 namespace palpate::contact {
 
@@ -18,8 +19,7 @@ inline constexpr std::uint32_t kGripReleased = 1U
 inline constexpr std::uint32_t kJump = 1U << 3;  // the tool moved faster than any hand: contact starts again
 
 inline constexpr int kContactsPerPart = 4;
-inline constexpr int kMaxParts = 3;
-inline constexpr int kMaxViews = kContactsPerPart * kMaxParts + 1;
+inline constexpr int kMaxViews = kContactsPerPart * static_cast<int>(kMaxParts) + 1;
 
 /// One contact, for drawing. Organ frame S.
 struct ContactView {

@@ -76,7 +76,7 @@ class IgtlServer final : public haptics::TickObserver {
   bool seen_ = false;           // a state of this run was received
   bool state_stale_ = false;    // a newer state than the packed one was received
   bool surface_stale_ = false;  // a newer state than the packed surface was received
-  std::array<haptics::Fault, haptics::Snapshot::kMaxHands> faults_told_{};
+  std::array<haptics::Fault, kMaxHands> faults_told_{};
   std::int64_t status_due_ = 0;
   std::int64_t surface_due_ = 0;
   std::string failure_;

@@ -70,7 +70,7 @@ StatusCode code_of(haptics::Fault fault) {
 }
 
 std::size_t hands_of(const haptics::Snapshot& snapshot) {
-  return std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
+  return std::min<std::size_t>(snapshot.hands, kMaxHands);
 }
 
 bool same_indentation(const deform::Indentation& a, const deform::Indentation& b) {

@@ -5,7 +5,7 @@
 namespace palpate::net {
 
 LiveObserver::LiveObserver(std::size_t hands)
-    : hands_(static_cast<std::uint32_t>(std::min(hands, haptics::Snapshot::kMaxHands))) {}
+    : hands_(static_cast<std::uint32_t>(std::min(hands, kMaxHands))) {}
 
 void LiveObserver::on_update(const haptics::ParameterUpdate& change) noexcept { change_ = change.number; }
 

@@ -14,7 +14,7 @@ struct LiveTick {
   std::uint64_t tick = 0;
   std::uint64_t change = 0;  // number of the newest parameter update in effect; 0: none
   std::uint32_t hands = 0;
-  std::array<haptics::TickRow, haptics::Snapshot::kMaxHands> rows{};
+  std::array<haptics::TickRow, kMaxHands> rows{};
 };
 
 /// A hand's fault was latched or reset.
@@ -43,7 +43,7 @@ class LiveObserver final : public haptics::TickObserver {
 
   std::uint32_t hands_;
   std::uint64_t change_ = 0;
-  std::array<std::uint32_t, haptics::Snapshot::kMaxHands> faults_{};
+  std::array<std::uint32_t, kMaxHands> faults_{};
   TripleBuffer<LiveTick> ticks_;
   SpscQueue<FaultTransition> transitions_{kMaxTransitions};
   bool seen_ = false;  // a tick was read

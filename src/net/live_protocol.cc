@@ -273,7 +273,7 @@ Stream read_stream(Members& root) {
 
 GetTool read_tool(Members& root) {
   const double hand = root.number("hand").value_or(0.0);
-  if (!(hand >= 0.0 && hand < haptics::Snapshot::kMaxHands) || hand != std::floor(hand)) {
+  if (!(hand >= 0.0 && hand < kMaxHands) || hand != std::floor(hand)) {
     throw LiveError("field", "hand = " + shortest(hand) + ": must be the number of a hand, from 0", "hand");
   }
   return {static_cast<std::uint32_t>(hand)};

@@ -13,7 +13,7 @@ namespace palpate::contact {
 namespace {
 
 ToolPoints sample_tool(const geometry::Tool& tool) {
-  if (tool.parts.empty() || tool.parts.size() > static_cast<std::size_t>(kMaxParts)) {
+  if (tool.parts.empty() || tool.parts.size() > kMaxParts) {
     throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
                      " parts: must be 1 to " + std::to_string(kMaxParts));
   }
@@ -33,8 +33,8 @@ ToolPoints sample_tool(const geometry::Tool& tool) {
 }
 
 std::vector<ToolPoints> sample_tools(const std::vector<geometry::Tool>& tools) {
-  if (tools.empty() || tools.size() > kMaxTools) {
-    throw InputError(std::to_string(tools.size()) + " tools: must be 1 to " + std::to_string(kMaxTools));
+  if (tools.empty() || tools.size() > kMaxHands) {
+    throw InputError(std::to_string(tools.size()) + " tools: must be 1 to " + std::to_string(kMaxHands));
   }
   std::vector<ToolPoints> sampled;
   for (const geometry::Tool& tool : tools) sampled.push_back(sample_tool(tool));
@@ -295,7 +295,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   const World::Data& data = world.data();
   State::Data& now = state.data();
   const TissueLaws& laws = now.laws(data);
-  std::array<std::uint32_t, kMaxTools> status{};
+  std::array<std::uint32_t, kMaxHands> status{};
   std::array<Load*, kMaxContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {

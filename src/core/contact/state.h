@@ -18,8 +18,7 @@
 
 namespace palpate::contact {
 
-constexpr std::size_t kMaxTools = 8;
-constexpr std::size_t kMaxContacts = kMaxTools * kContactsPerPart * kMaxParts;
+constexpr std::size_t kMaxContacts = kMaxHands * kContactsPerPart * kMaxParts;
 
 /// The sampled points of one instrument.
 struct ToolPoints {

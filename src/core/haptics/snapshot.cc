@@ -5,7 +5,7 @@ namespace palpate::haptics {
 
 void make_snapshot(const TickState& now, Snapshot& snapshot) noexcept {
   const SimulationState& state = now.state;
-  const std::size_t hands = std::min(state.inputs.size(), Snapshot::kMaxHands);
+  const std::size_t hands = std::min(state.inputs.size(), kMaxHands);
   snapshot.tick = now.tick;
   snapshot.taken_ns = now.taken_ns;
   snapshot.organ_W = state.organ_W;

@@ -177,7 +177,7 @@ geometry::Tool tool_from(const JsonField& json) {
   tool.name = json.at("name").text();
   tool.tip_radius = json.at("tip_radius_m").optional_number();
   if (tool.tip_radius && !(*tool.tip_radius > 0.0)) json.at("tip_radius_m").fail("a number > 0");
-  for (const JsonField& entry : json.at("parts").elements(scene::kMaxToolParts)) {
+  for (const JsonField& entry : json.at("parts").elements(kMaxParts)) {
     geometry::ToolPart part;
     part.name = entry.at("name").text();
     part.is_jaw = entry.at("is_jaw").flag();
@@ -346,10 +346,10 @@ scene::Scene setup_from(const JsonField& json) {
   setup.stiffness = stiffness_from(organ.at("stiffness"));
   if (setup.task == scene::Task::kPalpate) setup.search = search_from(json.at("search"));
   setup.tissue = tissue_from(json.at("tissue"));
-  for (const JsonField& tool : json.at("tools").elements(scene::kMaxHands)) {
+  for (const JsonField& tool : json.at("tools").elements(kMaxHands)) {
     setup.tools.push_back(tool_from(tool));
   }
-  for (const JsonField& device : json.at("devices").elements(scene::kMaxHands)) {
+  for (const JsonField& device : json.at("devices").elements(kMaxHands)) {
     setup.devices.push_back(device_from(device));
   }
   setup.noise = noise_from(json.at("noise"));

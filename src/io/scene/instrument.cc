@@ -112,9 +112,9 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
   }
   if (description.jaws_by_flags) open_apart(jaws);
   for (geometry::ToolPart& jaw : jaws) tool.parts.push_back(std::move(jaw));
-  if (tool.parts.size() > kMaxToolParts) {
+  if (tool.parts.size() > kMaxParts) {
     const LocatedString& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
-    last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxToolParts));
+    last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxParts));
   }
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);

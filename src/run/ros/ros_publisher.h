@@ -64,7 +64,7 @@ class RosPublisher final : public haptics::TickObserver {
   };
   struct QueuedTick {
     std::int64_t taken_ns = 0;  // monotonic clock
-    std::array<QueuedHand, haptics::Snapshot::kMaxHands> hands{};
+    std::array<QueuedHand, kMaxHands> hands{};
   };
   /// One hand's topics and jaws. Only the thread uses it once it runs.
   struct Hand {

@@ -102,7 +102,7 @@ struct OffscreenRenderer::Impl {
     painter.organ().pose_W = snapshot.organ_W;
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
-      const bool there = hand < std::min<std::size_t>(snapshot.hands, haptics::Snapshot::kMaxHands);
+      const bool there = hand < std::min<std::size_t>(snapshot.hands, kMaxHands);
       for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
         painter.tools()[solid]->pose_W =
             there ? tools[hand].part_pose(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)

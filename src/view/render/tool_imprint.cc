@@ -149,8 +149,7 @@ std::vector<const contact::ContactView*> leading_presses(const contact::ToolResu
 
 std::vector<ToolImprint> imprints_of(const haptics::Snapshot& snapshot, std::span<const ToolShape> shapes) {
   std::vector<ToolImprint> imprints;
-  const std::size_t hands =
-      std::min({shapes.size(), static_cast<std::size_t>(snapshot.hands), haptics::Snapshot::kMaxHands});
+  const std::size_t hands = std::min({shapes.size(), static_cast<std::size_t>(snapshot.hands), kMaxHands});
   const Pose organ_from_world = snapshot.organ_W.inverse();
   std::vector<Vec3> corners;
   for (std::size_t hand = 0; hand < hands; ++hand) {

@@ -502,6 +502,8 @@ TEST(World, RefusesAToolWithoutPartsAndAnOpenOrgan) {
   EXPECT_THROW(World(block(kBox, 0.1), {geometry::Tool{}}, plain_tissue(), 1e-3), InputError);
   EXPECT_THROW(World(block(kBox, 0.1), {}, plain_tissue(), 1e-3), InputError);
   EXPECT_THROW(World(block(kBox, 0.1), {one_part_tool({})}, plain_tissue(), 1e-3), InputError);
+  const std::vector<geometry::Tool> too_many(kMaxHands + 1, ball);
+  EXPECT_THROW(World(block(kBox, 0.1), too_many, plain_tissue(), 1e-3), InputError);
   geometry::TriangleMesh open = block(kBox, 0.1);
   open.triangles.pop_back();
   EXPECT_THROW(World(open, {ball}, plain_tissue(), 1e-3), InputError);

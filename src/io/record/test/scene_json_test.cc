@@ -132,8 +132,8 @@ TEST(SceneJson, ANumberOutsideTheRangeOfItsKeyIsRefusedByName) {
 }
 
 TEST(SceneJson, MoreHandsThanASceneMayHaveAreRefused) {
-  EXPECT_EQ(refusal(setup_to_json(sample_setup(scene::kMaxHands))), "no refusal");
-  EXPECT_EQ(refusal(setup_to_json(sample_setup(scene::kMaxHands + 1))),
+  EXPECT_EQ(refusal(setup_to_json(sample_setup(kMaxHands))), "no refusal");
+  EXPECT_EQ(refusal(setup_to_json(sample_setup(kMaxHands + 1))),
             "scene: tools: has 5 elements, must have at most 4");
 }
 
