@@ -25,9 +25,9 @@
 #include "fit/commands/commands.h"
 #include "fit/commands/validate_image.h"
 #include "fit/commands/validate_summary.h"
+#include "fit/imaging/compare.h"
 #include "fit/report/validation_report.h"
 #include "fit/validate/baselines.h"
-#include "fit/validate/falloff_fit.h"
 
 namespace palpate::app {
 namespace {
@@ -54,22 +54,26 @@ struct ValidateFlags {
   bool as_json = false;
 };
 
-/// Depth [m] of each profile from --depth-mm or --force-N; 0: use the depth in the file. @throws InputError
-std::vector<double> depths_of(const ValidateFlags& flags, const validate::Law& law, std::size_t count) {
-  if (flags.depth.empty() && flags.force.empty()) return std::vector<double>(count, 0.0);
-  const bool by_force = !flags.force.empty();
-  const std::string name = by_force ? "--force-N" : "--depth-mm";
-  std::vector<double> depths;
-  for (const double value : parse_not_negative_list(name, by_force ? flags.force : flags.depth)) {
-    depths.push_back(by_force ? law.depth_under(value) : value * kMillimetre);
-    if (!(depths.back() > 0.0)) throw InputError(fmt::format("{} {}: must be > 0", name, shortest(value)));
+constexpr imaging::RequestNames kFlagNames = {
+    "--depth-mm",
+    "--force-N",
+    "--tip-radius-mm",
+    "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER",
+    "--zeros fitted: applies to force curves, needs DATA",
+    "--zeros fitted: fits the zeros that --first-contact-mm and --offset-N give; use one or the other",
+    "--as-drawn: applies to a ball that is pressed in, needs --direction press",
+    "--depth-mm, --force-N and --tip-radius-mm: apply to profiles, need --profile FILE or --image BEFORE "
+    "AFTER"};
+
+/// Values of a list flag in SI, each > 0; absent without the flag. @throws InputError
+std::optional<std::vector<double>> positive_list(const char* name, const std::string& text, double unit) {
+  if (text.empty()) return std::nullopt;
+  std::vector<double> values = parse_not_negative_list(name, text);
+  for (double& value : values) {
+    if (!(value > 0.0)) throw InputError(fmt::format("{} {}: must be > 0", name, shortest(value)));
+    value *= unit;
   }
-  if (depths.size() == 1) depths.resize(count, depths.front());
-  if (depths.size() != count) {
-    throw InputError(fmt::format("{}: has {} values, must have one, or one for each of the {} profiles", name,
-                                 depths.size(), count));
-  }
-  return depths;
+  return values;
 }
 
 std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
@@ -83,18 +87,10 @@ std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
 std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   std::vector<validate::Deformation> all;
   for (const std::string& file : flags.profiles) {
-    for (const validate::Deformation& profile : validate::read_deformations(file))
-      all.push_back(validate::thinned(profile, validate::kMaxPoints));
+    for (validate::Deformation& profile : validate::read_deformations(file))
+      all.push_back(std::move(profile));
   }
   return all;
-}
-
-/// Radius of the tool's tip [m]: from --tip-radius-mm, or the radius of the indenter in the tissue file.
-/// @throws InputError without both
-double tip_radius_of(const ValidateFlags& flags, const validate::Law& law) {
-  if (flags.tip_radius) return *flags.tip_radius;
-  if (law.tissue.source) return law.tissue.source->radius;
-  throw InputError("--tip-radius-mm: missing, a profile needs the radius of the tool's tip");
 }
 
 /// Adds a line to `missed` when the error of the data set `name` exceeds the goal of `flag`.
@@ -102,15 +98,6 @@ void hold(const std::string& flag, std::optional<double> goal, double error, con
           std::vector<std::string>& missed) {
   if (!goal || error <= *goal) return;
   missed.push_back(fmt::format("{}: {}, {} is {}", name, shortest(error), flag, shortest(*goal)));
-}
-
-/// Compares the profiles with the tissue's displacement profile u(r). With --fit-reach the falloff ratios of
-/// u(r) are fitted to the profiles first.
-void compare_profiles(const ValidateFlags& flags, const std::vector<validate::Deformation>& profiles,
-                      report::Validation& validation) {
-  const double radius = tip_radius_of(flags, validation.law);
-  const std::vector<double> depths = depths_of(flags, validation.law, profiles.size());
-  validate::compare_profiles(profiles, depths, radius, flags.fit_reach, validation, flags.rule);
 }
 
 void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
@@ -126,58 +113,24 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
-/// Rejects flags that would have no effect with the given data. @throws InputError
-void check_use(const ValidateFlags& flags) {
-  const bool no_image = flags.image.files.empty();
-  if (flags.files.empty() && flags.profiles.empty() && no_image) {
-    throw InputError(
-        "nothing to compare with: give force curves (DATA), --profile FILE or --image BEFORE AFTER");
-  }
-  if (flags.zeros_fitted && flags.files.empty())
-    throw InputError("--zeros fitted: applies to force curves, needs DATA");
-  if (flags.zeros_fitted && (flags.first_contact || flags.offset)) {
-    throw InputError(
-        "--zeros fitted: fits the zeros that --first-contact-mm and --offset-N give; use one or the other");
-  }
+/// What the flags ask for, with the data read from their files. @throws InputError
+imaging::Request request_of(const ValidateFlags& flags) {
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
-  if (flags.rule.as_drawn && flags.law.direction == model::Direction::kPull) {
-    throw InputError("--as-drawn: applies to a ball that is pressed in, needs --direction press");
-  }
-  if (flags.profiles.empty() && no_image &&
-      !(flags.depth.empty() && flags.force.empty() && !flags.tip_radius)) {
-    throw InputError(
-        "--depth-mm, --force-N and --tip-radius-mm: apply to profiles, need --profile FILE or --image BEFORE "
-        "AFTER");
-  }
-}
-
-/// Adds the deformation measured in two photographs as one more profile.
-void add_image(const ValidateFlags& flags, report::Validation& validation) {
-  const double depth = depths_of(flags, validation.law, 1).front();
-  const double radius = tip_radius_of(flags, validation.law);
-  validation.image = validate_image(flags.image, validation.law, depth, radius);
-  report::ProfileSet set;
-  set.ours = validation.image->comparison;
-  validation.profiles.push_back(std::move(set));
-}
-
-report::Validation validation_of(const ValidateFlags& flags) {
-  check_use(flags);
-  report::Validation validation;
-  const validate::Zeros zeros{flags.first_contact.value_or(0.0), flags.offset.value_or(0.0)};
-  validation.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
-  const std::vector<validate::BaselineKind> baselines = validate::parse_baselines(flags.against);
-  const std::vector<identify::Specimen> specimens = read_forces(flags);
-  const std::vector<validate::Deformation> profiles = read_profiles(flags);
-  for (const identify::Specimen& specimen : specimens) {
-    validation.forces.push_back(
-        validate::compare_forces(specimen, validation.law, zeros, flags.zeros_fitted));
-  }
-  if (!profiles.empty()) compare_profiles(flags, profiles, validation);
-  if (!flags.image.files.empty()) add_image(flags, validation);
-  if (!baselines.empty()) validate::compare_with_baselines(baselines, validation);
-  hold_goals(flags, validation);
-  return validation;
+  imaging::Request request;
+  request.law = {flags.law.load(), flags.law.direction, 1.0 / flags.law.rate_Hz};
+  request.photographs = photographs_of(flags.image);
+  request.zeros_fitted = flags.zeros_fitted;
+  request.first_contact = flags.first_contact;
+  request.offset = flags.offset;
+  request.depths = positive_list(kFlagNames.depths, flags.depth, kMillimetre);
+  request.loads = positive_list(kFlagNames.loads, flags.force, 1.0);
+  request.tip_radius = flags.tip_radius;
+  request.fit_reach = flags.fit_reach;
+  request.rule = flags.rule;
+  request.baselines = validate::parse_baselines(flags.against);
+  request.forces = read_forces(flags);
+  request.profiles = read_profiles(flags);
+  return request;
 }
 
 void check_validate_outputs(const ValidateFlags& flags) {
@@ -280,7 +233,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "docs/validation.md explains the comparison and its figures.");
   command->callback([flags, command_line, &exit_code] {
     check_validate_outputs(*flags);
-    const report::Validation validation = validation_of(*flags);
+    report::Validation validation = imaging::compare(request_of(*flags), kFlagNames);
+    hold_goals(*flags, validation);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
       report_message("report: " +

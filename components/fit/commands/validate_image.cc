@@ -26,14 +26,10 @@ void add_image_flags(CLI::App& command, ImageFlags& flags) {
       ->needs(image);
 }
 
-report::ImageSet validate_image(const ImageFlags& flags, const validate::Law& law, double depth,
-                                double tip_radius) {
+std::optional<imaging::Photographs> photographs_of(const ImageFlags& flags) {
+  if (flags.files.empty()) return std::nullopt;
   if (flags.pixel == 0.0) throw InputError("--scale-mm-per-px: missing, --image needs it");
-  imaging::ImageSettings settings;
-  settings.pixel = flags.pixel;
-  settings.direction = law.direction;
-  settings.fixed_camera = flags.fixed_camera;
-  return imaging::compare_photographs(flags.files[0], flags.files[1], settings, law, depth, tip_radius);
+  return imaging::Photographs{flags.files[0], flags.files[1], flags.pixel, flags.fixed_camera};
 }
 
 nlohmann::ordered_json image_json(const report::ImageSet& set) {

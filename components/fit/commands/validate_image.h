@@ -1,12 +1,12 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "palpate/validate.h"
-
+#include "fit/imaging/compare.h"
 #include "fit/report/image_section.h"
 
 namespace palpate::app {
@@ -21,12 +21,8 @@ struct ImageFlags {
 /// [setup] Adds --image, --scale-mm-per-px and --fixed-camera to a command.
 void add_image_flags(CLI::App& command, ImageFlags& flags);
 
-/// [setup] Measures the surface displacement in the photographs and compares it with the tissue's u(r).
-/// @param depth D [m]; 0: the largest measured displacement, or, where the tool hides it, the depth that fits
-/// the surface line best @param tip_radius R [m] @throws InputError as read_picture() and measure_pictures()
-/// do, and for missing flags.
-[[nodiscard]] report::ImageSet validate_image(const ImageFlags& flags, const validate::Law& law, double depth,
-                                              double tip_radius);
+/// [setup] The photographs of the flags; absent without --image. @throws InputError without a scale
+[[nodiscard]] std::optional<imaging::Photographs> photographs_of(const ImageFlags& flags);
 
 /// [setup] The measurement itself as JSON: its points, uncertainty and alignment (docs/photographs.md).
 [[nodiscard]] nlohmann::ordered_json image_json(const report::ImageSet& set);

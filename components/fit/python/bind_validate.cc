@@ -10,7 +10,7 @@
 #include "palpate/error.h"
 
 #include "bindings/python/scene_arguments.h"
-#include "fit/imaging/image_compare.h"
+#include "fit/imaging/compare.h"
 #include "fit/python/docs.h"
 #include "fit/python/module.h"
 
@@ -54,128 +54,30 @@ void bind_deformation(py::module_& module) {
              py::call_guard<py::gil_scoped_release>(), doc("read_deformations"));
 }
 
-/// Arguments beside the force law.
-struct ValidationArguments {
-  std::vector<identify::Specimen> forces;
-  std::vector<Deformation> profiles;
-  std::optional<std::pair<fs::path, fs::path>> image;  // before, after
-  double pixel = 0.0;                                  // m
-  bool fixed_camera = false;
-  validate::Zeros zeros;
-  std::string zeros_from;  // given or fitted
-  PerProfile depth;
-  PerProfile force;
-  std::optional<double> tip_radius;  // m
-  bool fit_reach = false;
-  bool as_drawn = false;
-  std::optional<double> surface_radius;  // m
-  std::vector<validate::BaselineKind> baselines;
-};
+constexpr imaging::RequestNames kArgumentNames = {
+    "depth",
+    "force",
+    "tip_radius",
+    "nothing to compare with: give forces, profiles or image",
+    "zeros, first_contact and offset: are of force curves, need forces",
+    "zeros = \"fitted\": finds the zeros, first_contact and offset give them: one of the two",
+    "as_drawn: is of a ball pressed in, needs profiles and direction = \"press\"",
+    "depth, force and tip_radius: are of profiles, need profiles or image"};
 
-/// Rejects zeros that have no effect or contradict each other.
-void check_zeros(const ValidationArguments& arguments) {
-  const bool fitted = arguments.zeros_from == "fitted";
-  if (!fitted && arguments.zeros_from != "given") {
-    throw InputError("zeros = \"" + arguments.zeros_from + "\": must be given or fitted");
+/// The values of an argument, each > 0.
+std::optional<std::vector<double>> positive_list(const char* name, const PerProfile& given) {
+  if (!given) return std::nullopt;
+  const double* one = std::get_if<double>(&*given);
+  const std::vector<double> values =
+      one != nullptr ? std::vector<double>{*one} : std::get<std::vector<double>>(*given);
+  for (const double value : values) {
+    if (!(value > 0.0)) throw ParameterError(name, value, "> 0");
   }
-  const bool stated = arguments.zeros.first_contact != 0.0 || arguments.zeros.force != 0.0;
-  if (fitted && stated) {
-    throw InputError(
-        "zeros = \"fitted\": finds the zeros, first_contact and offset give them: one of the two");
-  }
-  if (arguments.forces.empty() && (stated || fitted)) {
-    throw InputError("zeros, first_contact and offset: are of force curves, need forces");
-  }
+  return values;
 }
 
-/// Rejects as_drawn without profiles of a press.
-void check_surface(const ValidationArguments& arguments, model::Direction direction) {
-  if (arguments.as_drawn && (arguments.profiles.empty() || direction == model::Direction::kPull)) {
-    throw InputError("as_drawn: is of a ball pressed in, needs profiles and direction = \"press\"");
-  }
-  if (!arguments.surface_radius) return;
-  if (!arguments.as_drawn) throw InputError("surface_radius: needs as_drawn");
-  if (!(*arguments.surface_radius > 0.0))
-    throw ParameterError("surface_radius", *arguments.surface_radius, "> 0 (m)");
-}
-
-/// Rejects arguments that have no effect or cannot be used.
-void check(const ValidationArguments& arguments, model::Direction direction) {
-  check_zeros(arguments);
-  check_surface(arguments, direction);
-  const bool places = !arguments.profiles.empty() || arguments.image;
-  if (arguments.forces.empty() && !places)
-    throw InputError("nothing to compare with: give forces, profiles or image");
-  if (arguments.depth && arguments.force)
-    throw InputError("depth and force are both given, must be at most one");
-  if (!places && (arguments.depth || arguments.force || arguments.tip_radius)) {
-    throw InputError("depth, force and tip_radius: are of profiles, need profiles or image");
-  }
-  if (arguments.fit_reach && arguments.profiles.empty()) throw InputError("fit_reach: needs profiles");
-  if (arguments.image && !(arguments.pixel > 0.0))
-    throw ParameterError("pixel", arguments.pixel, "> 0 (m a pixel)");
-  if (arguments.tip_radius && !(*arguments.tip_radius > 0.0)) {
-    throw ParameterError("tip_radius", *arguments.tip_radius, "> 0 (m)");
-  }
-}
-
-/// The given depth [m] of each of `count` profiles; 0: the profile has its own.
-std::vector<double> depths_of(const ValidationArguments& arguments, const validate::Law& law,
-                              std::size_t count) {
-  const PerProfile& given = arguments.depth ? arguments.depth : arguments.force;
-  const std::string name = arguments.depth ? "depth" : "force";
-  if (!given) return std::vector<double>(count, 0.0);
-  std::vector<double> depths;
-  if (const double* one = std::get_if<double>(&*given)) {
-    depths.assign(count, *one);
-  } else {
-    depths = std::get<std::vector<double>>(*given);
-  }
-  if (depths.size() != count) {
-    throw InputError(name + ": has " + std::to_string(depths.size()) +
-                     " values, must have one, or one for each of the " + std::to_string(count) + " profiles");
-  }
-  for (double& depth : depths) {
-    if (!(depth > 0.0)) throw ParameterError(name, depth, "> 0");
-    if (arguments.force) depth = law.depth_under(depth);
-  }
-  return depths;
-}
-
-double tip_radius_of(const ValidationArguments& arguments, const validate::Law& law) {
-  if (arguments.tip_radius) return *arguments.tip_radius;
-  if (law.tissue.source) return law.tissue.source->radius;
-  throw InputError("tip_radius: missing, a profile needs the radius of the tool's tip");
-}
-
-imaging::Validation compare(const ValidationArguments& arguments, const validate::Law& law) {
-  check(arguments, law.direction);
-  imaging::Validation validation;
-  validation.law = law;
-  for (const identify::Specimen& specimen : arguments.forces) {
-    validation.forces.push_back(
-        validate::compare_forces(specimen, law, arguments.zeros, arguments.zeros_from == "fitted"));
-  }
-  if (!arguments.profiles.empty()) {
-    std::vector<Deformation> profiles;
-    for (const Deformation& profile : arguments.profiles) {
-      profiles.push_back(validate::thinned(profile, validate::kMaxPoints));
-    }
-    validate::compare_profiles(profiles, depths_of(arguments, law, profiles.size()),
-                               tip_radius_of(arguments, law), arguments.fit_reach, validation,
-                               {arguments.as_drawn, arguments.surface_radius.value_or(0.0)});
-  }
-  if (arguments.image) {
-    const imaging::ImageSettings settings{arguments.pixel, law.direction, arguments.fixed_camera};
-    validation.image = imaging::compare_photographs(arguments.image->first, arguments.image->second, settings,
-                                                    validation.law, depths_of(arguments, law, 1).front(),
-                                                    tip_radius_of(arguments, law));
-    validate::ProfileSet set;
-    set.ours = validation.image->comparison;
-    validation.profiles.push_back(std::move(set));
-  }
-  if (!arguments.baselines.empty()) validate::compare_with_baselines(arguments.baselines, validation);
-  return validation;
+void require_positive(const char* name, const std::optional<double>& value, const char* want) {
+  if (value && !(*value > 0.0)) throw ParameterError(name, *value, want);
 }
 
 void put(const validate::Errors& errors, py::dict& result) {
@@ -301,36 +203,44 @@ py::dict dictionary_of(const imaging::Validation& validation) {
 }
 
 py::dict validate(const TissueArgument& tissue, std::vector<identify::Specimen> forces,
-                  std::vector<Deformation> profiles, std::optional<std::pair<fs::path, fs::path>> image,
-                  double pixel, bool fixed_camera, const std::optional<std::string>& law,
-                  const std::string& direction, double loop_period, double first_contact, double offset,
-                  const std::string& zeros, PerProfile depth, PerProfile force,
-                  std::optional<double> tip_radius, bool fit_reach, bool as_drawn,
+                  std::vector<Deformation> profiles,
+                  const std::optional<std::pair<fs::path, fs::path>>& image, double pixel, bool fixed_camera,
+                  const std::optional<std::string>& law, const std::string& direction, double loop_period,
+                  double first_contact, double offset, const std::string& zeros, const PerProfile& depth,
+                  const PerProfile& force, std::optional<double> tip_radius, bool fit_reach, bool as_drawn,
                   std::optional<double> surface_radius, const std::vector<std::string>& against) {
   if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
-  validate::Law ours{tissue_of(tissue), direction_of(direction), loop_period};
-  if (law) ours.tissue.law = model::parse_law(*law);
-  ValidationArguments arguments{std::move(forces),
-                                std::move(profiles),
-                                std::move(image),
-                                pixel,
-                                fixed_camera,
-                                {first_contact, offset},
-                                zeros,
-                                std::move(depth),
-                                std::move(force),
-                                tip_radius,
-                                fit_reach,
-                                as_drawn,
-                                surface_radius,
-                                {}};
+  if (zeros != "given" && zeros != "fitted")
+    throw InputError("zeros = \"" + zeros + "\": must be given or fitted");
+  if (surface_radius && !as_drawn) throw InputError("surface_radius: needs as_drawn");
+  require_positive("surface_radius", surface_radius, "> 0 (m)");
+  require_positive("tip_radius", tip_radius, "> 0 (m)");
+  if (depth && force) throw InputError("depth and force are both given, must be at most one");
+  if (fit_reach && profiles.empty()) throw InputError("fit_reach: needs profiles");
+  imaging::Request request;
+  request.law = {tissue_of(tissue), direction_of(direction), loop_period};
+  if (law) request.law.tissue.law = model::parse_law(*law);
+  request.forces = std::move(forces);
+  request.profiles = std::move(profiles);
+  if (image) {
+    require_positive("pixel", pixel, "> 0 (m a pixel)");
+    request.photographs = imaging::Photographs{image->first, image->second, pixel, fixed_camera};
+  }
+  request.zeros_fitted = zeros == "fitted";
+  if (first_contact != 0.0) request.first_contact = first_contact;
+  if (offset != 0.0) request.offset = offset;
+  request.depths = positive_list(kArgumentNames.depths, depth);
+  request.loads = positive_list(kArgumentNames.loads, force);
+  request.tip_radius = tip_radius;
+  request.fit_reach = fit_reach;
+  request.rule = {as_drawn, surface_radius.value_or(0.0)};
   std::string names;
   for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
-  arguments.baselines = validate::parse_baselines(names);
+  request.baselines = validate::parse_baselines(names);
   imaging::Validation validation;
   {
     const py::gil_scoped_release others_may_run;
-    validation = compare(arguments, ours);
+    validation = imaging::compare(request, kArgumentNames);
   }
   return dictionary_of(validation);
 }
