@@ -360,12 +360,12 @@ std::string fit_lines() {
       R"({"value":0.0,"interval":[0.0,0.0],"covariance":null,"bootstrap":[1.0,2.0],"determined":true})";
   std::string estimates = estimate;
   for (int i = 1; i < 6; ++i) estimates += ',' + estimate;
-  return R"({"key":"a","name":"a","law":"layered","layers_allowed":6,"layers_reached":4,"terms":0,"estimates":[)" +
+  return R"({"key":"a","name":"a","law":"layered","layers":6,"layers_reached":4,"terms":0,"parameters":[)" +
          estimates +
-         R"(],"rms":0.0,"nrmse":0.0,"leave_out":"nan","points":2,"rows":2,"warnings":["a"],)"
+         R"(],"rms_N":0.0,"nrmse":0.0,"leave_out_nrmse":"nan","points":2,"rows":2,"warnings":["a"],)"
          R"("curve":{"time":[0.0,1.0],"displacement":[0.001,0.002],"measured":[0.1,0.2],"fitted":[0.1,0.2],)"
          R"("low":[0.0,0.1],"high":[0.2,0.3]},"shared":[1.0,2.0,3.0,4.0],"own":[5.0,6.0],)"
-         R"("minima":[[1.0,2.0,3.0,4.0,5.0,6.0]]})"
+         R"("local_optima":[[1.0,2.0,3.0,4.0,5.0,6.0]]})"
          "\n"
          R"({"key":"b","best_nrmse":0.1,"found_better":false,"values":1,)"
          R"("points_swept":[[1,"nan",1.0,0.5,1,2,3,4]]})"

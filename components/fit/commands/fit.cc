@@ -178,8 +178,8 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
                                                command_line, flags.report);
     report_message("report: " + page.string());
   }
-  std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all, settings)
-                              : fit_text(many.specimens, many.pooled, settings) + sweeps_text(sweeps.all));
+  std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all)
+                              : fit_text(many.specimens, many.pooled) + sweeps_text(sweeps.all));
   std::error_code ignored;
   if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }

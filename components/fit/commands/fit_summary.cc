@@ -2,7 +2,7 @@
 
 #include <cmath>
 #include <functional>
-#include <optional>
+#include <type_traits>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -11,6 +11,7 @@
 
 #include "app/output.h"
 #include "fit/commands/sweep_summary.h"
+#include "fit/identify/fit_fields.h"
 
 namespace palpate::app {
 namespace {
@@ -36,63 +37,63 @@ Json bootstrap_part(const Estimate& estimate, double unit) {
   return estimate.bootstrap ? pair_json(*estimate.bootstrap, unit) : Json(nullptr);
 }
 
-/// The parameters of the law by name, and the relaxation terms as a list. These parameters are shared by all
-/// specimens in a pooled fit.
-Json shared_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part) {
+/// The parameters of the law by name, and the relaxation terms as a list. A pooled fit has no other
+/// parameters; a specimen's are followed by its own offsets if `own`.
+Json parameters_json(const std::vector<Estimate>& estimates, std::size_t terms, const Part& part, bool own) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
+  const std::size_t shared = identify::shared_count(terms);
   Json json;
   for (std::size_t i = 0; i < identify::kLawParameters; ++i) {
     json[labels[i].name] = part(estimates[i], labels[i].unit);
   }
   json["relaxation"] = Json::array();
-  for (std::size_t i = identify::kLawParameters; i < identify::shared_count(terms); i += 2) {
+  for (std::size_t i = identify::kLawParameters; i < shared; i += 2) {
     json["relaxation"].push_back(
         {{"share", part(estimates[i], 1.0)}, {"time_s", part(estimates[i + 1], 1.0)}});
   }
-  return json;
-}
-
-/// All parameters of one specimen by name: the shared ones and the specimen's own offsets.
-Json all_json(const identify::SpecimenFit& fit, const Part& part) {
-  Json json = shared_json(fit.estimates, fit.terms, part);
-  const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
-  for (std::size_t i = identify::shared_count(fit.terms); i < labels.size(); ++i) {
-    json[labels[i].name] = part(fit.estimates[i], labels[i].unit);
+  for (std::size_t i = shared; own && i < estimates.size(); ++i) {
+    json[labels[i].name] = part(estimates[i], labels[i].unit);
   }
   return json;
 }
 
-/// Names of the parameters that the data do not determine.
-Json open_json(const std::vector<Estimate>& estimates, std::size_t terms) {
+/// Adds the best values, the intervals and the names of the parameters that the data do not determine.
+void put_estimates(const std::vector<Estimate>& estimates, std::size_t terms, Json& json) {
   const std::vector<identify::ParameterLabel> labels = identify::labels(terms);
-  Json names = Json::array();
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    if (!estimates[i].determined) names.push_back(labels[i].name);
+  const std::size_t shared = identify::shared_count(terms);
+  const bool own = estimates.size() > shared;  // of a specimen
+  json["parameters"] = parameters_json(estimates, terms, value_part, false);
+  for (std::size_t i = shared; i < estimates.size(); ++i) {
+    json[labels[i].name] = estimates[i].value / labels[i].unit;
   }
-  return names;
+  json["interval_95"] = parameters_json(estimates, terms, interval_part, own);
+  if (own) json["covariance_95"] = parameters_json(estimates, terms, covariance_part, own);
+  if (own && estimates.front().bootstrap) {
+    json["bootstrap_95"] = parameters_json(estimates, terms, bootstrap_part, own);
+  }
+  Json& open = json["not_determined"] = Json::array();
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    if (!estimates[i].determined) open.push_back(labels[i].name);
+  }
 }
 
-Json specimen_json(const identify::SpecimenFit& fit) {
-  const std::vector<identify::ParameterLabel> labels = identify::labels(fit.terms);
-  const std::size_t own = identify::shared_count(fit.terms);
-  Json json = {{"name", fit.name},
-               {"law", model::to_string(fit.law)},
-               {"layers", fit.layers_allowed},
-               {"layers_reached", fit.layers_reached},
-               {"parameters", shared_json(fit.estimates, fit.terms, value_part)}};
-  for (std::size_t i = own; i < labels.size(); ++i) {
-    json[labels[i].name] = fit.estimates[i].value / labels[i].unit;
-  }
-  json["interval_95"] = all_json(fit, interval_part);
-  json["covariance_95"] = all_json(fit, covariance_part);
-  if (fit.estimates.front().bootstrap) json["bootstrap_95"] = all_json(fit, bootstrap_part);
-  json["not_determined"] = open_json(fit.estimates, fit.terms);
-  json["rms_N"] = fit.rms;
-  json["nrmse"] = fit.nrmse;
-  json["leave_out_nrmse"] = fit.cross_validation;
-  json["points"] = fit.points;
-  json["rows"] = fit.rows;
-  json["warnings"] = fit.warnings;
+/// The fields of a specimen's fit or of the pooled fit.
+template <typename Fit>
+Json fields_json(const Fit& fit) {
+  Json json;
+  identify::for_each_field(fit, [&](const identify::ResultField& field, const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if ((field.outputs & identify::kInJson) == 0) return;
+    if constexpr (std::is_same_v<Value, std::vector<Estimate>>) {
+      put_estimates(value, fit.terms, json);
+    } else if constexpr (std::is_same_v<Value, model::LawKind>) {
+      json[field.key] = model::to_string(value);
+    } else if constexpr (std::is_same_v<Value, model::Direction>) {
+      json[field.key] = value == model::Direction::kPull ? "pull" : "press";
+    } else if constexpr (std::is_constructible_v<Json, const Value&>) {
+      json[field.key] = value;
+    }
+  });
   return json;
 }
 
@@ -124,42 +125,24 @@ std::string warning_lines(const std::vector<std::string>& warnings) {
 }  // namespace
 
 std::string fit_json(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,
-                     const std::vector<identify::Sweep>& sweeps, const identify::Settings& settings) {
+                     const std::vector<identify::Sweep>& sweeps) {
   Json json;
   json["specimens"] = Json::array();
-  for (const identify::SpecimenFit& fit : fits) json["specimens"].push_back(specimen_json(fit));
-  json["pooled"] = {{"law", model::to_string(settings.law)},
-                    {"direction", settings.direction == model::Direction::kPull ? "pull" : "press"},
-                    {"specimens", pooled.specimens},
-                    {"layers", pooled.layers_allowed},
-                    {"layers_reached", pooled.layers_reached},
-                    {"parameters", shared_json(pooled.estimates, pooled.terms, value_part)},
-                    {"interval_95", shared_json(pooled.estimates, pooled.terms, interval_part)},
-                    {"not_determined", open_json(pooled.estimates, pooled.terms)},
-                    {"rms_N", pooled.rms},
-                    {"nrmse", pooled.nrmse},
-                    {"points", pooled.points},
-                    {"warnings", pooled.warnings}};
+  for (const identify::SpecimenFit& fit : fits) json["specimens"].push_back(fields_json(fit));
+  json["pooled"] = fields_json(pooled);
   if (!sweeps.empty()) json["sweeps"] = sweeps_json(sweeps);
   return json_text(json) + '\n';
 }
 
-std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,
-                     const identify::Settings& settings) {
+std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled) {
   std::string text;
   for (const identify::SpecimenFit& fit : fits) {
-    text += fmt::format(
-        "{}: {} law, {} points, error {} of the force range ({} N), {} on left-out points, {} of {} layers "
-        "reached; parameter, best, 95 % interval:\n"
-        "{}{}",
-        fit.name, model::to_string(fit.law), fit.points, percent(fit.nrmse), brief(fit.rms),
-        percent(fit.cross_validation), fit.layers_reached, fit.layers_allowed,
-        estimate_lines(fit.estimates, fit.terms), warning_lines(fit.warnings));
+    text += summary_of(fit) + "; parameter, best, 95 % interval:\n" +
+            estimate_lines(fit.estimates, fit.terms) + warning_lines(fit.warnings);
   }
   if (fits.size() > 1) {
-    text += fmt::format("Pooled fit of {} specimens: {} law, error {} of the force range:\n{}{}",
-                        pooled.specimens, model::to_string(settings.law), percent(pooled.nrmse),
-                        estimate_lines(pooled.estimates, pooled.terms), warning_lines(pooled.warnings));
+    text += summary_of(pooled) + ":\n" + estimate_lines(pooled.estimates, pooled.terms) +
+            warning_lines(pooled.warnings);
   }
   return text;
 }

@@ -98,6 +98,7 @@ std::vector<Point> resampled(const LocalOptima& optima, std::uint64_t seed, cons
 
 PooledFit of_one(const SpecimenFit& fit, const Settings& settings) {
   PooledFit pooled;
+  pooled.direction = settings.direction;
   pooled.terms = fit.terms;
   pooled.estimates.assign(fit.estimates.begin(),
                           fit.estimates.begin() + static_cast<std::ptrdiff_t>(shared_count(fit.terms)));
@@ -207,6 +208,7 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   const std::vector<Interval> intervals =
       intervals_of(resampled(optima, settings.seed, progress, ranks), {}, terms);
   PooledFit pooled;
+  pooled.direction = settings.direction;
   pooled.terms = terms;
   pooled.specimens = specimens.size();
   add_estimates(optima, intervals, profile_intervals(optima, progress, ranks), pooled);

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -15,7 +17,7 @@
 #include "palpate/error.h"
 #include "palpate/version.h"
 
-#include "fit/identify/number_json.h"
+#include "fit/identify/fit_fields.h"
 #include "fit/identify/sweep_piece.h"
 
 namespace palpate::identify {
@@ -23,71 +25,88 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list_json(const std::vector<double>& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(number_json(value));
-  return json;
-}
+// Values of a results file: written() makes JSON that read() restores bit for bit.
 
-std::vector<double> list_of(const Json& json) {
-  std::vector<double> values;
-  for (const Json& value : json) values.push_back(number_of(value));
-  return values;
-}
-
-Json interval_json(const Interval& interval) {
+Json written(const Interval& interval) {
   return Json::array({number_json(interval.low), number_json(interval.high)});
 }
 
-Json interval_json(const std::optional<Interval>& interval) {
-  return interval ? interval_json(*interval) : Json(nullptr);
-}
+template <typename Fit>
+Json fields_json(const Fit& fit);
 
-Interval interval_of(const Json& json) { return {number_of(json.at(0)), number_of(json.at(1))}; }
-
-std::optional<Interval> maybe_interval_of(const Json& json) {
-  if (json.is_null()) return std::nullopt;
-  return interval_of(json);
-}
-
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", number_json(estimate.value)},
-          {"interval", interval_json(estimate.interval)},
-          {"covariance", interval_json(estimate.covariance)},
-          {"bootstrap", interval_json(estimate.bootstrap)},
-          {"determined", estimate.determined}};
-}
-
-Estimate estimate_of(const Json& json) {
-  Estimate estimate;
-  estimate.value = number_of(json.at("value"));
-  estimate.interval = interval_of(json.at("interval"));
-  estimate.covariance = maybe_interval_of(json.at("covariance"));
-  estimate.bootstrap = maybe_interval_of(json.at("bootstrap"));
-  estimate.determined = json.at("determined").get<bool>();
-  return estimate;
-}
-
-Json curve_json(const Curve& curve) {
-  return {{"time", list_json(curve.time)},         {"displacement", list_json(curve.displacement)},
-          {"measured", list_json(curve.measured)}, {"fitted", list_json(curve.fitted)},
-          {"low", list_json(curve.low)},           {"high", list_json(curve.high)}};
-}
-
-Curve curve_from_json(const Json& json) {
-  Curve curve;
-  curve.time = list_of(json.at("time"));
-  curve.displacement = list_of(json.at("displacement"));
-  curve.measured = list_of(json.at("measured"));
-  curve.fitted = list_of(json.at("fitted"));
-  curve.low = list_of(json.at("low"));
-  curve.high = list_of(json.at("high"));
-  const std::size_t points = curve.displacement.size();
-  if ((!curve.time.empty() && curve.time.size() != points) || curve.measured.size() != points ||
-      curve.fitted.size() != points || curve.low.size() != points || curve.high.size() != points) {
-    throw InputError("results line: its curve has not as many values in every column");
+template <typename Value>
+Json written(const Value& value) {
+  if constexpr (std::is_floating_point_v<Value>) {
+    return number_json(value);
+  } else if constexpr (std::is_same_v<Value, model::LawKind>) {
+    return model::to_string(value);
+  } else if constexpr (std::is_same_v<Value, Estimate> || std::is_same_v<Value, Curve>) {
+    return fields_json(value);
+  } else {
+    return value;
   }
-  return curve;
+}
+
+Json written(const std::optional<Interval>& interval) {
+  return interval ? written(*interval) : Json(nullptr);
+}
+
+template <typename Value>
+Json written(const std::vector<Value>& values) {
+  Json json = Json::array();
+  for (const Value& value : values) json.push_back(written(value));
+  return json;
+}
+
+template <typename Fit>
+Json fields_json(const Fit& fit) {
+  Json json = Json::object();
+  for_each_field(fit, [&json](const ResultField& field, const auto& value) {
+    if ((field.outputs & kInRecord) != 0) json[field.key] = written(value);
+  });
+  return json;
+}
+
+template <typename Fit>
+void read_fields(const Json& json, Fit& fit);
+
+void read(const Json& json, Interval& interval) { interval = {number_of(json.at(0)), number_of(json.at(1))}; }
+
+template <typename Value>
+void read(const Json& json, Value& value) {
+  if constexpr (std::is_floating_point_v<Value>) {
+    value = number_of(json);
+  } else if constexpr (std::is_same_v<Value, model::LawKind>) {
+    value = model::parse_law(json.get<std::string>());
+  } else if constexpr (std::is_same_v<Value, Estimate> || std::is_same_v<Value, Curve>) {
+    read_fields(json, value);
+  } else {
+    value = json.get<Value>();
+  }
+}
+
+void read(const Json& json, std::optional<Interval>& interval) {
+  interval.reset();
+  if (!json.is_null()) read(json, interval.emplace());
+}
+
+template <typename Value>
+void read(const Json& json, std::vector<Value>& values) {
+  values.clear();
+  for (const Json& value : json) read(value, values.emplace_back());
+}
+
+template <typename Fit>
+void read_fields(const Json& json, Fit& fit) {
+  for_each_field(fit, [&json](const ResultField& field, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if ((field.outputs & kInRecord) == 0) return;
+    if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) {
+      value = whole_number<Value>(json, field.key);
+    } else {
+      read(json.at(field.key), value);
+    }
+  });
 }
 
 bool all_as_long(const std::vector<Point>& points, std::size_t size) {
@@ -95,31 +114,19 @@ bool all_as_long(const std::vector<Point>& points, std::size_t size) {
                      [size](const Point& point) { return point.size() == size; });
 }
 
-SpecimenFit fit_of_json(const Json& json) {
-  SpecimenFit fit;
-  fit.name = json.at("name").get<std::string>();
-  fit.law = model::parse_law(json.at("law").get<std::string>());
-  fit.layers_allowed = whole_number<int>(json, "layers_allowed");
-  fit.layers_reached = whole_number<int>(json, "layers_reached");
-  fit.terms = whole_number<std::size_t>(json, "terms");
-  for (const Json& estimate : json.at("estimates")) fit.estimates.push_back(estimate_of(estimate));
-  fit.rms = number_of(json.at("rms"));
-  fit.nrmse = number_of(json.at("nrmse"));
-  fit.cross_validation = number_of(json.at("leave_out"));
-  fit.points = whole_number<std::size_t>(json, "points");
-  fit.rows = whole_number<std::size_t>(json, "rows");
-  fit.warnings = json.at("warnings").get<std::vector<std::string>>();
-  fit.curve = curve_from_json(json.at("curve"));
-  fit.shared = list_of(json.at("shared"));
-  fit.own = list_of(json.at("own"));
-  for (const Json& minimum : json.at("minima")) fit.local_optima.push_back(list_of(minimum));
+void check_lengths(const SpecimenFit& fit) {
+  const Curve& curve = fit.curve;
+  const std::size_t points = curve.displacement.size();
+  if ((!curve.time.empty() && curve.time.size() != points) ||
+      !all_as_long({curve.measured, curve.fitted, curve.low, curve.high}, points)) {
+    throw InputError("results line: its curve has not as many values in every column");
+  }
   if (fit.terms > model::kMaxRelaxationTerms || fit.shared.size() != shared_count(fit.terms) ||
       fit.own.size() != kOwnParameters ||
       !all_as_long(fit.local_optima, fit.shared.size() + kOwnParameters) ||
       fit.estimates.size() != fit.shared.size() + kOwnParameters) {
     throw InputError("results line: does not have as many parameters as it has relaxation terms");
   }
-  return fit;
 }
 
 void put(std::string& bytes, std::uint64_t value) {
@@ -144,8 +151,23 @@ std::string take(const std::string& bytes, std::size_t& at) {
 
 }  // namespace
 
+nlohmann::ordered_json number_json(double value) {
+  if (std::isfinite(value)) return value;
+  if (std::isnan(value)) return "nan";
+  return value > 0.0 ? "inf" : "-inf";
+}
+
+double number_of(const nlohmann::ordered_json& json) {
+  if (json.is_number()) return json.get<double>();
+  const std::string word = json.is_string() ? json.get<std::string>() : json.dump();
+  if (word == "nan") return std::numeric_limits<double>::quiet_NaN();
+  if (word == "inf") return std::numeric_limits<double>::infinity();
+  if (word == "-inf") return -std::numeric_limits<double>::infinity();
+  throw InputError("\"" + word + "\" is no number");
+}
+
 std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 3;  // version of the line format
+  constexpr std::uint64_t kFormat = 4;  // version of the line format
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -172,33 +194,17 @@ std::string sweep_record_key(const std::string& request, std::size_t piece,
 }
 
 std::string record_line(const std::string& key, const SpecimenFit& fit) {
-  Json estimates = Json::array();
-  for (const Estimate& estimate : fit.estimates) estimates.push_back(estimate_json(estimate));
-  Json optima = Json::array();
-  for (const Point& minimum : fit.local_optima) optima.push_back(list_json(minimum));
-  const Json json = {{"key", key},
-                     {"name", fit.name},
-                     {"law", model::to_string(fit.law)},
-                     {"layers_allowed", fit.layers_allowed},
-                     {"layers_reached", fit.layers_reached},
-                     {"terms", fit.terms},
-                     {"estimates", std::move(estimates)},
-                     {"rms", number_json(fit.rms)},
-                     {"nrmse", number_json(fit.nrmse)},
-                     {"leave_out", number_json(fit.cross_validation)},
-                     {"points", fit.points},
-                     {"rows", fit.rows},
-                     {"warnings", fit.warnings},
-                     {"curve", curve_json(fit.curve)},
-                     {"shared", list_json(fit.shared)},
-                     {"own", list_json(fit.own)},
-                     {"minima", std::move(optima)}};
+  Json json = {{"key", key}};
+  json.update(fields_json(fit));
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 SpecimenFit parse_record_line(const std::string& line) {
   try {
-    return fit_of_json(parse_json(line));
+    SpecimenFit fit;
+    read_fields(Json(parse_json(line)), fit);
+    check_lengths(fit);
+    return fit;
   } catch (const Json::exception& error) {
     throw InputError(std::string("results line: ") + error.what());
   }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "palpate/identify.h"
 
 namespace palpate::identify {
@@ -26,6 +28,12 @@ namespace palpate::identify {
 /// [setup] Checks that a line is a complete fit or sweep piece. @throws InputError or an exception of the
 /// JSON library.
 void check_line(const std::string& line);
+
+/// [setup] A number for a results file. JSON has no infinite or NaN numbers; these are written as strings.
+[[nodiscard]] nlohmann::ordered_json number_json(double value);
+
+/// [setup] Reads a number written by number_json(). @throws InputError when it is not a number
+[[nodiscard]] double number_of(const nlohmann::ordered_json& json);
 
 /// [any] Conversion between numbers and bytes, for messages between ranks (not for files). @throws InputError
 /// when the size of the bytes is not a whole number of values.

@@ -14,10 +14,10 @@
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 
+#include "fit/identify/fit_record.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/multistart.h"
-#include "fit/identify/number_json.h"
 #include "fit/identify/parts.h"
 #include "fit/identify/profile_path.h"
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "palpate/identify.h"
 #include "palpate/units.h"
 
+#include "fit/identify/fit_fields.h"
 #include "fit/python/docs.h"
 #include "fit/python/module.h"
 
@@ -51,36 +53,35 @@ py::dict parameters_of(const std::vector<identify::Estimate>& estimates, std::si
   return parameters;
 }
 
-py::dict dictionary_of(const identify::SpecimenFit& one) {
-  py::dict result;
-  result["name"] = one.name;
-  result["law"] = model::to_string(one.law);
-  result["layers"] = one.layers_allowed;
-  result["layers_reached"] = one.layers_reached;
-  result["parameters"] = parameters_of(one.estimates, one.terms);
-  result["rms_N"] = one.rms;
-  result["nrmse"] = one.nrmse;
-  result["leave_out_nrmse"] = one.cross_validation;
-  result["points"] = one.points;
-  result["warnings"] = one.warnings;
-  result["displacement"] = array_of(one.curve.displacement);
-  result["measured"] = array_of(one.curve.measured);
-  result["fitted"] = array_of(one.curve.fitted);
-  result["low"] = array_of(one.curve.low);
-  result["high"] = array_of(one.curve.high);
-  return result;
+/// Adds the fields of a specimen's fit or of the pooled fit, or those of a curve.
+template <typename Fit>
+void put_fields(const Fit& fit, py::dict& result) {
+  identify::for_each_field(fit, [&](const identify::ResultField& field, const auto& value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if ((field.outputs & identify::kInPython) == 0) return;
+    const py::str key(field.key);
+    if constexpr (std::is_same_v<Value, std::vector<identify::Estimate>>) {
+      result[key] = parameters_of(value, fit.terms);
+    } else if constexpr (std::is_same_v<Value, identify::Curve>) {
+      put_fields(value, result);
+    } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
+      result[key] = array_of(value);
+    } else if constexpr (std::is_same_v<Value, model::LawKind>) {
+      result[key] = model::to_string(value);
+    } else if constexpr (std::is_same_v<Value, model::TissueParameters>) {
+      model::TissueParameters tissue = value;
+      if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file needs a name
+      result[key] = tissue;
+    } else {
+      result[key] = value;
+    }
+  });
 }
 
-py::dict dictionary_of(const identify::PooledFit& pooled) {
+template <typename Fit>
+py::dict dictionary_of(const Fit& fit) {
   py::dict result;
-  result["parameters"] = parameters_of(pooled.estimates, pooled.terms);
-  result["rms_N"] = pooled.rms;
-  result["nrmse"] = pooled.nrmse;
-  result["points"] = pooled.points;
-  result["warnings"] = pooled.warnings;
-  model::TissueParameters tissue = pooled.tissue;
-  if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file needs a name
-  result["tissue"] = tissue;
+  put_fields(fit, result);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "view/report/page.h"
 #include "view/report/text_format.h"
 
+#include "fit/identify/fit_fields.h"
 #include "fit/report/sweep_section.h"
 
 namespace palpate::report {
@@ -87,12 +88,21 @@ void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
               {"layers", fmt::format("{} allowed, {} reached", pooled.layers_allowed, pooled.layers_reached)},
               {"specimens", std::to_string(fits.size())},
               {"seed", std::to_string(settings.seed)}});
-  TableRows rows = {{"specimen", "points", "error", "on points left out", "k1, N/m", "beta", "q", "L1, mm"}};
+  TableRows rows(1);
   for (const identify::SpecimenFit& fit : fits) {
-    rows.push_back({escaped(fit.name), std::to_string(fit.points), percent(fit.nrmse),
-                    percent(fit.cross_validation), brief(fit.estimates[0].value),
-                    brief(fit.estimates[1].value), brief(fit.estimates[2].value),
-                    brief(fit.estimates[3].value / kMillimetre)});
+    std::vector<std::string>& headings = rows.front();
+    std::vector<std::string> row;
+    headings.clear();
+    for (const identify::ShownField& shown : identify::shown_fields(fit)) {
+      if (shown.field.column == nullptr) continue;
+      headings.emplace_back(shown.field.column);
+      row.push_back(escaped(shown.text));
+    }
+    headings.insert(headings.end(), {"k1, N/m", "beta", "q", "L1, mm"});
+    const std::vector<identify::ParameterLabel> labels = identify::labels(0);
+    for (std::size_t i = 0; i < identify::kLawParameters; ++i)
+      row.push_back(brief(fit.estimates[i].value / labels[i].unit));
+    rows.push_back(std::move(row));
   }
   page.table(rows);
   page.paragraph("Errors are root mean squares over each specimen's range of force.");

@@ -105,7 +105,7 @@ TEST(FitRecord, RefusesACurveWithColumnsOfDifferentLength) {
 
 TEST(FitRecord, ACountThatIsNoWholeNumberIsRefusedByName) {
   const std::string plain = record_line("key", plain_fit());
-  for (const std::string count : {"layers_allowed", "layers_reached", "terms", "points", "rows"}) {
+  for (const std::string count : {"layers", "layers_reached", "terms", "points", "rows"}) {
     const std::string field = '"' + count + "\":";
     const std::string line = std::regex_replace(plain, std::regex(field + "\\d+"), field + "1e30");
     EXPECT_THAT([&] { (void)parse_record_line(line); },

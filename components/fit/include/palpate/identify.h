@@ -180,6 +180,7 @@ struct SpecimenFit {
 
 /// Pooled fit of all specimens: one set of shared parameters, own parameters for each specimen.
 struct PooledFit {
+  model::Direction direction = model::Direction::kPress;
   std::vector<Estimate> estimates;  // shared parameters, in the order of labels(terms)
   std::size_t terms = 0;
   int layers_allowed = 0;
