@@ -9,7 +9,7 @@
 namespace palpate::identify {
 namespace {
 
-/// A value for readers; "" for lists, which have no place.
+/// A value for readers; "" for lists, which have no position.
 template <typename Value>
 std::string shown_value(const Value& value, [[maybe_unused]] bool as_percent) {
   if constexpr (std::floating_point<Value>) return as_percent ? percent(value) : brief(value);

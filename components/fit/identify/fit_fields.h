@@ -17,7 +17,7 @@ enum Outputs : unsigned { kInJson = 1, kInPython = 2, kInRecord = 4, kEverywhere
 struct ResultField {
   const char* key;                 // its name in --json, in Python and in the results file
   unsigned outputs = kEverywhere;  // those that contain it
-  int place = 0;                   // its position in the summary and in the report's table; 0: in neither
+  int place = 0;                   // position in the summary and in the report's table; 0: in neither
   const char* phrase = nullptr;    // in the summary, with {} for the value
   const char* column = nullptr;    // its heading in the report's table
   bool as_percent = false;         // in both
@@ -58,7 +58,7 @@ void for_each_field(Fit& fit, const Visit& visit) {
   visit(F{.key = "local_optima", .outputs = kInRecord}, fit.local_optima);
 }
 
-/// [any] The same for the pooled fit, which no results file contains.
+/// [any] Calls visit(field, value) for each field of the pooled fit, which no results file contains.
 template <Is<PooledFit> Fit, typename Visit>
 void for_each_field(Fit& fit, const Visit& visit) {
   using F = ResultField;
@@ -102,7 +102,7 @@ struct ShownField {
   std::string text;  // its value
 };
 
-/// [setup] The fields that have a place, in their order.
+/// [setup] The fields with a position, in that order.
 [[nodiscard]] std::vector<ShownField> shown_fields(const SpecimenFit& fit);
 
 /// [setup] The summary of a fit: the phrases of its fields.
