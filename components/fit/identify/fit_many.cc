@@ -2,7 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "run/tasks/for_each_task.h"
 
@@ -21,7 +24,9 @@ class Fitting final {
         settings_(settings),
         ranks_(ranks),
         progress_(progress),
-        record_(results_file, ranks, check_line) {}
+        needs_lines_(ranks.size() > 1 || !results_file.empty()),
+        record_(results_file, ranks, check_line),
+        fits_(specimens_.size()) {}
 
   /// Each specimen is fitted by one rank.
   void by_specimen() {
@@ -62,7 +67,9 @@ class Fitting final {
   ManyFits finish() {
     ManyFits many;
     many.resumed = resumed_;
-    for (const std::string& line : lines_) many.specimens.push_back(parse_record_line(line));
+    for (std::size_t i = 0; i < fits_.size(); ++i) {
+      many.specimens.push_back(fits_[i] ? std::move(*fits_[i]) : parse_record_line(lines_[i]));
+    }
     const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {
       if (ranks_.rank() == 0) report_progress(count * (1.0 + kPooledShare * share), what);
@@ -74,10 +81,11 @@ class Fitting final {
   [[nodiscard]] std::size_t count() const noexcept { return specimens_.size(); }
 
  private:
-  std::string fitted(std::size_t i, const Progress& progress, tasks::Communicator* ranks) const {
+  /// Fits a specimen. @return its line for the results file and for other ranks; "" without both
+  std::string fitted(std::size_t i, const Progress& progress, tasks::Communicator* ranks) {
     const auto job = static_cast<std::uint32_t>(i);
-    return record_line(record_key(specimens_[i], settings_, job),
-                       fit_specimen(specimens_[i], settings_, job, progress, ranks));
+    fits_[i] = fit_specimen(specimens_[i], settings_, job, progress, ranks);
+    return needs_lines_ ? record_line(record_key(specimens_[i], settings_, job), *fits_[i]) : std::string();
   }
 
   void report_progress(double done, const std::string& what) const {
@@ -89,8 +97,10 @@ class Fitting final {
   const Settings& settings_;
   tasks::Communicator& ranks_;
   const Progress& progress_;
+  bool needs_lines_;
   tasks::Record record_;
-  std::vector<std::string> lines_;  // fits of the specimens, in their order
+  std::vector<std::optional<SpecimenFit>> fits_;  // those of this rank
+  std::vector<std::string> lines_;                // all, in the order of the specimens; each may be empty
   std::size_t resumed_ = 0;
 };
 
