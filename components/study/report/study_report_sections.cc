@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "view/report/text_format.h"
 
@@ -57,11 +58,11 @@ std::string sensitivity_text(const ArmResult& arm) {
                      arm.sensitivity->reliable ? "" : " (no statement)");
 }
 
-std::string range_text(std::vector<double> values, int digits) {
+std::string range_text(const std::vector<double>& values, int digits) {
   if (values.empty()) return "-";
-  std::sort(values.begin(), values.end());
-  return fmt::format("{} ({} to {})", fixed(values[values.size() / 2], digits), fixed(values.front(), digits),
-                     fixed(values.back(), digits));
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return fmt::format("{} ({} to {})", fixed(median(values), digits), fixed(*low, digits),
+                     fixed(*high, digits));
 }
 
 // One row for each person and arm of a task with a function of the level.

@@ -15,6 +15,18 @@ std::string label_of(std::size_t index) { return std::string(1, static_cast<char
 
 double milli(double newtons) { return 1e3 * newtons; }
 
+/// Counts a person once: as consented after any "yes", as refused if there is only "no".
+void count_consent(const Participant& person, StudyAnalysis& analysis) {
+  bool asked = false;
+  bool consented = false;
+  for (const EventRecord& event : person.log.events) {
+    if (event.event != "consent") continue;
+    asked = true;
+    consented = consented || event.value("answer") == "yes";
+  }
+  if (asked) ++(consented ? analysis.consented : analysis.refused);
+}
+
 }  // namespace
 
 Readable readable_level(const StudyTask& task, double level) noexcept {
@@ -87,10 +99,7 @@ StudyAnalysis analyse(const Study& study, std::span<const Participant> people, S
     if (has_function(task)) quests.back().emplace(grid_with_levels(task, people));
   }
   for (const Participant& person : people) {
-    for (const EventRecord& event : person.log.events) {
-      if (event.event != "consent") continue;
-      ++(event.value("answer") == "yes" ? analysis.consented : analysis.refused);
-    }
+    count_consent(person, analysis);
     if (person.log.trials.empty() && !person.log.withdrawn()) continue;
     analysis.people.push_back(analyse_person(study, person, names, quests));
     const PersonResult& result = analysis.people.back();

@@ -96,6 +96,18 @@ TEST_F(StudyReport, BlindReportNamesNoConditionAndNoPrimaryContrast) {
   }
 }
 
+TEST_F(StudyReport, TheMedianOfTwoPeopleIsTheMiddleBetweenThem) {
+  people_.resize(2);
+  StudyAnalysis analysis = study::analyse(study_.study, people_, kTestKey, true);
+  analysis.people[0].minutes = 40.0;
+  analysis.people[1].minutes = 30.0;
+  const std::filesystem::path page =
+      write_study_report(study_, analysis, folder_.path() / "two", "palpate study");
+  std::ifstream in(page, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  EXPECT_THAT(text, HasSubstr("35 (30 to 40) min"));
+}
+
 TEST_F(StudyReport, UnblindedReportShowsPrimaryResultAndRegistration) {
   const std::string page = page_of(true);
   for (const char* text : {"UNBLINDED.", "all done", "registered-text", "0123abcd", "stiffness (primary)",

@@ -111,6 +111,17 @@ TEST(Analysis, EstimateDoesNotDependOnTheOrderOfTheTrials) {
   EXPECT_NEAR(after.people[0].tasks[2].arms[1].fit->estimate.mean, before, 1e-9);
 }
 
+TEST(Analysis, AConsentAfterARefusalCountsAsOneConsentedPerson) {
+  std::vector<Participant> people = {new_participant(0), new_participant(1)};
+  people[0].log.events.push_back({"", "consent", {{"answer", "no"}}});
+  people[0].log.events.push_back({"", "consent", {{"answer", "yes"}}});
+  people[1].log.events.push_back({"", "consent", {{"answer", "no"}}});
+  people[1].log.events.push_back({"", "consent", {{"answer", "no"}}});
+  const StudyAnalysis found = analyse(test_study(), people, kTestKey, true);
+  EXPECT_EQ(found.consented, 1);
+  EXPECT_EQ(found.refused, 1);
+}
+
 TEST(Analysis, PracticeAndSpoiledTrialsDoNotCount) {
   const Study study = test_study();
   std::vector<Participant> people = stiffness_group(study, 1, 20, 1.0);
