@@ -54,6 +54,12 @@ endif()
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")
 
+# palpate_join_all(TARGET): compiles all sources of a target together, where that saves a fifth or more of its processor time: those
+# of the program read large headers (CLI11, nlohmann's JSON, Dear ImGui).
+function(palpate_join_all target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 0)
+endfunction()
+
 # palpate_compile_quickly(TARGET): low optimisation, for code whose speed does not matter to a run, picture or fit. At -Og g++ 12
 # takes arguments of Eigen's inlined functions for uninitialized.
 function(palpate_compile_quickly target)

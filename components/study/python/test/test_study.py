@@ -13,7 +13,7 @@ from example_runs import expect_drawn
 from mypy_run import expect_mypy_errors
 from palpate import study
 
-SHORT_STUDY = pathlib.Path(__file__).resolve().parents[3] / 'examples' / 'study' / 'short.toml'
+SHORT_STUDY = pathlib.Path(__file__).resolve().parents[4] / 'examples' / 'study' / 'short.toml'
 
 
 def test_quest_finds_the_threshold_of_a_simulated_person():
