@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -13,6 +15,7 @@
 
 #include "io/system/plugin.h"
 #include "palpate/error.h"
+#include "run/tasks/communicator.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -52,13 +55,14 @@ const ComponentCommand* find(std::string_view name) noexcept {
   return found == kCommands.end() ? nullptr : found;
 }
 
-/// Replaces this process by `program`. Returns only when `program` cannot be executed.
-void execute(const fs::path& program, char** arguments) {
+/// Replaces this process by `program`. Returns only when `program` cannot be executed. @return the reason
+int execute(const fs::path& program, char** arguments) {
   std::string name = program.string();
   std::vector<char*> words = {name.data()};
   while (*arguments != nullptr) words.push_back(*arguments++);
   words.push_back(nullptr);
   execv(name.c_str(), words.data());
+  return errno;
 }
 
 }  // namespace
@@ -79,9 +83,19 @@ bool is_of_component(std::string_view name) noexcept { return find(name) != null
 int execute_component(char** arguments) {
   const ComponentCommand& command = *find(arguments[0]);
   const fs::path folder = folder_of_program();
+  int reason = ENOENT;
   if (!folder.empty()) {
-    execute(folder / command.program, arguments);
-    execute(folder.parent_path() / "libexec" / "palpate" / command.program, arguments);
+    for (const fs::path& place : {folder, folder.parent_path() / "libexec" / "palpate"}) {
+      const int why = execute(place / command.program, arguments);
+      if (reason == ENOENT) reason = why;
+    }
+  }
+  // mpirun started several processes, which all fail alike.
+  if (tasks::launch_of_environment().rank != 0) return kBadInput;
+  if (reason != ENOENT) {
+    report_error(fmt::format("{}: {} cannot be executed: {}", command.name, command.program,
+                             std::generic_category().message(reason)));
+    return kBadInput;
   }
   report_error(
       fmt::format("{}: needs the program {}, which is not in {}: install the package {}, or build it "

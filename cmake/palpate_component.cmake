@@ -13,11 +13,18 @@ function(palpate_component_program name)
   palpate_compile_quickly(palpate-${name})
 endfunction()
 
-# palpate_component_test(NAME PREFIX SOURCES... [DEPS...] [PROPERTIES...]): tests of the commands of component NAME, which run the
-# program. Their suites are named PREFIX.SUITE.
+# palpate_component_test(NAME PREFIX SOURCES... [MPI_SOURCES...] [DEPS...] [PROPERTIES...]): tests of the commands of component
+# NAME, which run the program. Their suites are named PREFIX.SUITE. MPI_SOURCES are tests on several ranks: they need mpirun.
 function(palpate_component_test name prefix)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;MPI_SOURCES;DEPS;PROPERTIES" ${ARGN})
   add_executable(palpate_${name}_command_test ${ARG_SOURCES})
+  find_program(PALPATE_MPIRUN mpirun)
+  if(TARGET palpate_mpi AND PALPATE_MPIRUN)
+    target_sources(palpate_${name}_command_test PRIVATE ${ARG_MPI_SOURCES})
+    add_dependencies(palpate_${name}_command_test palpate_mpi)
+  else()
+    message(STATUS "No tests of palpate ${name} on several ranks: mpirun (openmpi-bin) or MPI (libopenmpi-dev) was not found")
+  endif()
   target_compile_definitions(palpate_${name}_command_test PRIVATE PALPATE_PROGRAM="$<TARGET_FILE:palpate_app>"
     PALPATE_EXAMPLES="${PROJECT_SOURCE_DIR}/examples")
   target_link_libraries(palpate_${name}_command_test PRIVATE palpate::components ${ARG_DEPS} nlohmann_json::nlohmann_json

@@ -24,7 +24,9 @@ __all__ = _public(_palpate)
 for _name, _names, _package in _COMPONENTS:
     try:
         _module = importlib.import_module('.' + _name, __name__)
-    except ModuleNotFoundError:
+    except ModuleNotFoundError as _error:
+        if not str(_error.name).startswith(__name__ + '.'):
+            raise
         _missing.append(_package)
         continue
     if _names is None:

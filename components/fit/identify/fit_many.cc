@@ -68,7 +68,7 @@ class Fitting final {
     ManyFits many;
     many.resumed = resumed_;
     for (std::size_t i = 0; i < fits_.size(); ++i) {
-      many.specimens.push_back(fits_[i] ? std::move(*fits_[i]) : parse_record_line(lines_[i]));
+      many.specimens.push_back(needs_lines_ ? parse_record_line(lines_[i]) : std::move(*fits_[i]));
     }
     const auto count = static_cast<double>(specimens_.size());
     const Progress pooled = [&](double share, const std::string& what) {

@@ -53,15 +53,26 @@ py::dict parameters_of(const std::vector<identify::Estimate>& estimates, std::si
   return parameters;
 }
 
+/// Prony terms of a fit; a curve has none.
+template <typename Fit>
+std::size_t terms_of(const Fit& fit) {
+  if constexpr (std::is_same_v<Fit, identify::Curve>) {
+    return 0;
+  } else {
+    return fit.terms;
+  }
+}
+
 /// Adds the fields of a specimen's fit or of the pooled fit, or those of a curve.
 template <typename Fit>
 void put_fields(const Fit& fit, py::dict& result) {
+  const std::size_t terms = terms_of(fit);
   identify::for_each_field(fit, [&](const identify::ResultField& field, const auto& value) {
     using Value = std::remove_cvref_t<decltype(value)>;
     if ((field.outputs & identify::kInPython) == 0) return;
     const py::str key(field.key);
     if constexpr (std::is_same_v<Value, std::vector<identify::Estimate>>) {
-      result[key] = parameters_of(value, fit.terms);
+      result[key] = parameters_of(value, terms);
     } else if constexpr (std::is_same_v<Value, identify::Curve>) {
       put_fields(value, result);
     } else if constexpr (std::is_same_v<Value, std::vector<double>>) {

@@ -1,4 +1,4 @@
-// `mpirun palpate fit`, `sweep` and `generate` give the same bytes on any number of ranks, and resume after a
+// `mpirun palpate fit` and `sweep` give the same bytes on any number of ranks, and resume after a
 // lost rank.
 #include <algorithm>
 #include <chrono>
@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/program.h"
+#include "tests/mpi_program.h"
 
 namespace palpate::tests {
 namespace {
@@ -39,18 +39,6 @@ std::string curves(int count) {
   std::string words;
   for (int n = 0; n < count; ++n) words += " s" + std::to_string(n) + ".csv";
   return words;
-}
-
-/// Runs a shell command in the folder, with its output in the files out and err.
-int shell(const Folder& folder, const std::string& command) {
-  const std::string line = "cd '" + folder.path().string() + "' && " + command + " > out 2> err";
-  const int status = std::system(line.c_str());
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-std::string by_mpi(int ranks, const std::string& words) {
-  return "mpirun --allow-run-as-root --oversubscribe -n " + std::to_string(ranks) + " '" + PALPATE_PROGRAM +
-         "' " + words;
 }
 
 /// The children of a process.
@@ -134,40 +122,6 @@ TEST(Mpi, ASweepOfASceneGivesTheSameTablesOnOneAndThreeRanks) {
     EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
     EXPECT_EQ(text_of(folder / "d/results.csv"), csv) << ranks << " ranks";
     EXPECT_EQ(text_of(folder / "d/results.h5"), hdf5) << ranks << " ranks";
-  }
-}
-
-TEST(Mpi, EpisodesForLearningAreTheSameBytesOnOneTwoAndFourRanks) {
-  const Folder folder;
-  const std::string words =
-      "generate --organ box --policy random --stiffness-factor 0.5:2 --episodes 5 --steps 50 --out e.h5";
-  ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
-  const std::string alone = text_of(folder / "e.h5");
-  EXPECT_GT(alone.size(), 8U * 5U * 50U * 13U);
-  for (const int ranks : {1, 2, 4}) {
-    fs::remove(folder / "e.h5");
-    ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");
-    EXPECT_TRUE(text_of(folder / "e.h5") == alone) << ranks << " ranks";
-  }
-}
-
-TEST(Mpi, PowerOfAStudyIsTheSameOnOneTwoAndFourRanks) {
-  const Folder folder;
-  std::ofstream(folder / "s.toml")
-      << "[study]\nname = \"small\"\nscene = \"box\"\n[[condition]]\nname = \"off\"\nshare = 0.0\n"
-         "[[condition]]\nname = \"on\"\nshare = 0.6\n"
-         "[[task]]\nname = \"threshold\"\nkind = \"noise-threshold\"\n"
-         "sigma_mN = { from = 1.0, to = 100.0, per_decade = 20 }\ntrials = 4\nsets_share_of = \"threshold\"\n"
-         "[[task]]\nname = \"stiffness\"\nkind = \"stiffness\"\ndepth_mm = 8.0\n"
-         "ratio = { least = 1.02, largest = 3.3, steps = 14 }\nconditions = [\"off\", \"on\"]\ntrials = 12\n"
-         "[analysis]\nprimary = { task = \"stiffness\", contrast = \"on - off\", measure = \"ln_jnd\" }\n";
-  const std::string words = "study power s.toml --participants 3,5 --groups 6 --json";
-  ASSERT_EQ(shell(folder, "'" + std::string(PALPATE_PROGRAM) + "' " + words), 0) << text_of(folder / "err");
-  const std::string alone = text_of(folder / "out");
-  EXPECT_THAT(alone, testing::HasSubstr("\"power\""));
-  for (const int ranks : {1, 2, 4}) {
-    ASSERT_EQ(shell(folder, by_mpi(ranks, words)), 0) << text_of(folder / "err");
-    EXPECT_EQ(text_of(folder / "out"), alone) << ranks << " ranks";
   }
 }
 

@@ -15,7 +15,8 @@ fs::path folder_of_program() {
     const auto* executed = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
     program = executed == nullptr ? fs::path() : fs::canonical(executed, failed);
   }
-  return failed ? fs::path() : program.parent_path();
+  // A program outside the root of this process has a path that is not absolute: "(unreachable)/...".
+  return failed || !program.is_absolute() ? fs::path() : program.parent_path();
 }
 
 std::vector<fs::path> find_plugin(const std::string& file_name) {
@@ -23,7 +24,8 @@ std::vector<fs::path> find_plugin(const std::string& file_name) {
   if (folder.empty()) return {};
   std::error_code failed;
   std::vector<fs::path> found;
-  for (const fs::path& file : {folder / file_name, folder.parent_path() / "lib" / "palpate" / file_name}) {
+  for (const fs::path& file : {folder / file_name, folder / "../lib/palpate" / file_name,
+                               folder / "../../lib/palpate" / file_name}) {  // the last one from libexec
     // An error counts as absent: a plug-in is optional.
     if (fs::exists(file, failed)) found.push_back(file);
   }

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import _learning  # type: ignore[attr-defined]  # has no stub
+import palpate._learning as _learning  # type: ignore[import]  # has no stub
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray  # NumPy 1.21
