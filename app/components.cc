@@ -34,6 +34,8 @@ struct ComponentCommand {
 };
 
 constexpr std::array kCommands{
+    ComponentCommand{"ros", "palpate-ros", "palpate-ros", "palpate-ros",
+                     "Run one interaction and publish it as ROS 2 topics"},
     ComponentCommand{"fit", "palpate-fit", "palpate-fit", "palpate-fit",
                      "Identify tissue parameters, with confidence intervals, from force-displacement curves"},
     ComponentCommand{"study", "palpate-study", "palpate-study", "palpate-study",

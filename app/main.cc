@@ -19,7 +19,7 @@ void add_commands(CLI::App& program, const std::string& command_line, int& exit_
   add_repair(program, exit_code);
   add_view(program, exit_code);
   add_serve(program, exit_code);
-  add_ros(program, exit_code);
+  add_component(program, "ros");
   add_devices(program, exit_code);
   add_component(program, "fit");
   add_score(program, command_line, exit_code);

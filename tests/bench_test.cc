@@ -64,11 +64,9 @@ TEST_F(MovedProgram, ExecutesAProgramInLibexec) {
 }
 
 TEST_F(MovedProgram, WithoutTheProgramOfAComponentItsCommandsExitTwoAndNameThePackage) {
-  const std::vector<std::pair<std::string, std::string>> packages = {{"fit", "palpate-fit"},
-                                                                     {"validate", "palpate-fit"},
-                                                                     {"sweep", "palpate-fit"},
-                                                                     {"study", "palpate-study"},
-                                                                     {"generate", "palpate-learning"}};
+  const std::vector<std::pair<std::string, std::string>> packages = {
+      {"fit", "palpate-fit"},     {"validate", "palpate-fit"},      {"sweep", "palpate-fit"},
+      {"study", "palpate-study"}, {"generate", "palpate-learning"}, {"ros", "palpate-ros"}};
   for (const auto& [command, package] : packages) {
     const Outcome outcome = in_shell("./palpate " + command + " --help");
     EXPECT_EQ(outcome.exit_code, 2);

@@ -13,38 +13,16 @@
 #include "io/record/recorder.h"
 #include "net/igtl_server.h"
 #include "net/test/igtl_received.h"
-#include "run/ros/ros_publisher.h"
-#include "run/ros/test/fake_node.h"
 
 #include "tests/built_in_experiments.h"
 #include "tests/heap_and_lock_guard.h"
 #include "tests/syscall_guard.h"
+#include "tests/tick_bracket.h"
 
 namespace palpate::tests {
 namespace {
 
 constexpr std::uint64_t kTicks = 10'000;
-
-/// Calls `begin` before the first tick and `end` after the last tick, on the loop's thread. Pass it as the
-/// last observer, so that the work of the others is in between.
-template <typename Begin, typename End>
-class Bracket final : public haptics::TickObserver {
- public:
-  Bracket(std::uint64_t ticks, Begin begin, End end) : left_(ticks), begin_(begin), end_(end) {}
-  void on_start(std::int64_t /*started_unix_ns*/) noexcept override { begin_(); }
-  void on_row(const haptics::TickRow& row) noexcept override {
-    if (row.phase != 0) ++touching;
-  }
-  void on_tick(const haptics::TickState& /*now*/) noexcept override {
-    if (--left_ == 0) end_();
-  }
-  std::uint64_t touching = 0;
-
- private:
-  std::uint64_t left_;
-  Begin begin_;
-  End end_;
-};
 
 class TickPurity : public testing::TestWithParam<const char*> {};
 
@@ -101,19 +79,6 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
   double shown = 0.0;
   while (shown < last) shown = client.next("SENSOR", "PalpateTime").values()[0];
   EXPECT_EQ(shown, last) << "it saw the last tick";
-}
-
-TEST_P(TickPurity, NoHeapUseAndNoLockWhileEveryTickIsPublishedToRos2) {
-  Rig rig = built_in(GetParam());
-  ros::test::FakeNode node;
-  ros::RosPublisher publisher(node, rig.setup.tools, rig.world.rate_Hz, ros::RosPublisher::kFastestRate);
-  Bracket bracket(kTicks, arm_guard, disarm_guard);
-  const std::uint64_t heap_before = heap_uses();
-  const std::uint64_t locks_before = lock_uses();
-  (void)rig.run({&publisher, &bracket}, {.ticks = kTicks, .offline = true});
-  EXPECT_EQ(heap_uses() - heap_before, 0u);
-  EXPECT_EQ(lock_uses() - locks_before, 0u);
-  EXPECT_GT(publisher.finish().messages, 0u);
 }
 
 TEST_P(TickPurity, NoSystemCallButTheClockInTenThousandTicks) {

@@ -54,8 +54,8 @@ install_missing() {
 configure() {
   local preset="$1" cache=build/release/CMakeCache.txt wanted=""
   case "$preset" in
-    components) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING" ;;
-    release) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING PALPATE_PYTHON BUILD_TESTING" ;;
+    components) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING PALPATE_ROS" ;;
+    release) wanted="PALPATE_FIT PALPATE_STUDY PALPATE_LEARNING PALPATE_ROS PALPATE_PYTHON BUILD_TESTING" ;;
   esac
   local option has_all=true
   for option in $wanted; do grep -q "^$option:.*=ON$" "$cache" 2>/dev/null || has_all=false; done

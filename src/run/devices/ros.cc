@@ -7,7 +7,6 @@
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
-#include "run/ros/ros_publisher.h"
 
 namespace palpate::devices {
 namespace {

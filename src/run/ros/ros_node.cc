@@ -72,6 +72,8 @@ NodeOptions options_of_environment(const std::string& network_interface) {
   return options;
 }
 
+std::string topic_prefix(std::size_t hand) { return fmt::format("/palpate/hand{}", hand); }
+
 void require_topic_name(const std::string& topic, const std::string& named_by) {
   if (is_topic_name(topic)) return;
   throw InputError(

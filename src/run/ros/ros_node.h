@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "palpate/device.h"
 #include "palpate/pose.h"
 
 namespace palpate::ros {
@@ -80,6 +79,9 @@ struct NodeOptions {
 /// @throws InputError naming ROS_DOMAIN_ID when it is not 0 to 232, or --network-interface when
 /// CYCLONEDDS_URI is set too, or when it is not a name or an address.
 [[nodiscard]] NodeOptions options_of_environment(const std::string& network_interface = {});
+
+/// [setup] Prefix of a hand's topics, "/palpate/hand0".
+[[nodiscard]] std::string topic_prefix(std::size_t hand);
 
 /// [setup] Checks the name of a topic, "/palpate/hand0/target_pose". @throws InputError
 void require_topic_name(const std::string& topic, const std::string& named_by);

@@ -1,4 +1,4 @@
-#include "run/ros/ros_publisher.h"
+#include "ros/publisher/ros_publisher.h"
 
 #include <algorithm>
 #include <string>
@@ -9,7 +9,8 @@
 #include "core/haptics/simulation.h"
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
-#include "run/ros/test/fake_node.h"
+
+#include "ros/publisher/test/fake_node.h"
 
 namespace palpate::ros {
 namespace {

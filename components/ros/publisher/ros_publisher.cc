@@ -1,4 +1,4 @@
-#include "run/ros/ros_publisher.h"
+#include "ros/publisher/ros_publisher.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +26,6 @@ Vec3 vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 const char* fault_name(std::uint32_t fault) { return haptics::name_of(static_cast<haptics::Fault>(fault)); }
 
 }  // namespace
-
-std::string topic_prefix(std::size_t hand) { return fmt::format("/palpate/hand{}", hand); }
 
 std::vector<std::string> joint_names(const geometry::Tool& tool, std::size_t hand) {
   std::vector<std::string> names;

@@ -15,9 +15,6 @@
 
 namespace palpate::ros {
 
-/// [setup] Prefix of a hand's topics, "/palpate/hand0".
-[[nodiscard]] std::string topic_prefix(std::size_t hand);
-
 /// [setup] Names of the jaws of a hand's tool, "hand0_jaw1"; empty: it has none.
 [[nodiscard]] std::vector<std::string> joint_names(const geometry::Tool& tool, std::size_t hand);
 

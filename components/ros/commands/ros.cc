@@ -1,4 +1,6 @@
 // `palpate ros`: runs one interaction and publishes it as ROS 2 topics (docs/file-formats.md).
+#include "ros/commands/ros.h"
+
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -15,15 +17,16 @@
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "run/ros/ros_node.h"
-#include "run/ros/ros_publisher.h"
 #include "run/session/usable_core.h"
 
 #include "app/commands.h"
+#include "app/components.h"
 #include "app/messages.h"
 #include "app/output.h"
 #include "app/preparation.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
+#include "ros/publisher/ros_publisher.h"
 
 namespace palpate::app {
 namespace {
@@ -153,7 +156,7 @@ void add_ros_flags(CLI::App& command, RosFlags& flags) {
 }  // namespace
 
 void add_ros(CLI::App& program, int& exit_code) {
-  CLI::App* command = program.add_subcommand("ros", "Run one interaction and publish it as ROS 2 topics");
+  CLI::App* command = add_component_command(program, "ros");
   auto flags = std::make_shared<RosFlags>();
   add_scene_flags(*command, flags->request);
   add_ros_flags(*command, *flags);

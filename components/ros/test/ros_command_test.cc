@@ -22,8 +22,8 @@
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
 
+#include "ros/test/ros_peer.h"
 #include "tests/program.h"
-#include "tests/ros_peer.h"
 
 namespace palpate::tests {
 namespace {

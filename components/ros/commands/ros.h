@@ -1,0 +1,9 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+namespace palpate::app {
+
+/// [setup] Adds `palpate ros`, as the functions of app/commands.h.
+void add_ros(CLI::App& program, int& exit_code);
+
+}  // namespace palpate::app
