@@ -44,13 +44,14 @@ install_missing() {
     fi
     as_root=(sudo)
   fi
+  installed=true  # configure() looks for libraries again
   # Neither a question nor an outdated package list may stop the installation.
   "${as_root[@]}" apt-get update -q
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
 }
 
 # configure PRESET: configures build/release as the preset product, components or release of CMakePresets.json, each of which
-# builds more than the one before. A build folder that builds as much already stays as it is.
+# builds more than the one before. A build folder that builds as much already stays as it is, unless a package was installed.
 configure() {
   local preset="$1" cache=build/release/CMakeCache.txt wanted=""
   case "$preset" in
@@ -59,7 +60,7 @@ configure() {
   esac
   local option has_all=true
   for option in $wanted; do grep -q "^$option:.*=ON$" "$cache" 2>/dev/null || has_all=false; done
-  if [[ ! -f build/release/build.ninja ]]; then has_all=false; fi
+  if [[ ! -f build/release/build.ninja || -n "${installed:-}" ]]; then has_all=false; fi
   if $has_all; then return; fi
   local -a launcher=()
   command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)

@@ -2,8 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Constants of the contact rules that act in a tick (docs/model.md, section 4). Those that prepare organ and
-/// tools are in organ_arrays.h, averaged_normals.h and tool_points.cc.
+/// Constants of the contact rules that act in a tick (docs/model.md, section 4). Margins of rounding are
+/// beside their equation. Constants that prepare organ and tools are in organ_arrays.h, averaged_normals.h
+/// and tool_points.cc.
 namespace palpate::contact {
 
 // Geometry.
