@@ -58,6 +58,11 @@ class WindowProgram : public testing::Test {
   }
   /// Moves the mouse to the middle of the picture. The window is in the middle of the screen of 3840 x 2160.
   void mouse_to_picture() const { use("mousemove 1920 900 mousemove 1920 905"); }
+  /// Turns the wheel away from the user: 10 mm to the organ, then 4 mm deep.
+  void press_by_the_wheel() const {
+    mouse_to_picture();
+    use("click --repeat 14 --delay 20 4");
+  }
 
   Folder folder_;
   app::VirtualDisplay display_;
@@ -76,8 +81,7 @@ TEST_F(WindowProgram, IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
                    "--record", "a.h5"},
                   on_display());
   ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return r.rows.size() > 100; }));
-  mouse_to_picture();
-  use("click --repeat 14 --delay 20 4");  // wheel away from the user: 10 mm to the organ, then 4 mm deep
+  press_by_the_wheel();
   EXPECT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return deepest(r) > 2e-3; }));
   use("key Escape");
   const Outcome outcome = program.wait();
@@ -90,10 +94,13 @@ TEST_F(WindowProgram, IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
 
 TEST_F(WindowProgram, ADisplayThatGoesInMidContactEndsTheRunInGoodOrder) {
   if (!possible()) return;
+  // The mouse is not a held device: a machine that stands still for 20 ms is no fault of this run.
   Program program(folder_.path(),
-                  {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device",
-                   "emulated", "--record", "a.h5", "--duration-s", "300"},
+                  {"run", "--organ", "ball", "--tissue", "liver", "--tool", "sphere:5", "--device", "mouse",
+                   "--record", "a.h5"},
                   on_display());
+  ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return r.rows.size() > 100; }));
+  press_by_the_wheel();
   ASSERT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) {
     return !r.rows.empty() && r.rows.back().phase != 0 && r.rows.back().tissue_force > 0.01;
   }));

@@ -32,6 +32,19 @@ def give(simulation, force, signal):
     return starts
 
 
+def give_again_after_a_fault(simulation, force, signal):
+    """As give(). A fault takes the force away: it is reset, and the trial repeated once the soft start has ended."""
+    starts = give(simulation, force, signal)
+    while fault := simulation.state().hands[0].fault:
+        print(f'trial repeated after a fault: {fault}')
+        simulation.reset_fault()
+        while simulation.rows()['engagement'][-1] < 1.0 and not simulation.wait(0.05):
+            if simulation.state().hands[0].fault:
+                simulation.reset_fault()
+        starts = give(simulation, force, signal)
+    return starts
+
+
 def answer(simulation, starts, trial, observer):
     """The observer's answer to the forces that the device gave."""
     rows = simulation.rows()
@@ -53,7 +66,7 @@ def main():
         for trial in range(TRIALS):
             index = quest.next()
             signal = int(random.integers(1, 3))
-            starts = give(simulation, 10 ** quest.levels[index], signal)
+            starts = give_again_after_a_fault(simulation, 10 ** quest.levels[index], signal)
             correct = answer(simulation, starts, trial, observer) == (signal == 2)
             quest.update(index, correct)
             found = quest.threshold()
