@@ -163,7 +163,7 @@ TEST(OutputFiles, AFullDiskIsReportedWhileTheRunGoesOnAndTheSummaryIsWhole) {
   const Folder folder;
   record_short(folder, "short.h5");
   const FileLimit limit(fs::file_size(folder / "short.h5") + 400'000);
-  Program program(folder.path(), {"run", "--headless", "--device", "emulated", "--rate-Hz", "4000",
+  Program program(folder.path(), {"run", "--headless", "--device", "scripted", "--rate-Hz", "4000",
                                   "--record", "a.h5", "--report", "report", "--json"});
   const std::string reported = "a.h5: the recording ends after its first ";
   while (program.err_so_far().find(reported) == std::string::npos && !program.ended()) {
