@@ -24,7 +24,8 @@ NextSession::State NextSession::state() {
   return state_;
 }
 
-NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::path recording, Check check)
+NextSession::NextSession(scene::Overrides request, std::optional<LiveParameters> kept,
+                         std::filesystem::path recording, Check check)
     : request_(std::move(request)),
       kept_(std::move(kept)),
       recording_(std::move(recording)),
@@ -33,13 +34,13 @@ NextSession::NextSession(scene::Overrides request, Kept kept, std::filesystem::p
     const devices::SignalStack signal_stack;
     haptics::yield_to_loop();
     scene::Scene setup = scene::load(request_);
-    if (kept_.tissue) setup.tissue = *kept_.tissue;
-    if (kept_.noise) {
+    if (kept_) {
       const double rate_Hz = setup.noise.rate_Hz;
-      setup.noise = *kept_.noise;
+      setup.tissue = kept_->tissue;
+      setup.noise = kept_->noise;
       setup.noise.rate_Hz = rate_Hz;
+      setup.inclusions = kept_->inclusions;
     }
-    if (kept_.inclusions) setup.inclusions = *kept_.inclusions;
     if (check_) check_(setup);
     if (!recording_.empty()) {
       require_regular_file(recording_, "recording");

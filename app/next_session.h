@@ -5,29 +5,35 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/session.h"
 
 namespace palpate::app {
+
+/// Tissue, touch noise and inclusions in force, which may differ from those of the scene.
+struct LiveParameters {
+  explicit LiveParameters(const scene::Scene& setup)
+      : tissue(setup.tissue), noise(setup.noise), inclusions(setup.inclusions) {}
+
+  model::TissueParameters tissue;
+  noise::NoiseSettings noise;
+  std::vector<scene::InclusionSetup> inclusions;
+};
 
 /// Prepares the next session on its own thread. The scene is read and checked while the previous session
 /// still runs. The session is prepared after the previous session has closed its devices. All members:
 /// [setup], one thread.
 class NextSession final {
  public:
-  /// Parameters of the previous session that replace those of the request; nullopt: those of the request.
-  struct Kept {
-    std::optional<model::TissueParameters> tissue;
-    std::optional<noise::NoiseSettings> noise;
-    std::optional<std::vector<scene::InclusionSetup>> inclusions;
-  };
   /// Checks the scene while the previous session still runs. @throws InputError to reject the scene.
   using Check = std::function<void(const scene::Scene&)>;
   enum class State { kReading, kRead, kPreparing, kReady, kFailed };
 
-  /// Starts to read and check the scene. @param recording HDF5 file to write; empty: none @param check may be
-  /// empty
-  NextSession(scene::Overrides request, Kept kept, std::filesystem::path recording, Check check = {});
+  /// Starts to read and check the scene. @param kept parameters of the previous session that replace those of
+  /// the request @param recording HDF5 file to write; empty: none @param check may be empty
+  NextSession(scene::Overrides request, std::optional<LiveParameters> kept, std::filesystem::path recording,
+              Check check = {});
 
   /// Polls the thread; does not wait.
   [[nodiscard]] State state();
@@ -50,7 +56,7 @@ class NextSession final {
 
  private:
   scene::Overrides request_;
-  Kept kept_;
+  std::optional<LiveParameters> kept_;
   std::filesystem::path recording_;
   Check check_;
   std::optional<scene::Scene> setup_;

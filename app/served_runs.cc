@@ -45,9 +45,7 @@ ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
       own_devices_(first_->setup().devices),
-      tissue_(first_->setup().tissue),
-      noise_(first_->setup().noise),
-      inclusions_(first_->setup().inclusions) {}
+      now_(first_->setup()) {}
 
 const scene::Scene& ServedRuns::setup() const {
   return run_ != nullptr ? run_->session().setup() : first_->setup();
@@ -84,30 +82,27 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  const scene::Scene& played = run_->session().setup();
-  tissue_ = played.tissue;
-  noise_ = played.noise;
-  inclusions_ = played.inclusions;
+  now_ = LiveParameters(run_->session().setup());
   send_event("run", {{"run", about_run()}});
 }
 
 void ServedRuns::begin_first() { begin_first(options_.recording); }
 
 void ServedRuns::begin_first(fs::path recording) {
-  const model::TissueParameters tissue = tissue_;  // a client may have changed it before the first run
-  const haptics::LiveNoise noise = live(noise_);
+  const model::TissueParameters tissue = now_.tissue;  // a client may have changed it before the first run
+  const haptics::LiveNoise noise = live(now_.noise);
   const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
   const bool other_noise = !(noise == live(first_->setup().noise));
   begin(std::move(first_), std::move(recording));
   if (other_tissue) {
     (void)run_->session().updates().offer(tissue);
-    tissue_ = tissue;
+    now_.tissue = tissue;
   }
   if (other_noise) {
     (void)run_->session().updates().offer(noise);
-    noise_.enabled = noise.enabled;
-    noise_.gain = noise.gain;
-    noise_.threshold = noise.threshold;
+    now_.noise.enabled = noise.enabled;
+    now_.noise.gain = noise.gain;
+    now_.noise.threshold = noise.threshold;
   }
 }
 
@@ -163,9 +158,10 @@ net::LiveState ServedRuns::newest() {
 
 ServedRuns::Answer ServedRuns::describe() const {
   Json scene = net::scene_json(setup());
-  scene.update(net::inclusions_json(inclusions_));
-  return Json{
-      {"scene", scene}, {"tissue", net::tissue_json(tissue_)}, {"noise", net::noise_json(live(noise_))}};
+  scene.update(net::inclusions_json(now_.inclusions));
+  return Json{{"scene", scene},
+              {"tissue", net::tissue_json(now_.tissue)},
+              {"noise", net::noise_json(live(now_.noise))}};
 }
 
 ServedRuns::Answer ServedRuns::surface(bool at_rest) {
@@ -290,13 +286,13 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
 ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
-  const bool same_inclusions = first_ != nullptr && first_->setup().inclusions == inclusions_;
+  const bool same_inclusions = first_ != nullptr && first_->setup().inclusions == now_.inclusions;
   if (same_inclusions && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
   }
-  next_ = std::make_unique<NextSession>(options_.request, NextSession::Kept{tissue_, noise_, inclusions_},
-                                        next_recording(), check_of(request_is_clients_));
+  next_ =
+      std::make_unique<NextSession>(options_.request, now_, next_recording(), check_of(request_is_clients_));
   next_is_clients_ = request_is_clients_;
   next_client_ = client;
   return std::nullopt;
@@ -313,7 +309,7 @@ ServedRuns::Answer ServedRuns::stop(const net::ClientRef& client) {
 }
 
 ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
-  const model::TissueParameters tissue = net::edited(tissue_, edit);
+  const model::TissueParameters tissue = net::edited(now_.tissue, edit);
   model::validate(tissue);
   Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
@@ -321,28 +317,28 @@ ServedRuns::Answer ServedRuns::set_tissue(const net::TissueEdit& edit) {
     answer["change"] = accepted.number;
     answer["warnings"] = accepted.warnings;
   }
-  tissue_ = tissue;
-  send_event("tissue", {{"change", answer["change"]}, {"tissue", net::tissue_json(tissue_)}});
+  now_.tissue = tissue;
+  send_event("tissue", {{"change", answer["change"]}, {"tissue", net::tissue_json(now_.tissue)}});
   return answer;
 }
 
 ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
-  const haptics::LiveNoise noise = net::edited(live(noise_), edit);
-  noise::NoiseSettings settings = noise_;
+  const haptics::LiveNoise noise = net::edited(live(now_.noise), edit);
+  noise::NoiseSettings settings = now_.noise;
   settings.enabled = noise.enabled;
   settings.gain = noise.gain;
   settings.threshold = noise.threshold;
   noise::validate(settings, setup().rate_Hz);
   Json answer{{"change", nullptr}};
   if (running()) answer["change"] = run_->session().updates().offer(noise).number;
-  noise_ = settings;
+  now_.noise = settings;
   send_event("noise", {{"change", answer["change"]}, {"noise", net::noise_json(noise)}});
   return answer;
 }
 
 ServedRuns::Answer ServedRuns::set_inclusion(const net::InclusionEdit& edit) {
-  const std::size_t index = net::find_inclusion(inclusions_, edit);
-  const scene::InclusionSetup changed = net::edited(inclusions_[index], edit);
+  const std::size_t index = net::find_inclusion(now_.inclusions, edit);
+  const scene::InclusionSetup changed = net::edited(now_.inclusions[index], edit);
   model::validate(changed.inclusion);
   Json answer{{"change", nullptr}, {"warnings", Json::array()}};
   if (running()) {
@@ -356,9 +352,9 @@ ServedRuns::Answer ServedRuns::set_inclusion(const net::InclusionEdit& edit) {
   } else if (edit.centre_S) {
     require_inside(changed, setup().organ);
   }
-  inclusions_[index] = changed;
-  send_event("inclusion",
-             {{"change", answer["change"]}, {"inclusion", net::inclusion_json(inclusions_[index], index)}});
+  now_.inclusions[index] = changed;
+  send_event("inclusion", {{"change", answer["change"]},
+                           {"inclusion", net::inclusion_json(now_.inclusions[index], index)}});
   return answer;
 }
 
@@ -421,7 +417,7 @@ void ServedRuns::account_for_run() {
 void ServedRuns::poll_next() {
   if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
   if (next_ == nullptr && load_next_) {
-    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), NextSession::Kept{},
+    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), std::nullopt,
                                           next_recording(), check_of(true));
     next_is_clients_ = true;
   }

@@ -103,9 +103,7 @@ class ServedRuns final : public net::RunService {
   std::optional<net::ClientRef> next_client_;
   std::optional<scene::Overrides> load_next_;  // loaded after the cancelled next_ has ended, for next_client_
   std::vector<net::ClientRef> stop_clients_;
-  model::TissueParameters tissue_;  // of the current run, or of the next one
-  noise::NoiseSettings noise_;
-  std::vector<scene::InclusionSetup> inclusions_;
+  LiveParameters now_;  // of the current run, or of the next one
   std::vector<net::Event> events_;
   const std::atomic<bool>* stop_ = nullptr;
   std::uint64_t runs_ = 0;

@@ -11,7 +11,6 @@
 
 #include "app/window/panels.h"
 #include "app/window/plot.h"
-#include "app/window/rows.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

@@ -9,7 +9,6 @@
 #include "palpate/units.h"
 
 #include "app/window/panels.h"
-#include "app/window/rows.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

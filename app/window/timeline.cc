@@ -6,7 +6,7 @@
 
 #include <imgui.h>
 
-#include "app/window/rows.h"
+#include "app/window/panels.h"
 #include "app/window/theme.h"
 #include "app/window/viewer_panels.h"
 

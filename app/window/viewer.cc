@@ -16,7 +16,7 @@
 
 #include "app/messages.h"
 #include "app/session.h"
-#include "app/window/rows.h"
+#include "app/window/panels.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {
@@ -104,7 +104,8 @@ void Viewer::poll_opening() {
 bool Viewer::frame() {
   const std::int64_t before = frame_began_ns_;
   frame_began_ns_ = monotonic_ns();
-  take_events();
+  leaving_ |= viewport_.take_events(
+      options_.stop, [this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   poll_opening();
   if (leaving_) return false;
   // Playback waits until the requested tick is reached, so that a slow machine skips nothing.

@@ -16,8 +16,6 @@
 #include "app/window/camera_controller.h"
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
-#include "app/window/overview.h"
-#include "app/window/playback.h"
 #include "app/window/replay_thread.h"
 #include "app/window/viewer_panels.h"
 #include "app/window/viewport.h"
@@ -80,7 +78,6 @@ class Viewer final {
 
  private:
   // viewer_events.cc
-  void take_events();
   void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
   void panel_key(SDL_Keycode which);

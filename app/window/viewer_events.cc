@@ -7,19 +7,8 @@
 
 namespace palpate::app {
 
-void Viewer::take_events() {
-  viewport_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
-  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
-}
-
 void Viewer::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
-    case SDL_QUIT:
-      leaving_ = true;
-      break;
-    case SDL_WINDOWEVENT:
-      if (event.window.event == SDL_WINDOWEVENT_CLOSE) leaving_ = true;
-      break;
     case SDL_KEYDOWN:
       key_down(event.key);
       break;

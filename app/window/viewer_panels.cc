@@ -12,7 +12,7 @@
 #include "view/render/map_legend.h"
 
 #include "app/session.h"
-#include "app/window/rows.h"
+#include "app/window/panels.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "app/recorded_view.h"
-#include "app/window/overview.h"
 #include "app/window/panels.h"
-#include "app/window/playback.h"
+#include "app/window/replay_thread.h"
 
 namespace palpate::app {
 

@@ -113,8 +113,10 @@ double Viewport::enlarged() const {
   return units.width > 0 ? std::max(1.0, static_cast<double>(display_.pixels().width) / units.width) : 1.0;
 }
 
-void Viewport::take_events(
+bool Viewport::take_events(
+    const std::atomic<bool>* stop,
     const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker) {
+  bool closes = stop != nullptr && stop->load(std::memory_order_relaxed);
   SDL_Event event;
   while (SDL_PollEvent(&event) != 0) {
     std::pair<int, int> way;
@@ -123,7 +125,10 @@ void Viewport::take_events(
     take(event);
     taker(event, way);
     if (event.type == SDL_DROPFILE) SDL_free(event.drop.file);
+    closes = closes || event.type == SDL_QUIT ||
+             (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_CLOSE);
   }
+  return closes;
 }
 
 void Viewport::take(const SDL_Event& event) {

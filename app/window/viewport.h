@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -64,8 +65,11 @@ class Viewport final {
   [[nodiscard]] double enlarged() const;
 
   /// Passes all events since the last call to `taker`, each with the mouse's displacement [window units]. The
-  /// name of a dropped file is valid until `taker` returns.
-  void take_events(const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker);
+  /// name of a dropped file is valid until `taker` returns. @param stop set by Ctrl-C; may be null
+  /// @return whether the window is to close: the user closed it, or `stop` is set
+  [[nodiscard]] bool take_events(
+      const std::atomic<bool>* stop,
+      const std::function<void(const SDL_Event& event, std::pair<int, int> way)>& taker);
   /// Passes one event to ImGui and the mouse position.
   void take(const SDL_Event& event);
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return mouse_at_; }

@@ -14,7 +14,7 @@
 #include "palpate/error.h"
 
 #include "app/messages.h"
-#include "app/window/rows.h"
+#include "app/window/panels.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {
@@ -49,7 +49,8 @@ std::string advice_on(haptics::Fault fault) {
 Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
     : request_(std::move(request)),
       options_(std::move(options)),
-      viewport_("Palpate", options_.size, options_.scale) {
+      viewport_("Palpate", options_.size, options_.scale),
+      now_(first->setup()) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it the window has no gamepads
   SDL_PumpEvents();
   take(std::move(first), options_.recording);
@@ -67,7 +68,8 @@ Window::~Window() {
 
 bool Window::frame() {
   frame_began_ns_ = monotonic_ns();
-  take_events();
+  leaving_ |= viewport_.take_events(
+      options_.stop, [this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   poll_runs();
   if (!run_->started()) begin();
   take_rows();
@@ -203,8 +205,9 @@ std::string Window::banner_text(bool& fault) const {
 }
 
 PanelModel Window::shown() const {
-  PanelModel shown{run_->session().setup(), request_, *traces_, shown_, tissue_, noise_, hand_texts()};
-  shown.inclusions = inclusions_;
+  PanelModel shown{
+      run_->session().setup(), request_, *traces_, shown_, now_.tissue, now_.noise, hand_texts()};
+  shown.inclusions = now_.inclusions;
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();

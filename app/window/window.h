@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <SDL.h>
+#include <sys/types.h>
 
 #include "palpate/offscreen.h"
 
@@ -19,7 +20,6 @@
 #include "app/window/camera_controller.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
-#include "app/window/observers.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
 #include "app/window/search.h"
@@ -28,6 +28,25 @@
 #include "app/window/viewport.h"
 
 namespace palpate::app {
+
+/// Viewers of recordings opened from a window. Each is a separate process, so it cannot delay a haptic loop,
+/// and it continues after the window closes. All members: [setup], one thread.
+class Observers final {
+ public:
+  Observers() = default;
+  ~Observers() { (void)count_running(); }
+  Observers(const Observers&) = delete;
+  Observers& operator=(const Observers&) = delete;
+
+  /// Runs `program view recording`. @throws InputError naming the file if it is missing or the program does
+  /// not start
+  void open(const std::filesystem::path& program, const std::filesystem::path& recording);
+  /// Number of viewers that still run.
+  [[nodiscard]] std::size_t count_running();
+
+ private:
+  std::vector<pid_t> children_;
+};
 
 /// Options of the window and of its sessions.
 struct WindowOptions {
@@ -95,7 +114,6 @@ class Window final {
 
  private:
   // window_events.cc
-  void take_events();
   void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
   void control_key(SDL_Keycode key);
@@ -156,9 +174,7 @@ class Window final {
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
-  model::TissueParameters tissue_;  // in force
-  noise::NoiseSettings noise_;
-  std::vector<scene::InclusionSetup> inclusions_;
+  LiveParameters now_;  // of this run, or of the next one
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;

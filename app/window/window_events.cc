@@ -8,18 +8,9 @@
 
 namespace palpate::app {
 
-void Window::take_events() {
-  viewport_.take_events([this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
-  if (options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed)) leaving_ = true;
-}
-
 void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
-    case SDL_QUIT:
-      leaving_ = true;
-      break;
     case SDL_WINDOWEVENT:
-      if (event.window.event == SDL_WINDOWEVENT_CLOSE) leaving_ = true;
       if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_over_ = false;
       break;
     case SDL_KEYDOWN:
@@ -111,7 +102,7 @@ void Window::control_key(SDL_Keycode key) {
   if (key == SDLK_SPACE) commands_.pause_run = true;
   if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
   if (key == SDLK_s) {
-    panels_.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue_.name + ".toml"));
+    panels_.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (now_.tissue.name + ".toml"));
   }
 }
 
@@ -125,8 +116,8 @@ void Window::letter_key(SDL_Keycode key) {
   }
   if (key == SDLK_t && search_ != nullptr) commands_.map = !search_->shows_map;
   if (key == SDLK_n) {
-    commands_.noise = noise_;
-    commands_.noise->enabled = !noise_.enabled;
+    commands_.noise = now_.noise;
+    commands_.noise->enabled = !now_.noise.enabled;
   }
   if (key >= SDLK_1 && key <= SDLK_4) steering_.choose_hand(static_cast<std::size_t>(key - SDLK_1));
 }

@@ -1,15 +1,26 @@
 // Sessions of a window, one after the other.
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <exception>
 #include <fstream>
+#include <string>
+#include <system_error>
 #include <utility>
 
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include "io/system/clock.h"
+#include "io/system/file_exists.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 
 #include "app/window/window.h"
 
 namespace palpate::app {
+
 namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
@@ -20,9 +31,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Scene& setup = run_->session().setup();
-  tissue_ = setup.tissue;
-  noise_ = setup.noise;
-  inclusions_ = setup.inclusions;
+  now_ = LiveParameters(setup);
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(setup.rate_Hz);
   snapshot_there_ = false;
@@ -51,7 +60,8 @@ void Window::make_renderer() {
 
 render::Subject Window::subject() const {
   const scene::Scene& setup = run_->session().setup();
-  return {setup.organ, setup.tools, tissue_.reach, setup.tissue.name, scene::visible_inclusions(inclusions_)};
+  return {setup.organ, setup.tools, now_.tissue.reach, setup.tissue.name,
+          scene::visible_inclusions(now_.inclusions)};
 }
 
 void Window::take_rows() {
@@ -71,7 +81,7 @@ void Window::poll_search() {
   search_->draw_on(live_, ends);
   if (!ends) return;
   std::vector<model::Inclusion> all;
-  for (const scene::InclusionSetup& one : inclusions_) all.push_back(one.inclusion);
+  for (const scene::InclusionSetup& one : now_.inclusions) all.push_back(one.inclusion);
   live_.show_inclusions(std::move(all));
 }
 
@@ -127,13 +137,8 @@ void Window::restart(scene::Overrides request, bool keep_edits, fs::path recordi
     viewport_.show_message("the next session is being prepared already");
     return;
   }
-  NextSession::Kept kept;
-  if (keep_edits) {
-    kept.tissue = tissue_;
-    kept.noise = noise_;
-    kept.inclusions = inclusions_;
-  }
-  next_ = std::make_unique<NextSession>(std::move(request), std::move(kept), std::move(recording));
+  next_ = std::make_unique<NextSession>(std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
+                                        std::move(recording));
 }
 
 /// Opens a recording in a separate process, which cannot delay the running loop. The viewer shows the rows
@@ -162,8 +167,8 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
         tissue_note_ += (tissue_note_.empty() ? "" : "\n") + warning;
       }
     }
-    reach_changed_ = reach_changed_ || tissue.reach != tissue_.reach;
-    tissue_ = tissue;
+    reach_changed_ = reach_changed_ || tissue.reach != now_.tissue.reach;
+    now_.tissue = tissue;
   } catch (const InputError& error) {
     tissue_note_ = error.what();
   }
@@ -177,7 +182,7 @@ void Window::apply_noise(const noise::NoiseSettings& noise) {
     } else if (!run_->ended()) {
       (void)run_->session().updates().offer(haptics::LiveNoise{noise.enabled, noise.gain, noise.threshold});
     }
-    noise_ = noise;
+    now_.noise = noise;
   } catch (const InputError& error) {
     viewport_.show_message(error.what());
   }
@@ -194,10 +199,10 @@ void Window::apply_inclusion(const haptics::LiveInclusion& change) {
         if (std::find(known.begin(), known.end(), warning) == known.end()) viewport_.show_message(warning);
       }
     }
-    model::Inclusion& inclusion = inclusions_.at(change.index).inclusion;
+    model::Inclusion& inclusion = now_.inclusions.at(change.index).inclusion;
     inclusion.centre_S = Vec3(change.centre_S[0], change.centre_S[1], change.centre_S[2]);
     inclusion.ratio = change.ratio;
-    live_.show_inclusions(scene::visible_inclusions(inclusions_));
+    live_.show_inclusions(scene::visible_inclusions(now_.inclusions));
   } catch (const InputError& error) {
     viewport_.show_message(error.what());
   }
@@ -212,11 +217,11 @@ void Window::pause_run() {
   if (run_->ended()) return;
   run_->session().control().pause(!run_->pausing());
   if (run_->pausing()) return;
-  if (std::exchange(tissue_waits_, false)) apply_tissue(tissue_);
-  if (std::exchange(noise_waits_, false)) apply_noise(noise_);
+  if (std::exchange(tissue_waits_, false)) apply_tissue(now_.tissue);
+  if (std::exchange(noise_waits_, false)) apply_noise(now_.noise);
   if (!std::exchange(inclusions_wait_, false)) return;
-  for (std::size_t i = 0; i < inclusions_.size(); ++i) {
-    const model::Inclusion& now = inclusions_[i].inclusion;
+  for (std::size_t i = 0; i < now_.inclusions.size(); ++i) {
+    const model::Inclusion& now = now_.inclusions[i].inclusion;
     const model::Inclusion before = run_->session().updates().inclusions()[i];
     if (now == before) continue;
     apply_inclusion(
@@ -256,7 +261,7 @@ void Window::take_file(const ChosenFile& file) {
       return;
     case FileUse::kSaveTissue: {
       std::ofstream out(file.path);
-      out << scene::to_toml(tissue_) << std::flush;
+      out << scene::to_toml(now_.tissue) << std::flush;
       viewport_.show_message(out ? "the tissue is in " + file.path.string()
                                  : file.path.string() + ": cannot be written");
       return;
@@ -291,6 +296,38 @@ void Window::grant(const Commands& commands) {
   if (commands.request) restart(*commands.request, false, {});
   if (commands.record) restart(request_, true, *commands.record ? named_by_time(".h5") : fs::path());
   if (commands.again) restart(request_, true, {});
+}
+
+void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
+  if (!regular_file_exists(recording))
+    throw InputError(recording.string() + ": there is no such recording (it appears with the first tick)");
+  std::string name = program.string();
+  std::string command = "view";
+  std::string file = std::filesystem::absolute(recording).string();
+  const std::array<char*, 4> words = {name.data(), command.data(), file.data(), nullptr};
+  posix_spawn_file_actions_t actions{};
+  posix_spawn_file_actions_init(&actions);
+  // The viewer must not inherit device handles, nor the lock on the recording, which would outlive the
+  // writer.
+  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
+  // Ctrl-C in the terminal ends the run, not the viewer.
+  posix_spawnattr_t apart{};
+  posix_spawnattr_init(&apart);
+  posix_spawnattr_setpgroup(&apart, 0);
+  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
+  pid_t child = -1;
+  const int failed = posix_spawn(&child, name.c_str(), &actions, &apart, words.data(), environ);
+  posix_spawnattr_destroy(&apart);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));
+  children_.push_back(child);
+  (void)count_running();
+}
+
+std::size_t Observers::count_running() {
+  const auto ended = [](pid_t child) { return waitpid(child, nullptr, WNOHANG) != 0; };
+  children_.erase(std::remove_if(children_.begin(), children_.end(), ended), children_.end());
+  return children_.size();
 }
 
 }  // namespace palpate::app

@@ -1,5 +1,4 @@
 // Playback position, overview and replay of a viewer, without a window.
-#include "app/window/playback.h"
 
 #include <chrono>
 #include <thread>
@@ -10,8 +9,8 @@
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 
+#include "app/recorded_view.h"
 #include "app/session.h"
-#include "app/window/overview.h"
 #include "app/window/replay_thread.h"
 #include "app/window/viewer_panels.h"
 #include "app/window/viewport.h"
