@@ -18,7 +18,6 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
 

@@ -9,7 +9,6 @@
 #include "io/system/output_file.h"
 #include "palpate/recording.h"
 
-#include "app/blind.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/progress.h"

@@ -13,9 +13,9 @@
 #include "palpate/units.h"
 
 #include "app/commands.h"
-#include "app/law_flags.h"
 #include "app/numbers.h"
 #include "app/output.h"
+#include "app/scene_flags.h"
 
 namespace palpate::app {
 namespace {

@@ -1,12 +1,17 @@
 #include "app/progress.h"
 
 #include <algorithm>
+#include <mutex>
+#include <string>
 
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include "io/scene/organ_cache.h"
+#include "io/system/cache_folder.h"
 #include "io/system/clock.h"
 
+#include "app/messages.h"
 #include "app/output.h"
 
 namespace palpate::app {
@@ -15,6 +20,8 @@ namespace {
 constexpr int kBarWidth = 30;
 constexpr std::int64_t kRedraw_ns = 50'000'000;
 constexpr const char* kClearLine = "\r\033[K";
+
+constexpr std::int64_t kSilent_ns = 300'000'000;  // delay of the bar: a small organ is ready earlier
 
 }  // namespace
 
@@ -42,6 +49,18 @@ void Progress::update(double share, const std::string& what) {
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
   write_text(STDERR_FILENO, fmt::format("{}{} [{}] {:3} % {}", kClearLine, title_, bar,
                                         static_cast<int>(100.0 * share), escaped(what, false)));
+}
+
+OrganPreparation::OrganPreparation(bool no_cache)
+    : bar_("preparing the organ"), show_from_ns_(monotonic_ns() + kSilent_ns) {
+  how_.progress = [this](double share, const std::string& what) {
+    if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
+  };
+  if (no_cache) return;
+  scene::use_organ_cache(how_, user_cache_folder(), report_detail, [](const std::string& why) {
+    static std::once_flag warned;  // warns once, although a process may prepare many organs
+    std::call_once(warned, [&why] { report_message(why); });
+  });
 }
 
 }  // namespace palpate::app

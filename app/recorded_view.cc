@@ -6,7 +6,7 @@
 
 #include "palpate/error.h"
 
-#include "app/blind.h"
+#include "app/session.h"
 
 namespace palpate::app {
 namespace {

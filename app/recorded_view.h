@@ -6,7 +6,7 @@
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
 
-#include "app/preparation.h"
+#include "app/progress.h"
 
 namespace palpate::app {
 

@@ -12,7 +12,6 @@
 
 #include "app/commands.h"
 #include "app/output.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 
 namespace palpate::app {

@@ -10,10 +10,9 @@
 #include "palpate/recording.h"
 #include "view/report/palpation_report.h"
 
-#include "app/blind.h"
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/preparation.h"
+#include "app/progress.h"
 #include "app/score_summary.h"
 #include "app/session.h"
 

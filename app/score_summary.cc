@@ -6,7 +6,6 @@
 
 #include "palpate/units.h"
 
-#include "app/preparation.h"
 #include "app/progress.h"
 
 namespace palpate::app {

@@ -26,7 +26,7 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
-#include "app/preparation.h"
+#include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/served_devices.h"
 #include "app/served_runs.h"

@@ -1,30 +1,141 @@
 #include "app/session.h"
 
 #include <array>
+#include <atomic>
 #include <cctype>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
+#include <cstdint>
 #include <limits>
+#include <mutex>
+#include <stop_token>
+#include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include <unistd.h>
 
+#include "core/base/spsc_queue.h"
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
+#include "palpate/session.h"
 #include "run/devices/ros.h"
 #include "run/ros/ros_node.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/preparation.h"
-#include "app/progress_observer.h"
+#include "app/progress.h"
 
 namespace palpate::app {
 namespace {
+
+/// Reports the progress of a run from its own thread: a progress bar, and a message for each fault with the
+/// command that resets it. The haptic loop only counts ticks and puts faults into a lock-free queue.
+class ProgressObserver final : public haptics::TickObserver {
+ public:
+  /// [setup] @param session outlives this
+  explicit ProgressObserver(const session::Session& session);
+  /// [setup] Reports the remaining faults and errors, then ends the thread.
+  ~ProgressObserver() override;
+  ProgressObserver(const ProgressObserver&) = delete;
+  ProgressObserver& operator=(const ProgressObserver&) = delete;
+
+  /// [setup] Prints an error on standard error within 0.1 s. Any thread except the haptic loop may call it.
+  void queue_error(std::string error) {
+    const std::scoped_lock lock(mutex_);
+    errors_.push_back(std::move(error));
+  }
+
+  void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)faults_.push(fault); }
+  void on_row(const haptics::TickRow& row) noexcept override {
+    if ((row.events & haptics::kMotorsWarm) != 0)
+      warm_hand_.store(static_cast<int>(row.hand), std::memory_order_relaxed);
+  }
+  void on_tick(const haptics::TickState& now) noexcept override {
+    done_.store(now.tick + 1, std::memory_order_relaxed);
+  }
+
+ private:
+  static constexpr std::size_t kFaultsKept = 64;
+
+  void report_progress(const std::stop_token& stop);
+  void report_fault(const haptics::FaultSeen& seen) const;
+  [[nodiscard]] std::string describe_warm_motors(std::size_t hand) const;
+
+  const session::Session& session_;
+  std::atomic<std::uint64_t> done_{0};  // ticks
+  std::atomic<int> warm_hand_{-1};      // hand whose device last reported warm motors; -1: none
+  SpscQueue<haptics::FaultSeen> faults_{kFaultsKept};
+  std::mutex mutex_;  // guards errors_
+  std::vector<std::string> errors_;
+  std::jthread thread_;  // last: the thread ends before the members that it uses are destroyed
+};
+
+constexpr std::chrono::milliseconds kRedraw{100};
+
+std::string seconds(double time) { return shortest(std::round(time * 10.0) / 10.0) + " s"; }
+
+ProgressObserver::ProgressObserver(const session::Session& session)
+    : session_(session), thread_([this](const std::stop_token& stop) { report_progress(stop); }) {}
+
+ProgressObserver::~ProgressObserver() {
+  thread_.request_stop();
+  thread_.join();
+}
+
+void ProgressObserver::report_progress(const std::stop_token& stop) {
+  Progress bar(session_.setup().name);
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  std::unique_lock lock(mutex);
+  bool told_warm = false;
+  for (bool last = false; !last;) {
+    last = wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); });
+    haptics::FaultSeen seen;
+    while (faults_.pop(seen)) {
+      bar.clear();
+      report_fault(seen);
+    }
+    const int hand = warm_hand_.load(std::memory_order_relaxed);
+    if (hand >= 0 && !told_warm &&
+        session_.setup().devices[static_cast<std::size_t>(hand)].kind != "replay") {
+      bar.clear();
+      app::report_message(describe_warm_motors(static_cast<std::size_t>(hand)));
+      told_warm = true;
+    }
+    {
+      const std::scoped_lock errors(mutex_);
+      if (!errors_.empty()) bar.clear();
+      for (const std::string& error : std::exchange(errors_, {})) report_error(error);
+    }
+    if (last) break;
+    const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));
+    bar.update(ticks / static_cast<double>(session_.ticks()), seconds(ticks / session_.setup().rate_Hz));
+  }
+}
+
+std::string ProgressObserver::describe_warm_motors(std::size_t hand) const {
+  const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
+  return "hand " + std::to_string(hand) + ": the device's motors are warm: pause for some minutes; " +
+         (lowers ? "its force is reduced until they have cooled"
+                 : "its force is not reduced, because it does not report its continuous force");
+}
+
+void ProgressObserver::report_fault(const haptics::FaultSeen& seen) const {
+  const std::string trouble = session_.devices()[seen.hand]->last_error();
+  report_error("fault at tick " + std::to_string(seen.tick) + " (" +
+               shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
+               std::to_string(seen.hand) + ": " + haptics::describe(seen.fault) +
+               (trouble.empty() ? "" : " (" + trouble + ")") +
+               "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
+}
 
 namespace fs = std::filesystem;
 

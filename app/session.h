@@ -99,4 +99,15 @@ struct PlayOptions {
 void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,
                       const std::filesystem::path& file, bool no_cache);
 
+/// Help text of --break-blind.
+inline constexpr const char* kBreakBlindHelp =
+    "open a recording of a study that is still blind; blind-broken.jsonl beside it keeps a note";
+
+/// [setup] Reads a recording for a command that shows its forces. @param break_blind the flag --break-blind
+/// was given @throws InputError as record::read_recording() and record::break_blind()
+[[nodiscard]] inline record::Recording read_to_show(const std::filesystem::path& file, const char* command,
+                                                    bool break_blind, const record::Progress& progress = {}) {
+  return break_blind ? record::break_blind(file, command, progress) : record::read_recording(file, progress);
+}
+
 }  // namespace palpate::app

@@ -24,8 +24,6 @@
 #include "app/session.h"
 #include "fit/commands/commands.h"
 #include "fit/commands/fit_summary.h"
-#include "fit/commands/map_summary.h"
-#include "fit/commands/sweep_summary.h"
 #include "fit/identify/fit_many.h"
 #include "fit/identify/map_fit.h"
 #include "fit/identify/sweep.h"

@@ -1,10 +1,17 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "palpate/identify.h"
 
+#include "fit/identify/map_fit.h"
 #include "fit/identify/sweep.h"
+#include "fit/imaging/compare.h"
+#include "fit/report/validation_report.h"
 
 namespace palpate::app {
 
@@ -17,5 +24,48 @@ namespace palpate::app {
 /// Each block ends with its warnings.
 [[nodiscard]] std::string fit_text(const std::vector<identify::SpecimenFit>& fits,
                                    const identify::PooledFit& pooled);
+
+/// [setup] The fit of a map as a readable summary.
+[[nodiscard]] std::string map_text(const identify::MapFit& fit);
+
+/// [setup] The fit of a map as one JSON document (docs/lumps.md lists its fields).
+[[nodiscard]] std::string map_json(const identify::MapFit& fit);
+
+/// [setup] The inclusions as [[organ.inclusion]] tables of a scene.
+[[nodiscard]] std::string map_toml(const identify::MapFit& fit);
+
+/// [setup] The stiffness map as CSV, as [organ.stiffness] reads it.
+[[nodiscard]] std::string map_csv(const identify::MapFit& fit);
+
+/// [setup] Sweeps as a JSON list (docs/fitting.md lists its fields).
+[[nodiscard]] nlohmann::ordered_json sweeps_json(const std::vector<identify::Sweep>& sweeps);
+
+/// [setup] Sweeps as CSV, one line per swept value. A field without a value is empty.
+[[nodiscard]] std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps);
+
+/// [setup] The result of each sweep in one line; empty without sweeps.
+[[nodiscard]] std::string sweeps_text(const std::vector<identify::Sweep>& sweeps);
+
+/// [setup] The results as one JSON document (docs/validation.md lists its fields).
+[[nodiscard]] std::string validation_json(const report::Validation& validation);
+
+/// [setup] The results as a readable summary: the errors of each data set, then the missed goals.
+[[nodiscard]] std::string validation_text(const report::Validation& validation);
+
+/// The flags of `palpate validate` for photographs.
+struct ImageFlags {
+  std::vector<std::string> files;  // before, after
+  double pixel = 0.0;              // size of a pixel [m]; 0: not given
+  bool fixed_camera = false;
+};
+
+/// [setup] Adds --image, --scale-mm-per-px and --fixed-camera to a command.
+void add_image_flags(CLI::App& command, ImageFlags& flags);
+
+/// [setup] The photographs of the flags; absent without --image. @throws InputError without a scale
+[[nodiscard]] std::optional<imaging::Photographs> photographs_of(const ImageFlags& flags);
+
+/// [setup] The measurement itself as JSON: its points, uncertainty and alignment (docs/photographs.md).
+[[nodiscard]] nlohmann::ordered_json image_json(const report::ImageSet& set);
 
 }  // namespace palpate::app

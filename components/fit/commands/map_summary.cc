@@ -1,5 +1,3 @@
-#include "fit/commands/map_summary.h"
-
 #include <cmath>
 
 #include <fmt/core.h>
@@ -9,6 +7,7 @@
 #include "palpate/units.h"
 
 #include "app/output.h"
+#include "fit/commands/fit_summary.h"
 
 namespace palpate::app {
 namespace {

@@ -14,10 +14,9 @@
 #include "run/tasks/for_each_task.h"
 
 #include "fit/identify/fit_record.h"
-#include "fit/identify/forward.h"
 #include "fit/identify/intervals.h"
+#include "fit/identify/least_squares.h"
 #include "fit/identify/local_optima.h"
-#include "fit/identify/parts.h"
 #include "fit/identify/profile_path.h"
 #include "fit/identify/warnings.h"
 

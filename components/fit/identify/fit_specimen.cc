@@ -8,12 +8,9 @@
 #include "palpate/error.h"
 #include "palpate/identify.h"
 
-#include "fit/identify/forward.h"
 #include "fit/identify/intervals.h"
+#include "fit/identify/least_squares.h"
 #include "fit/identify/local_optima.h"
-#include "fit/identify/multistart.h"
-#include "fit/identify/parts.h"
-#include "fit/identify/resampling.h"
 #include "fit/identify/warnings.h"
 
 namespace palpate::identify {
@@ -101,13 +98,6 @@ Curve curve_of(const LocalOptima& optima, const std::vector<Point>& points) {
     }
   }
   return curve;
-}
-
-Solution solution_at(const Problem& problem, const Point& point) {
-  const auto own = point.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
-  Solution solution{Point(point.begin(), own), {Point(own, point.end())}};
-  solution.cost = cost_of(problem, solution.shared, solution.own);
-  return solution;
 }
 
 /// Points along the profiles. Where a profile finds a better fit than the search, that fit replaces the best

@@ -5,11 +5,11 @@
 #include <limits>
 
 #include <Eigen/Dense>
+#include <boost/math/distributions/students_t.hpp>
 
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 
-#include "fit/identify/distributions.h"
 #include "fit/identify/profile_path.h"
 
 namespace palpate::identify {
@@ -139,6 +139,10 @@ Curvature curvature_of(const LocalOptima& optima) {
     curvature.intervals.emplace_back(Interval{std::min(low, high), std::max(low, high)});
   }
   return curvature;
+}
+
+double student_t_quantile(double freedom) {
+  return boost::math::quantile(boost::math::students_t(std::max(freedom, 3.0)), 0.975);
 }
 
 }  // namespace palpate::identify

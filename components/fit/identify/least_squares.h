@@ -8,6 +8,27 @@
 
 namespace palpate::identify {
 
+/// [setup] Forces [N] that the model predicts at the points of a specimen: the law at displacement minus
+/// first-contact depth, relaxed over the specimen's times if the model has relaxation terms, limited to >= 0
+/// (a contact cannot pull), plus the sensor offset.
+/// @param force one value [N] per point; all NaN where the parameters are not a valid law
+/// @param shared, own parameters in the form of a Point
+void predict(const Specimen& specimen, const Ranges& ranges, const Settings& settings,
+             std::span<const double> shared, std::span<const double> own, std::span<double> force);
+
+/// [setup] Applies relaxation to elastic forces [N] at increasing times [s]. The force at the first point is
+/// treated as applied at that instant. @param time same size as `force`, at least 2
+void relax(std::span<const model::RelaxationTerm> terms, const std::vector<double>& time,
+           std::span<double> force);
+
+/// Number of layers of the law, and how many of them the specimen's largest depth reaches.
+struct LayerCount {
+  int allowed = 0;
+  int reached = 0;
+};
+[[nodiscard]] LayerCount layers_of(const Specimen& specimen, const Ranges& ranges, const Settings& settings,
+                                   std::span<const double> shared, std::span<const double> own);
+
 /// Lower limit of sigma, as a fraction of the force range: below the resolution of any sensor.
 inline constexpr double kSmallestSigma = 1e-5;
 
@@ -80,5 +101,15 @@ struct SmallProblem {
 /// @param held index of a parameter that is held constant; negative: none
 /// @return half the remaining sum of squares; infinite when no step gave finite residuals
 double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
+
+/// [setup] The points used for a specimen's own fit: averages of neighbours when there are too many points.
+[[nodiscard]] Specimen as_fitted(const Specimen& specimen, const Settings& settings);
+
+/// [setup] The points used for the pooled fit.
+[[nodiscard]] std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens);
+
+/// [setup] One part per specimen of as_pooled(), which must outlive the parts. All specimens have the same
+/// total weight, whatever their number of points.
+[[nodiscard]] std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled);
 
 }  // namespace palpate::identify

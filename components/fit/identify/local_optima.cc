@@ -9,8 +9,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 
-#include "fit/identify/forward.h"
-#include "fit/identify/multistart.h"
+#include "fit/identify/least_squares.h"
 #include "fit/identify/profile_path.h"
 
 namespace palpate::identify {
@@ -190,16 +189,6 @@ void settle(Problem& problem, std::vector<Solution>& found) {
   }
 }
 
-/// Sum over parts of the effective sample size of the residuals.
-double effective_at(const Problem& problem, const Solution& solution) {
-  double effective = 0.0;
-  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
-    effective +=
-        effective_sample_size(plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]));
-  }
-  return effective;
-}
-
 /// A solution to continue with when no start gives a valid law.
 Solution at_lowest(const Problem& problem) {
   Solution lowest;
@@ -246,6 +235,22 @@ std::vector<double> plain_residuals(const Problem& problem, const Part& part, co
   std::vector<double> values;
   for (const std::size_t i : order) values.push_back((force[i] - specimen.force[i]) / part.ranges.force);
   return values;
+}
+
+double effective_at(const Problem& problem, const Solution& solution) {
+  double effective = 0.0;
+  for (std::size_t p = 0; p < problem.parts.size(); ++p) {
+    effective +=
+        effective_sample_size(plain_residuals(problem, problem.parts[p], solution.shared, solution.own[p]));
+  }
+  return effective;
+}
+
+Solution solution_at(const Problem& problem, const Point& point) {
+  const auto own = point.end() - static_cast<std::ptrdiff_t>(kOwnParameters);
+  Solution solution{Point(point.begin(), own), {Point(own, point.end())}};
+  solution.cost = cost_of(problem, solution.shared, solution.own);
+  return solution;
 }
 
 double limited_sample_size(double effective, std::size_t points, std::size_t parameters) {

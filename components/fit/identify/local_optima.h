@@ -37,8 +37,26 @@ void set_loss(Problem& problem, Solution best);
 [[nodiscard]] std::vector<double> plain_residuals(const Problem& problem, const Part& part,
                                                   const Point& shared, const Point& own);
 
+/// [setup] Sum over the parts of the effective sample size of the residuals.
+[[nodiscard]] double effective_at(const Problem& problem, const Solution& solution);
+
+/// [setup] A point of a problem with one part (shared parameters, then own ones) as a solution with its cost.
+[[nodiscard]] Solution solution_at(const Problem& problem, const Point& point);
+
 /// [any] Effective sample size of the residuals, with a lower limit of three points per parameter (if there
 /// are that many points). Fewer would give intervals in which the curve visibly does not fit.
 [[nodiscard]] double limited_sample_size(double effective, std::size_t points, std::size_t parameters);
+
+/// [setup] Starting points for the multistart: a coarse grid over L_1, q, beta (and relaxation times). For
+/// each grid point, k_1 and offset follow from linear least squares. For each L_1 the best `most` starts that
+/// are not neighbours are kept, because a coarse grid underrates laws with steep layers. Own parameters start
+/// at the middle of their priors.
+[[nodiscard]] std::vector<Solution> multistart_points(const Problem& problem, std::size_t most);
+
+/// [setup] Starting points with one law parameter fixed at `value` [natural logarithm of SI] and the given
+/// relaxation: the best `most` that are not neighbours. @param held index of the fixed parameter
+[[nodiscard]] std::vector<Solution> multistart_points_at(const Problem& problem, std::size_t held,
+                                                         double value, const Point& relaxation,
+                                                         std::size_t most);
 
 }  // namespace palpate::identify

@@ -492,9 +492,4 @@ MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, con
   return fit;
 }
 
-std::vector<double> map_forces(const MapFit& fit, const std::vector<MapRow>& fitted,
-                               const MapSettings& settings, const std::vector<MapRow>& rows) {
-  return MapModel(fitted, settings.tip_radius, fit.map_terms).forces(fit.values, rows);
-}
-
 }  // namespace palpate::identify

@@ -63,9 +63,4 @@ using MapProgress = std::function<void(double, const std::string&)>;
 [[nodiscard]] MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings,
                              const MapProgress& progress = {});
 
-/// [setup] The force of the fit [N] at the places and depths of `rows`. @param fitted the rows that were
-/// fitted
-[[nodiscard]] std::vector<double> map_forces(const MapFit& fit, const std::vector<MapRow>& fitted,
-                                             const MapSettings& settings, const std::vector<MapRow>& rows);
-
 }  // namespace palpate::identify

@@ -33,8 +33,6 @@
 // from twice the shortest step to half of the duration. multistart_points_at() does all this with one
 // parameter held, for a profile of the confidence interval.
 
-#include "fit/identify/multistart.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -43,7 +41,8 @@
 
 #include "core/base/portable_math.h"
 
-#include "fit/identify/forward.h"
+#include "fit/identify/least_squares.h"
+#include "fit/identify/local_optima.h"
 
 namespace palpate::identify {
 namespace {

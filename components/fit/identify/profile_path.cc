@@ -7,7 +7,6 @@
 
 #include <Eigen/Dense>
 
-#include "fit/identify/distributions.h"
 #include "fit/identify/intervals.h"
 
 namespace palpate::identify {

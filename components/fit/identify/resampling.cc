@@ -1,5 +1,3 @@
-#include "fit/identify/resampling.h"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -8,7 +6,8 @@
 #include "run/tasks/for_each_task.h"
 
 #include "fit/identify/fit_record.h"
-#include "fit/identify/forward.h"
+#include "fit/identify/intervals.h"
+#include "fit/identify/least_squares.h"
 
 namespace palpate::identify {
 namespace {

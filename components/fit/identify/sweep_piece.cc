@@ -17,8 +17,6 @@
 #include "fit/identify/fit_record.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/local_optima.h"
-#include "fit/identify/multistart.h"
-#include "fit/identify/parts.h"
 #include "fit/identify/profile_path.h"
 
 namespace palpate::identify {

@@ -90,12 +90,8 @@ struct IndentationExtent {
   double centre = 0.0;  // s
   double centre_spread = 0.0;
   double half_width = 0.0;  // at half of the depth that is seen
-  double peak = 0.0;        // largest
-                            // d
-                            // seen
-  double opposite = 0.0;    // largest
-                            // d
-                            // of the opposite sign
+  double peak = 0.0;        // largest d that is seen
+  double opposite = 0.0;    // largest d of the opposite sign
   bool tip_hidden = false;
 };
 

@@ -100,18 +100,11 @@ std::vector<PlotData> tables_of(const sweep::SweepResult& sweep, const View& vie
   return tables;
 }
 
-/// A text in gnuplot's single quotes.
-std::string in_quotes(const std::string& text) {
-  std::string out = "'";
-  for (const char letter : text) out += letter == '\'' ? std::string("''") : std::string(1, letter);
-  return out + "'";
-}
-
 std::string x_axis_script(const sweep::Axis& axis) {
-  std::string script = "set xlabel " + in_quotes(axis.key) + "\nset format x '%g'\nset autoscale xfix\n";
+  std::string script = "set xlabel " + quoted(axis.key) + "\nset format x '%g'\nset autoscale xfix\n";
   std::string tics;
   for (std::size_t i = 0; !axis.number() && i < axis.values.size(); ++i) {
-    tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", in_quotes(axis.values[i]), i);
+    tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ", quoted(axis.values[i]), i);
   }
   if (!axis.number())
     script += fmt::format("set xtics ({})\nset xrange [-0.5:{}.5]\n", tics, axis.values.size() - 1);
@@ -134,27 +127,27 @@ std::string script_of(const std::vector<PlotData>& tables, const View& view,
                        fmt::format(
                            "set label 1 {} at screen 0.5,0.975 center\n"
                            "set multiplot layout 2,2 margins 0.08,{},0.09,0.93 spacing 0.11,0.14\n",
-                           in_quotes(view.held), several ? 0.81 : 0.97);
+                           quoted(view.held), several ? 0.81 : 0.97);
   for (std::size_t pane = 0; pane < kShown.size(); ++pane) {
-    script += fmt::format("set ylabel {}\nset yrange [*<0:*]\n", in_quotes(quantity_of(kShown[pane]).label));
+    script += fmt::format("set ylabel {}\nset yrange [*<0:*]\n", quoted(quantity_of(kShown[pane]).label));
     if (several && pane == 0) {
       script += fmt::format("set key at screen 0.985,0.93 right top vertical samplen 2 noopaque title {}\n",
-                            in_quotes(sweep.axes[view.trace_axis].key));
+                            quoted(sweep.axes[view.trace_axis].key));
     } else {
       script += "set key off\n";
     }
     if (pane > 0) script += "unset label 1\n";
-    std::string plots;
+    std::vector<std::string> curves;
     for (std::size_t i = 0; i < tables.size(); ++i) {
       if (tables[i].rows.empty()) continue;
       const bool missed = i % 2 == 1;
       const std::string& value = view.trace_values[i / 2];
-      plots += fmt::format(
-          "{}'{}' using 1:{} {} {} lc rgb '{}'", plots.empty() ? "plot " : ", ", tables[i].name, pane + 2,
-          missed || value.empty() ? "notitle" : "title " + in_quotes(value),
-          missed ? "with points pt 2 ps 0.9 lw 2" : "with linespoints pt 7 ps 0.5 lw 2", kColours[i / 2]);
+      curves.push_back(fmt::format(
+          "'{}' using 1:{} {} {} lc rgb '{}'", tables[i].name, pane + 2,
+          missed || value.empty() ? "notitle" : "title " + quoted(value),
+          missed ? "with points pt 2 ps 0.9 lw 2" : "with linespoints pt 7 ps 0.5 lw 2", kColours[i / 2]));
     }
-    script += plots + '\n';
+    script += plot(curves);
   }
   return script + "unset multiplot\n";
 }

@@ -1,5 +1,3 @@
-#include "fit/validate/falloff_fit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +7,7 @@
 #include "palpate/validate.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/validate/validation_sets.h"
 
 namespace palpate::validate {
 namespace {

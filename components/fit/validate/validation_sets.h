@@ -3,13 +3,58 @@
 #include <string>
 #include <vector>
 
+#include "palpate/tissue.h"
 #include "palpate/validate.h"
 
 #include "fit/validate/baselines.h"
-#include "fit/validate/falloff_fit.h"
-#include "fit/validate/zeros_fit.h"
 
 namespace palpate::validate {
+
+/// A displacement profile and its tool. SI units.
+struct ProfileSample {
+  Deformation deformation;
+  double depth = 0.0;       // D [m] > 0
+  double tip_radius = 0.0;  // R [m] > 0
+};
+
+/// Falloff ratios of the displacement profile that fit all samples together.
+struct FalloffFit {
+  model::FalloffRatios reach;
+  std::vector<double> nrmse;   // RMS error divided by the depth, one per sample
+  std::vector<bool> at_limit;  // c, a, s, g, p: the optimum lies at a bound of the search, so the data do not
+                               // determine this parameter
+  bool exponent_kept = false;  // p was not fitted, because the samples are too similar to determine it
+};
+
+/// Smallest ratio between D/R of the deepest and of the shallowest sample for which p is fitted. At a single
+/// depth c has the same effect as p; at two similar depths p amplifies an error of u many times.
+inline constexpr double kLeastSpreadOfDepths = 1.2;
+
+/// [setup] Least-squares fit of u(r)/D over c, a, s, g and p. All samples have the same weight, whatever
+/// their number of points and depth. Several starts, Ceres in one thread: the same data give the same bits.
+/// @param exponent value of p where the samples do not determine it (kLeastSpreadOfDepths)
+/// @throws InputError when there is no sample, or one without depth or radius.
+[[nodiscard]] FalloffFit fit_falloff(const std::vector<ProfileSample>& samples, const SurfaceRule& rule = {},
+                                     double exponent = model::FalloffRatios{}.depth_exponent);
+
+/// The zeros with which a measurement fits a tissue best.
+struct ZerosFit {
+  Zeros zeros;
+  bool at_limit = false;  // the optimum lies at a bound of the search: displacements do not start near first
+                          // contact
+};
+
+/// [setup] Fits first contact and sensor offset of a measurement to a fixed tissue, with the bounds, loss and
+/// priors that `palpate fit` uses for these two. One thread: the same data give the same bits.
+/// @throws InputError when displacement or force is constant; ParameterError as the laws do.
+[[nodiscard]] ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law);
+
+/// Errors of a law with one pair of zeros.
+struct ZeroedErrors {
+  Zeros zeros;
+  Errors errors;
+  bool at_limit = false;  // as ZerosFit::at_limit; false for given zeros
+};
 
 /// A baseline model on the same data.
 struct BaselineResult {

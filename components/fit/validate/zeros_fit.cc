@@ -1,5 +1,3 @@
-#include "fit/validate/zeros_fit.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +8,8 @@
 #include "core/base/statistics.h"
 #include "palpate/identify.h"
 
-#include "fit/identify/forward.h"
 #include "fit/identify/least_squares.h"
+#include "fit/validate/validation_sets.h"
 
 namespace palpate::validate {
 namespace {

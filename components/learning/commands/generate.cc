@@ -20,7 +20,6 @@
 #include "app/components.h"
 #include "app/numbers.h"
 #include "app/output.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/session.h"

@@ -23,7 +23,7 @@
 #include "app/components.h"
 #include "app/messages.h"
 #include "app/output.h"
-#include "app/preparation.h"
+#include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
 #include "ros/publisher/ros_publisher.h"

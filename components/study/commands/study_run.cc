@@ -17,7 +17,6 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 #include "app/session.h"
 #include "study/commands/study_commands.h"

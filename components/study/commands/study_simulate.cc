@@ -13,7 +13,6 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
 #include "study/session/run_session.h"

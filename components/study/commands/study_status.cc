@@ -17,7 +17,6 @@
 
 #include "app/commands.h"
 #include "app/output.h"
-#include "app/preparation.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
 #include "study/session/verify.h"

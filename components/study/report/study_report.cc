@@ -10,9 +10,7 @@
 #include "io/system/input_file.h"
 #include "palpate/version.h"
 #include "view/report/page.h"
-#include "view/report/text_format.h"
 
-#include "study/report/study_report_figures.h"
 #include "study/report/study_report_sections.h"
 #include "study/session/analysis_text.h"
 

@@ -1,13 +1,12 @@
-#include "study/report/study_report_figures.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include <fmt/core.h>
 
-#include "view/report/text_format.h"
+#include "view/report/page.h"
 
+#include "study/report/study_report_sections.h"
 #include "study/session/analysis_text.h"
 
 namespace palpate::report {
@@ -26,13 +25,6 @@ constexpr const char* kArmColours[] = {kGrey, kBlue, kOrange, kGreen, "#CC79A7",
 
 std::string colour_of(std::size_t arm, std::size_t arms) {
   return arms == 1 ? kBlue : kArmColours[arm % std::size(kArmColours)];
-}
-
-// Text in single quotes of a gnuplot script.
-std::string quoted(const std::string& text) {
-  std::string safe = "'";
-  for (const char c : text) safe += c == '\'' ? std::string("''") : std::string(1, c);
-  return safe + "'";
 }
 
 // The stimulus on the x axis.
@@ -171,15 +163,15 @@ Figure draw_effects(const Study& study, const StudyAnalysis& analysis, bool rati
                    : "set xlabel \"difference of d'\"\n";
   const double none = ratios ? 1.0 : 0.0;
   script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb '#555555' lw 1\n", none);
-  std::string plots;
-  const auto plot = [&](const PlotData& data, const char* colour, double width) {
+  std::vector<std::string> curves;
+  const auto add = [&](const PlotData& data, const char* colour, double width) {
     if (data.rows.empty()) return;
-    plots += fmt::format("{}'{}' using 1:2:3:4 with xerrorbars pt 7 ps 0.9 lw {} lc rgb '{}'",
-                         plots.empty() ? "" : ", ", data.name, width, colour);
+    curves.push_back(fmt::format("'{}' using 1:2:3:4 with xerrorbars pt 7 ps 0.9 lw {} lc rgb '{}'",
+                                 data.name, width, colour));
   };
-  plot(others, "#555555", 1.6);
-  plot(primary, kBlue, 2.6);
-  return drawn(std::move(figure), script + "plot " + plots + "\n", {primary, others});
+  add(others, "#555555", 1.6);
+  add(primary, kBlue, 2.6);
+  return drawn(std::move(figure), script + plot(curves), {primary, others});
 }
 
 Figure draw_curve(const Study& study, const StudyAnalysis& analysis, const study::Curve& curve,
@@ -192,14 +184,14 @@ Figure draw_curve(const Study& study, const StudyAnalysis& analysis, const study
     return analysis.unblinded ? of.shares[arm] : static_cast<double>(arm);
   };
   std::vector<PlotData> data;
-  std::string plots;
+  std::vector<std::string> curves;
   for (std::size_t person = 0; person < curve.d_primes.size(); ++person) {
     PlotData one{"p" + std::to_string(person), {}};
     for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
       one.rows.push_back({x(arm), curve.d_primes[person][arm]});
     }
     sort_by_x(one.rows);
-    plots += fmt::format("'{}' with lines lw 1 lc rgb '#cccccc', ", one.name);
+    curves.push_back(fmt::format("'{}' with lines lw 1 lc rgb '#cccccc'", one.name));
     data.push_back(std::move(one));
   }
   PlotData means{"means", {}};
@@ -209,7 +201,7 @@ Figure draw_curve(const Study& study, const StudyAnalysis& analysis, const study
   sort_by_x(means.rows);
   // While blind the labels have no order, so no line joins them.
   const char* style = analysis.unblinded ? "yerrorlines" : "yerrorbars";
-  plots += fmt::format("'means' using 1:2:3:4 with {} pt 7 ps 1 lw 2.4 lc rgb '{}'", style, kBlue);
+  curves.push_back(fmt::format("'means' using 1:2:3:4 with {} pt 7 ps 1 lw 2.4 lc rgb '{}'", style, kBlue));
   data.push_back(means);
   std::string script = preamble(kWidth, 380, "off") + "set ylabel \"d'\"\n";
   if (analysis.unblinded) {
@@ -225,7 +217,7 @@ Figure draw_curve(const Study& study, const StudyAnalysis& analysis, const study
     script += "set xlabel 'condition, blind'\nset xtics (" + tics + ")\n" +
               fmt::format("set xrange [-0.5:{}]\n", static_cast<double>(of.arms.size()) - 0.5);
   }
-  return drawn(std::move(figure), script + "plot " + plots + "\n", data);
+  return drawn(std::move(figure), script + plot(curves), data);
 }
 
 Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_t task,
@@ -254,19 +246,20 @@ Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_
     script += fmt::format("set origin {},{}\nset size {},{}\nset title {}\n",
                           static_cast<double>(i % Panels::kColumns) / Panels::kColumns, top - height,
                           1.0 / Panels::kColumns, height, quoted(people[i]->id));
-    std::string plots;
+    std::vector<std::string> curves;
     for (std::size_t arm = 0; arm < people[i]->tasks[task].arms.size(); ++arm) {
       const ArmResult& result = people[i]->tasks[task].arms[arm];
       if (result.points.empty()) continue;
       const std::string name = fmt::format("{}-{}", i, arm);
       data.push_back(points_of(of, result, "points-" + name));
-      plots += fmt::format("{}'points-{}' using 1:2:3 with points pt 7 ps variable lc rgb '{}'",
-                           plots.empty() ? "" : ", ", name, colour_of(arm, of.arms.size()));
+      curves.push_back(fmt::format("'points-{}' using 1:2:3 with points pt 7 ps variable lc rgb '{}'", name,
+                                   colour_of(arm, of.arms.size())));
       if (!is_number(result.fit)) continue;
       data.push_back(function_of(of, result, "line-" + name));
-      plots += fmt::format(", 'line-{}' with lines lw 1.8 lc rgb '{}'", name, colour_of(arm, of.arms.size()));
+      curves.push_back(
+          fmt::format("'line-{}' with lines lw 1.8 lc rgb '{}'", name, colour_of(arm, of.arms.size())));
     }
-    script += plots.empty() ? "plot NaN\n" : "plot " + plots + "\n";
+    script += plot(curves);
     if (i == 0) script += "unset label\n";
   }
   return drawn(std::move(figure), script + "unset multiplot\n", data);

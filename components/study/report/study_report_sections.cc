@@ -9,9 +9,8 @@
 
 #include "core/base/statistics.h"
 #include "core/base/text.h"
-#include "view/report/text_format.h"
+#include "view/report/page.h"
 
-#include "study/report/study_report_figures.h"
 #include "study/session/analysis_text.h"
 
 namespace palpate::report {

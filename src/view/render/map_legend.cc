@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
-
-#include "view/render/pixel_font.h"
+#include <iterator>
 
 namespace palpate::render {
 namespace {
@@ -57,6 +57,27 @@ void draw_bar(Image& image, int square, const LegendText& legend) {
     write(image, x + bar_width + 5 * square, at - kGlyphHeight * square / 2, square, text);
   }
 }
+
+struct Glyph {
+  char letter;
+  std::uint64_t squares;  // 7 rows of 5 bits; the highest of the 35 is the upper left square
+};
+
+constexpr Glyph kGlyphs[] = {
+    {'0', 0x3A33AE62E}, {'1', 0x11842108E}, {'2', 0x3A211111F}, {'3', 0x3A213062E}, {'4', 0x08CA97C42},
+    {'5', 0x7E1E0862E}, {'6', 0x1910F462E}, {'7', 0x7C2221084}, {'8', 0x3A317462E}, {'9', 0x3A317844C},
+    {'A', 0x3A31FC631}, {'B', 0x7A31F463E}, {'C', 0x3A308422E}, {'D', 0x7A318C63E}, {'E', 0x7E10F421F},
+    {'F', 0x7E10F4210}, {'G', 0x3A30BC62F}, {'H', 0x4631FC631}, {'I', 0x38842108E}, {'J', 0x1C4210A4C},
+    {'K', 0x4654C5251}, {'L', 0x42108421F}, {'M', 0x4775AC631}, {'N', 0x4739ACE71}, {'O', 0x3A318C62E},
+    {'P', 0x7A31F4210}, {'Q', 0x3A318D64D}, {'R', 0x7A31F5251}, {'S', 0x3E107043E}, {'T', 0x7C8421084},
+    {'U', 0x46318C62E}, {'V', 0x46318C544}, {'W', 0x4631AD6AA}, {'X', 0x462A22A31}, {'Y', 0x462A21084},
+    {'Z', 0x7C222221F}, {'a', 0x000E0BE2F}, {'b', 0x421E8C63E}, {'c', 0x000E8422E}, {'d', 0x042F8C62F},
+    {'e', 0x000E8FE0E}, {'f', 0x1928E2108}, {'g', 0x01F18BC2E}, {'h', 0x4216CC631}, {'i', 0x100C2108E},
+    {'j', 0x080610A4C}, {'k', 0x210953149}, {'l', 0x30842108E}, {'m', 0x001AAD6B5}, {'n', 0x0016CC631},
+    {'o', 0x000E8C62E}, {'p', 0x001E8FA10}, {'q', 0x000D9BC21}, {'r', 0x0016CC210}, {'s', 0x000F8383E},
+    {'t', 0x211C42126}, {'u', 0x00118C66D}, {'v', 0x00118C544}, {'w', 0x00118D6AA}, {'x', 0x001151151},
+    {'y', 0x00118BC2E}, {'z', 0x001F1111F}, {'+', 0x0084F9080}, {',', 0x000003088}, {'-', 0x0000F8000},
+    {'.', 0x00000018C}};
 
 }  // namespace
 
@@ -114,6 +135,35 @@ Image side_by_side(const Image& left, const Image& right) {
   copy(left, 0);
   copy(right, left.width);
   return both;
+}
+
+int glyph_square(int width, int height) noexcept { return std::max(1, std::min(width, height) / 300); }
+
+void fill(Image& image, int x, int y, int width, int height, Rgb colour) noexcept {
+  for (int row = std::max(y, 0); row < std::min(y + height, image.height); ++row) {
+    for (int column = std::max(x, 0); column < std::min(x + width, image.width); ++column) {
+      const std::size_t at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                  static_cast<std::size_t>(column));
+      image.rgb[at] = colour.red;
+      image.rgb[at + 1] = colour.green;
+      image.rgb[at + 2] = colour.blue;
+    }
+  }
+}
+
+void write(Image& image, int x, int y, int square, const char* text) noexcept {
+  for (; *text != '\0'; ++text, x += (kGlyphWidth + 1) * square) {
+    const auto* glyph = std::find_if(std::begin(kGlyphs), std::end(kGlyphs),
+                                     [text](const Glyph& g) { return g.letter == *text; });
+    if (glyph == std::end(kGlyphs)) continue;
+    for (int row = 0; row < kGlyphHeight; ++row) {
+      for (int column = 0; column < kGlyphWidth; ++column) {
+        const int bit = (kGlyphHeight - row) * kGlyphWidth - 1 - column;
+        if (((glyph->squares >> bit) & 1U) == 0) continue;
+        fill(image, x + column * square, y + row * square, square, square, kTextColour);
+      }
+    }
+  }
 }
 
 }  // namespace palpate::render

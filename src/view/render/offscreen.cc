@@ -10,12 +10,12 @@
 #include "palpate/error.h"
 #include "palpate/surface.h"
 #include "view/render/gl_context.h"
+#include "view/render/gl_objects.h"
 #include "view/render/opengl.h"
 #include "view/render/organ_picture.h"
 #include "view/render/painter.h"
 #include "view/render/surface_map.h"
 #include "view/render/tissue_pattern.h"
-#include "view/render/tool_picture.h"
 
 namespace palpate::render {
 namespace {
@@ -33,6 +33,15 @@ void check_count(std::size_t values, std::size_t points) {
   if (values == points) return;
   throw InputError(fmt::format("{} values for {} points of the surface; want one per point", values, points));
 }
+
+constexpr double kShare = 0.15;  // weight of the newest picture in the running mean
+constexpr int kFewest = 12;      // number of pictures before the mean is used
+constexpr int kSlowInARow = 3;   // consecutive pictures over the budget that lower the quality at once
+constexpr double kRoom = 0.6;    // of the budget: a mean below it allows a higher quality
+constexpr int kLongestWait = 120 * 32;
+
+Quality better(Quality q) { return static_cast<Quality>(static_cast<int>(q) - 1); }
+Quality cheaper(Quality q) { return static_cast<Quality>(static_cast<int>(q) + 1); }
 
 }  // namespace
 
@@ -299,5 +308,29 @@ void OffscreenRenderer::finish() {
 }
 
 std::string OffscreenRenderer::driver() const { return impl_->driver; }
+
+void QualityChoice::add(double frame_ms) noexcept {
+  if (wait_ > 0) --wait_;
+  if (seen_++ == 0) return;
+  mean_ms_ = seen_ == 2 ? frame_ms : mean_ms_ + kShare * (frame_ms - mean_ms_);
+  slow_ = frame_ms > budget_ms_ ? slow_ + 1 : 0;
+  const bool judged = seen_ > kFewest;
+  if (now_ != Quality::kFast && (slow_ >= kSlowInARow || (judged && mean_ms_ > budget_ms_))) {
+    now_ = cheaper(now_);
+    seen_ = slow_ = 0;
+    wait_ = next_wait_;
+    next_wait_ = std::min(2 * next_wait_, kLongestWait);  // each failure of a level doubles the wait
+  } else if (judged && mean_ms_ < kRoom * budget_ms_ && now_ != best_ && wait_ == 0) {
+    now_ = better(now_);
+    seen_ = slow_ = 0;
+  }
+}
+
+void QualityChoice::limit(Quality best) noexcept {
+  best_ = best;
+  if (now_ >= best) return;
+  now_ = best;
+  seen_ = slow_ = 0;
+}
 
 }  // namespace palpate::render

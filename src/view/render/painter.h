@@ -7,7 +7,7 @@
 #include "palpate/offscreen.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
-#include "view/render/tissue_appearance.h"
+#include "view/render/tissue_pattern.h"
 
 namespace palpate::render {
 

@@ -1,5 +1,4 @@
 // Passes other than the materials: shadows, occlusion, antialiasing, background.
-#include "view/render/shader_pieces.h"
 #include "view/render/shaders.h"
 
 namespace palpate::render::shaders {

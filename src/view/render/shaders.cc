@@ -1,8 +1,6 @@
 // The materials: tissue and steel in studio lighting.
 #include "view/render/shaders.h"
 
-#include "view/render/shader_pieces.h"
-
 namespace palpate::render::shaders {
 namespace {
 

@@ -6,6 +6,65 @@
 /// GLSL 3.30 sources. Lengths in metres; colours are linear until the last step.
 namespace palpate::render::shaders {
 
+#ifdef __EMSCRIPTEN__
+inline const char* const kVersion =
+    "#version 300 es\n"
+    "precision highp float;\nprecision highp int;\n"
+    "precision highp sampler2D;\nprecision highp sampler2DShadow;\n";
+#else
+inline const char* const kVersion = "#version 330 core\n";
+#endif
+
+// Filmic tone curve (Narkowicz 2015), sRGB transfer function and a dither of one step against banding.
+inline const char* const kFinish = R"(
+float dither_value(vec2 pixel) { return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))); }
+vec3 encoded(vec3 x) {
+  x = sqrt(x);
+  return x * (1.145 - 0.145 * x);  // the sRGB transfer to 0.4 %, but for the darkest
+}
+vec3 finish(vec3 colour) {
+  vec3 x = max(colour, vec3(0.0));
+  x = clamp((x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
+  return encoded(x) + (dither_value(gl_FragCoord.xy) - 0.5) / 255.0;
+}
+)";
+
+// The studio lamps, fixed to the camera: key, fill, rim and ambient light.
+inline const char* const kLamps = R"(
+uniform vec3 eye;
+uniform vec3 rig_right;
+uniform vec3 rig_up;
+uniform vec3 rig_back;
+uniform vec3 key;
+uniform vec3 fill;
+uniform vec3 rim;
+uniform mat4 light_projection;
+uniform float shadow_lift;  // m
+
+uniform float lamps;  // 1; 0: switched off, only the light from everywhere is left
+#define kKeyColour (lamps * vec3(1.95, 1.88, 1.78))
+#define kFillColour (lamps * vec3(0.36, 0.41, 0.48))
+#define kRimColour (lamps * vec3(0.70, 0.74, 0.80))
+const vec3 kWrap = vec3(0.20, 0.11, 0.09);  // red light travels farthest under the surface
+
+vec3 irradiance(vec3 n) {
+  float t = dot(n, rig_up) * 0.5 + 0.5;
+  return mix(vec3(0.13, 0.12, 0.12), vec3(0.36, 0.39, 0.43), t);
+}
+vec3 wrapped(vec3 n, vec3 l) { return clamp((dot(n, l) + kWrap) / (1.0 + kWrap), 0.0, 1.0); }
+)";
+
+// Colours of maps.
+inline const char* const kMapped = R"(
+// Dark blue over green to yellow, about as light as it is large (after Matplotlib's viridis).
+vec3 mapped(float t) {
+  const vec3 c0 = vec3(0.063, 0.0006, 0.089);
+  vec3 low = mix(c0, vec3(0.026, 0.162, 0.262), smoothstep(0.0, 0.35, t));
+  vec3 mid = mix(low, vec3(0.036, 0.370, 0.217), smoothstep(0.3, 0.65, t));
+  return mix(mid, vec3(0.980, 0.800, 0.019), smoothstep(0.6, 1.0, t));
+}
+)";
+
 /// Whether tissue is drawn with a map of values and marks. Its shaders are separate, because they take
 /// longer.
 enum class Annotated : bool { kNo, kYes };

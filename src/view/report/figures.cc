@@ -1,5 +1,3 @@
-#include "view/report/figures.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +10,8 @@
 #include "core/base/text.h"
 #include "io/scene/make_world.h"
 #include "palpate/mesh.h"
-#include "view/report/text_format.h"
+#include "view/report/page.h"
+#include "view/report/sections.h"
 
 namespace palpate::report {
 namespace {
@@ -24,7 +23,7 @@ constexpr std::size_t kShortestSegment = 64;
 
 constexpr const char* kKey = "top right Left reverse samplen 2 spacing 1.15 noopaque";
 
-std::string quoted(const std::string& colour) { return "rgb '" + colour + "'"; }
+std::string rgb(const std::string& colour) { return "rgb '" + colour + "'"; }
 
 std::size_t stride_for(std::size_t count, std::size_t most) {
   return std::max<std::size_t>(1, (count + most - 1) / most);
@@ -103,13 +102,12 @@ std::string organ_panel(const OrganMotionPlot& way) {
       "set ylabel 'organ (mm)' offset 1\nset yrange [*:*]\nset offsets 0,0,graph 0.25,0\n"
       "set key top right horizontal\n";
   if (way.turns) script += "set y2tics\nset y2range [0:" + shortest(1.35 * way.turned) + "]\n";
-  std::string lines;
+  std::vector<std::string> lines;
   for (const std::size_t c : way.lines) {
-    lines += fmt::format("{}{}{} with lines lw 2 lc {} title '{}'",
-                         lines.empty() ? "plot 'organ.dat'" : ", ''", " using 1:" + std::to_string(c + 1),
-                         c == kTurnColumn ? " axes x1y2" : "", quoted(kColours[c]), kTitles[c]);
+    lines.push_back(fmt::format("'organ.dat' using 1:{}{} with lines lw 2 lc {} title '{}'", c + 1,
+                                c == kTurnColumn ? " axes x1y2" : "", rgb(kColours[c]), kTitles[c]));
   }
-  script += lines + "\nunset offsets\nset key vertical\n";
+  script += plot(lines) + "unset offsets\nset key vertical\n";
   if (way.turns) script += "unset y2tics\n";
   return script;
 }
@@ -137,7 +135,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
   }
   script += moving ? panel("0.71", "0.98") : panel("0.585", "0.975");
   script += "set format x ''\nset ylabel 'depth (mm)' offset 1\nset yrange [0:1<*]\nset key off\n";
-  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + quoted(kBlue) + "\nunset label\n";
+  script += "plot 'rows.dat' using 1:2 with lines lw 2 lc " + rgb(kBlue) + "\nunset label\n";
   if (moving) script += panel("0.40", "0.67") + organ_panel(way);
   script += moving ? panel("0.09", "0.36") : panel("0.125", "0.535");
   script +=
@@ -147,7 +145,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
       "plot 'rows.dat' using 1:4 with lines lw 1 lc {} title 'to the hand, with noise', '' using 1:3 with "
       "lines lw 2 lc {} title 'tissue'\n"
       "unset multiplot\n",
-      quoted(kGrey), quoted(kOrange));
+      rgb(kGrey), rgb(kOrange));
   Figure figure{file, moving ? "Depth, motion of the organ and force over time in seconds"
                              : "Depth in millimetres and force in newtons over time in seconds"};
   figure.caption =
@@ -183,15 +181,15 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
       "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set xrange [0:" +
       shortest(1.08 * deepest * kMilli) + "]\nset yrange [0:*]\n";
-  script += "plot 'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model" +
-            std::string(setup.tissue.relaxation.empty() ? "" : ", before it relaxes") + "'";
-  if (!in.rows.empty()) {
-    script += ", 'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + quoted(kBlue) + " title 'going in'";
-  }
-  if (!out.rows.empty()) {
-    script += ", 'out.dat' using 1:2 with points pt 6 ps 0.6 lc " + quoted(kOrange) + " title 'coming out'";
-  }
-  script += "\n";
+  std::vector<std::string> curves = {
+      fmt::format("'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model{}'",
+                  setup.tissue.relaxation.empty() ? "" : ", before it relaxes")};
+  if (!in.rows.empty())
+    curves.push_back("'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + rgb(kBlue) + " title 'going in'");
+  if (!out.rows.empty())
+    curves.push_back("'out.dat' using 1:2 with points pt 6 ps 0.6 lc " + rgb(kOrange) +
+                     " title 'coming out'");
+  script += plot(curves);
   Figure figure{file, "Measured force over depth beside the law of the model"};
   figure.caption = fmt::format(
       "Force along the contact normal over depth, one tick in {}, on the law of one contact. Several "
@@ -246,7 +244,7 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& setup,
       "plot 'band.dat' using 1:3:4 with filledcurves lc rgb '#e6e6e6' title '95 % band of white noise', "
       "'spectrum.dat' using 1:2 with lines lw 1.2 lc {} title 'measured', 'band.dat' using 1:2 with lines lw "
       "1.5 lc {} title 'white, at the set level'\n",
-      quoted(kBlue), quoted(kOrange));
+      rgb(kBlue), rgb(kOrange));
   figure.caption = fmt::format("{}, Welch's estimate, {} segments of {} samples at {} Hz.",
                                contact ? "Spectrum of the noise force while in contact"
                                        : "Spectrum of the noise force in units of its standard deviation",
@@ -274,7 +272,7 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   script += fmt::format(
       "plot 'bins.dat' using (($1+$2)/2):3:(0.94*($2-$1)) with boxes lc {} title 'measured', 'normal.dat' "
       "using 1:2 with lines lw 2 lc {} title 'standard normal'\n",
-      quoted(kBlue), quoted(kOrange));
+      rgb(kBlue), rgb(kOrange));
   figure.caption =
       "Histogram of " + grouped(hand.unit_noise.size()) +
       " noise samples, each divided by the standard deviation that belongs to its distance: K/(d "
@@ -326,12 +324,12 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   script += fmt::format(
       "set arrow from {},graph 0 to {},graph 1 nohead lw 1.5 lc {} back\n"
       "set label 'period' at {},graph 0.5 rotate by 90 center offset -0.8,0 font ',12' textcolor {} front\n",
-      shortest(period_us), shortest(period_us), quoted(kOrange), shortest(period_us), quoted(kOrange));
+      shortest(period_us), shortest(period_us), rgb(kOrange), shortest(period_us), rgb(kOrange));
   PlotData data{"bins.dat", {}};
   for (const std::vector<double>& row : steps(bins, 1.0, "bins.dat").rows) {
     if (row[2] > 0.0) data.rows.push_back({row[0], row[1], row[2]});
   }
-  script += "plot 'bins.dat' using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc " + quoted(kGreen) + "\n";
+  script += "plot 'bins.dat' using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc " + rgb(kGreen) + "\n";
   figure.caption = std::string(computing ? "Computing time of a tick" : "How late a tick began") +
                    ", both axes logarithmic. Dashed: p50, p99, p99.9 and the largest; solid: the period.";
   return drawn(figure, script, {data});

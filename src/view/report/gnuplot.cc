@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -116,6 +116,16 @@ unset multiplot
   constexpr int kWidth = 760;
   return fmt::format(kScript, preamble(kWidth, height, key), lower_share, 1.0 - lower_share, upper,
                      lower_share, lower);
+}
+
+std::string quoted(const std::string& text) {
+  std::string safe = "'";
+  for (const char c : text) safe += c == '\'' ? std::string("''") : std::string(1, c);
+  return safe + "'";
+}
+
+std::string plot(const std::vector<std::string>& curves) {
+  return fmt::format("plot {}\n", curves.empty() ? "NaN" : fmt::format("{}", fmt::join(curves, ", ")));
 }
 
 void sort_by_x(std::vector<std::vector<double>>& rows) {

@@ -42,6 +42,13 @@ inline constexpr const char* kKeyLeft = "top left Left reverse samplen 2 spacing
 [[nodiscard]] std::string two_panes(int height, const std::string& key, double lower_share,
                                     const std::string& upper, const std::string& lower);
 
+/// [any] Text in single quotes of a script.
+[[nodiscard]] std::string quoted(const std::string& text);
+
+/// [any] The command that draws curves over each other; without curves it draws an empty panel.
+/// @param curves each as in gnuplot's `plot`: table, columns, style, title
+[[nodiscard]] std::string plot(const std::vector<std::string>& curves);
+
 /// [any] Stable sort of rows by their first column.
 void sort_by_x(std::vector<std::vector<double>>& rows);
 

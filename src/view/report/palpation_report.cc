@@ -10,7 +10,6 @@
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/page.h"
-#include "view/report/text_format.h"
 
 namespace palpate::report {
 namespace {

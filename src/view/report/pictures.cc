@@ -1,5 +1,3 @@
-#include "view/report/pictures.h"
-
 #include <algorithm>
 #include <array>
 #include <exception>
@@ -12,7 +10,8 @@
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
-#include "view/report/text_format.h"
+#include "view/report/page.h"
+#include "view/report/sections.h"
 
 namespace palpate::report {
 namespace {

@@ -1,6 +1,6 @@
-#include "fit/identify/distributions.h"
-
 #include <gtest/gtest.h>
+
+#include "fit/identify/intervals.h"
 
 namespace palpate::identify {
 namespace {

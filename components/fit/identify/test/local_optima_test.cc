@@ -10,7 +10,6 @@
 #include "core/base/random.h"
 #include "palpate/identify.h"
 
-#include "fit/identify/multistart.h"
 #include "fit/identify/test/springs.h"
 
 namespace palpate::identify {

@@ -17,6 +17,8 @@
 #include "io/scene/test/temporary_folder.h"
 #include "palpate/error.h"
 
+#include "fit/identify/map_model.h"
+
 namespace palpate::identify {
 namespace {
 
@@ -171,7 +173,8 @@ std::vector<MapRow> phantom(const std::string& name) {
 
 double percent_of_range(const MapFit& fit, const std::vector<MapRow>& fitted, const MapSettings& settings,
                         const std::vector<MapRow>& rows) {
-  const std::vector<double> forces = map_forces(fit, fitted, settings, rows);
+  const std::vector<double> forces =
+      MapModel(fitted, settings.tip_radius, fit.map_terms).forces(fit.values, rows);
   double sum = 0.0;
   double low = 1e9;
   double high = -1e9;

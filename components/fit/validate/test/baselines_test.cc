@@ -8,9 +8,6 @@
 
 #include "palpate/error.h"
 
-#include "fit/validate/closed_forms.h"
-#include "fit/validate/mass_spring.h"
-
 namespace palpate::validate {
 namespace {
 

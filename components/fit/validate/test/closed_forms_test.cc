@@ -1,6 +1,8 @@
-#include "fit/validate/closed_forms.h"
+#include "fit/validate/test/closed_forms.h"
 
 #include <gtest/gtest.h>
+
+#include "fit/validate/baselines.h"
 
 namespace palpate::validate {
 namespace {

@@ -9,8 +9,8 @@
 #include "palpate/identify.h"
 #include "palpate/validate.h"
 
-#include "fit/validate/closed_forms.h"
-#include "fit/validate/falloff_fit.h"
+#include "fit/validate/test/closed_forms.h"
+#include "fit/validate/validation_sets.h"
 
 namespace palpate::validate {
 namespace {

@@ -9,7 +9,7 @@
 #include "palpate/validate.h"
 
 #include "fit/validate/baselines.h"
-#include "fit/validate/falloff_fit.h"
+#include "fit/validate/validation_sets.h"
 
 namespace palpate::validate {
 namespace {

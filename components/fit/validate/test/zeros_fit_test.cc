@@ -1,5 +1,3 @@
-#include "fit/validate/zeros_fit.h"
-
 #include <algorithm>
 #include <vector>
 
@@ -7,7 +5,8 @@
 
 #include "palpate/error.h"
 
-#include "fit/identify/forward.h"
+#include "fit/identify/least_squares.h"
+#include "fit/validate/validation_sets.h"
 
 namespace palpate::validate {
 namespace {

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "view/render/pixel_font.h"
-
 namespace palpate::render {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "view/report/statistics.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
+#include "view/report/analysis.h"
 
 namespace palpate::report {
 namespace {

@@ -1,6 +1,6 @@
-#include "view/report/text_format.h"
-
 #include <gtest/gtest.h>
+
+#include "view/report/page.h"
 
 namespace palpate::report {
 namespace {
