@@ -114,10 +114,10 @@ std::vector<identify::Specimen> read_for(tasks::Communicator& ranks, const FitFl
   return specimens;
 }
 
-std::vector<identify::SweepRequest> requests_of(const FitFlags& flags) {
-  std::vector<identify::SweepRequest> requests;
+std::vector<identify::ParameterSweep> requests_of(const FitFlags& flags) {
+  std::vector<identify::ParameterSweep> requests;
   for (const std::string& text : flags.sweeps) {
-    for (const identify::SweepRequest& request : identify::sweep_requests("--sweep", text))
+    for (const identify::ParameterSweep& request : identify::sweep_requests("--sweep", text))
       requests.push_back(request);
   }
   if (requests.empty() && !flags.sweep_csv.empty()) {
@@ -142,7 +142,7 @@ void check_fit_outputs(const FitFlags& flags, const std::string& results) {
 
 void fit_all(const FitFlags& flags, const std::string& command_line) {
   const identify::Settings settings = settings_of(flags);
-  const std::vector<identify::SweepRequest> requests = requests_of(flags);
+  const std::vector<identify::ParameterSweep> requests = requests_of(flags);
   const std::string results =
       flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);

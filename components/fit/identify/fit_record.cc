@@ -18,7 +18,7 @@
 #include "palpate/version.h"
 
 #include "fit/identify/fit_fields.h"
-#include "fit/identify/sweep_piece.h"
+#include "fit/identify/sweep.h"
 
 namespace palpate::identify {
 namespace {

@@ -12,7 +12,6 @@
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 
-#include "fit/identify/sweep_piece.h"
 #include "fit/identify/test/springs.h"
 
 namespace palpate::identify {
@@ -202,7 +201,7 @@ TEST(Sweep, GoesOnWhereABrokenOffRunWas) {
   const std::string file = (folder.path() / "fits.jsonl").string();
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
-  const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:5");
+  const std::vector<ParameterSweep> requests = sweep_requests("--sweep", "q=0.3:1:5");
   tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   EXPECT_EQ(whole.resumed, 0U);
@@ -242,7 +241,7 @@ TEST(Sweep, ComputesAgainWhatALineOfTheResultsFileLacks) {
   const std::string file = (folder.path() / "fits.jsonl").string();
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
-  const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:2:5");
+  const std::vector<ParameterSweep> requests = sweep_requests("--sweep", "q=0.3:2:5");
   tasks::Communicator alone;
   const Sweeps whole = sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
@@ -264,7 +263,7 @@ TEST(Sweep, RefusesLinesThatSayThemselvesThatTheyHaveNoValues) {
   const std::string file = (folder.path() / "fits.jsonl").string();
   const std::vector<Specimen> specimens = {bent(1)};
   const ManyFits fits = fits_of(specimens);
-  const std::vector<SweepRequest> requests = sweep_requests("--sweep", "q=0.3:1:3");
+  const std::vector<ParameterSweep> requests = sweep_requests("--sweep", "q=0.3:1:3");
   tasks::Communicator alone;
   (void)sweep_many(specimens, fits, requests, Settings{}, alone, file, {});
   std::string emptied;
@@ -295,7 +294,7 @@ TEST(Sweep, RefusesARangeFarBeyondWhatAFitSearches) {
 }
 
 TEST(Sweep, RequestsAreReadInTheParametersUnit) {
-  const SweepRequest request = sweep_requests("--sweep", "limit_mm=2:9:15").front();
+  const ParameterSweep request = sweep_requests("--sweep", "limit_mm=2:9:15").front();
   EXPECT_EQ(request.parameter, kLimit);
   EXPECT_NEAR(*request.low, 2e-3, 1e-15);
   EXPECT_NEAR(*request.high, 9e-3, 1e-15);
