@@ -7,9 +7,8 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include "io/scene/organ_cache.h"
-#include "io/system/cache_folder.h"
 #include "io/system/clock.h"
+#include "palpate/organ_cache.h"
 
 #include "app/messages.h"
 #include "app/output.h"
@@ -57,7 +56,7 @@ OrganPreparation::OrganPreparation(bool no_cache)
     if (monotonic_ns() >= show_from_ns_) bar_.update(share, what);
   };
   if (no_cache) return;
-  scene::use_organ_cache(how_, user_cache_folder(), report_detail, [](const std::string& why) {
+  scene::use_organ_cache(how_, scene::organ_cache_folder(), report_detail, [](const std::string& why) {
     static std::once_flag warned;  // warns once, although a process may prepare many organs
     std::call_once(warned, [&why] { report_message(why); });
   });

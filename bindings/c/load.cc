@@ -4,9 +4,8 @@
 
 #include "io/scene/device_kinds.h"
 #include "io/scene/make_world.h"
-#include "io/scene/organ_cache.h"
-#include "io/system/cache_folder.h"
 #include "io/system/path_text.h"
+#include "palpate/organ_cache.h"
 #include "palpate/scene.h"
 #include "palpate/scripted_device.h"
 #include "palpate/tool_path.h"
@@ -34,7 +33,7 @@ scene::Overrides request_of(const palpate_options& options) {
 
 contact::Preparation preparation_of(const palpate_options& options) {
   contact::Preparation how;
-  if (options.no_cache == 0) scene::use_organ_cache(how, user_cache_folder());
+  if (options.no_cache == 0) scene::use_organ_cache(how);
   if (options.progress != nullptr) {
     how.progress = [tell = options.progress, user = options.progress_user](
                        double share, const std::string& what) { tell(share, what.c_str(), user); };

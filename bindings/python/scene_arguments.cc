@@ -3,9 +3,8 @@
 #include <utility>
 
 #include "io/record/tick_columns.h"
-#include "io/scene/organ_cache.h"
-#include "io/system/cache_folder.h"
 #include "palpate/error.h"
+#include "palpate/organ_cache.h"
 
 namespace palpate::python {
 
@@ -70,7 +69,7 @@ SceneArguments parse_scene_arguments(
 
 contact::Preparation preparation_of(bool cache) {
   contact::Preparation how;
-  if (cache) scene::use_organ_cache(how, user_cache_folder());
+  if (cache) scene::use_organ_cache(how);
   return how;
 }
 

@@ -18,10 +18,6 @@
 #include "palpate/tool.h"
 #include "palpate/touch_noise.h"
 
-namespace palpate::geometry {
-class SignedDistance;
-}
-
 namespace palpate::scene {
 
 /// Faults that an emulated device can simulate.
@@ -117,7 +113,7 @@ inline constexpr std::uint32_t kLastButton = 31;  // bit of DeviceState::buttons
 /// Device of a hand. The tool's pose follows from the device's sample: the translation times workspace_scale,
 /// then the rigid transform `base`.
 struct DeviceSetup {
-  std::string kind = "scripted";  // a name from io/scene/device_kinds.h
+  std::string kind = "scripted";  // "emulated", "haply", ...: all names are in docs/devices.md
   std::string path;               // resolved file or address; empty: not given
   double workspace_scale = 1.0;   // > 0
   Pose base;
@@ -170,17 +166,14 @@ struct SourceFile {
   std::filesystem::path path;
 };
 
-/// The signed distance of a scene's organ, built at the first use. Copies share it.
+/// Where the library keeps the signed distance of a scene's organ, which it builds once. Copies share it.
 class OrganDistance final {
  public:
+  struct Built;  // opaque
   OrganDistance();
-
-  /// [setup] From any thread. Builds again when `organ` is not the mesh of the last call. @throws InputError
-  /// when the mesh is not closed.
-  [[nodiscard]] geometry::SignedDistance of(const geometry::TriangleMesh& organ) const;
+  [[nodiscard]] Built& built() const noexcept { return *built_; }
 
  private:
-  struct Built;
   std::shared_ptr<Built> built_;
 };
 
@@ -193,7 +186,7 @@ struct Scene {
   std::uint64_t seed = 1;
   std::string organ_name;        // built-in name or file, for messages
   geometry::TriangleMesh organ;  // organ frame, m
-  OrganDistance organ_distance;  // of `organ`
+  OrganDistance organ_distance;  // of `organ`, which may be replaced
   Pose organ_pose;               // at rest
   std::vector<model::OrganMotionParameters>
       organ_motion;  // their sum, about the centre of the bounding box; empty: no motion

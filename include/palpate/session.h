@@ -165,6 +165,7 @@ class Session final {
   [[nodiscard]] bool may_pause() const noexcept;
 
   [[nodiscard]] const scene::Scene& setup() const noexcept { return setup_; }
+  /// [any] The prepared world, for palpate's own windows; the public headers do not define its type.
   [[nodiscard]] const haptics::SimulationWorld& world() const noexcept { return *world_; }
   [[nodiscard]] std::size_t hands() const noexcept { return setup_.tools.size(); }
   /// [any] Number of ticks of the run; 2^64-1: it runs until it is stopped.

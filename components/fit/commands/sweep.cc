@@ -14,11 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "io/scene/organ_cache.h"
 #include "io/scene/scene_keys.h"
-#include "io/system/cache_folder.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"
+#include "palpate/organ_cache.h"
 #include "run/tasks/communicator.h"
 
 #include "app/commands.h"
@@ -182,7 +181,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
   refuse_overridden(request.axes, command);
   const fs::path folder = flags.out;
   request.record = folder / kFiles[3];
-  if (!flags.no_cache) scene::use_organ_cache(request.preparation, user_cache_folder());
+  if (!flags.no_cache) scene::use_organ_cache(request.preparation);
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   tasks::on_rank_zero(*ranks, [&flags] { check_files_and_duration(flags); });
   sweep::SweepResult result;

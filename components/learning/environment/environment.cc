@@ -9,9 +9,9 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "core/geometry/signed_distance.h"
 #include "core/haptics/prepared_update.h"
 #include "io/scene/make_world.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/search.h"
 #include "palpate/error.h"
 #include "palpate/tool_path.h"
@@ -83,7 +83,7 @@ std::vector<haptics::DeviceState> take_hands(scene::Scene& setup, Vec3& approach
 /// Centres for the lump, as deep below the upper side as the scene's. @throws InputError when the organ has
 /// no place
 std::vector<Vec3> lump_places_of(const scene::Scene& setup) {
-  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const geometry::SignedDistance surface = scene::organ_distance_of(setup);
   const scene::SearchArea area(setup.organ, surface, setup.organ_pose);
   const model::Inclusion& lump = setup.inclusions.front().inclusion;
   const double depth = -surface.nearest(lump.centre_S).distance;

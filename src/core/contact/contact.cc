@@ -226,9 +226,10 @@ void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std
 
 World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
              const model::TissueParameters& tissue, double loop_period, const Preparation& how,
-             const model::TissueVariation& variation) {
+             const model::TissueVariation& variation, const DistanceOf& distance_of) {
   model::validate(tissue);
-  auto data = std::make_unique<Data>(Data{tissue, OrganSurface(organ, tissue.contact.reference_radius, how),
+  const double reference_radius = tissue.contact.reference_radius;
+  auto data = std::make_unique<Data>(Data{tissue, OrganSurface(organ, reference_radius, how, distance_of),
                                           sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
   if (!variation.stiffness.empty()) data->map = StiffnessMap(data->surface, variation.stiffness);
   place_inclusions(variation.inclusions, *data);

@@ -27,12 +27,13 @@ class World final {
   /// resamples the tools. Uses all processors; its threads end before it returns.
   /// @param organ closed, outward-oriented, metres, organ frame S
   /// @param how cache and progress callback @param variation where the tissue is not uniform
+  /// @param distance_of signed distance of the refined organ
   /// @throws ParameterError for bad tissue values; InputError for a mesh that is not closed, or a tool
   /// without points or with more than kMaxParts parts. InputError also for an inclusion that is not inside
   /// the organ, or a point of the stiffness map that is not on its surface.
   World(const geometry::TriangleMesh& organ, const std::vector<geometry::Tool>& tools,
         const model::TissueParameters& tissue, double loop_period, const Preparation& how = {},
-        const model::TissueVariation& variation = {});
+        const model::TissueVariation& variation = {}, const DistanceOf& distance_of = build_distance);
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;

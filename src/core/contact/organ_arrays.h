@@ -43,6 +43,18 @@ struct OrganArrays {
   std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
 };
 
+/// Keeps the arrays of prepared organs.
+class OrganStore {
+ public:
+  virtual ~OrganStore() = default;
+  /// [setup] The stored arrays of this organ; empty when it was not prepared before.
+  [[nodiscard]] virtual std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
+                                                        double reference_radius) const = 0;
+  /// [setup] Stores the arrays that were computed.
+  virtual void store(const geometry::TriangleMesh& organ, double reference_radius,
+                     const OrganArrays& arrays) const = 0;
+};
+
 /// [setup] Hash of everything that the arrays depend on: the mesh's bits, the radius [m] and kArraysVersion.
 [[nodiscard]] ContentHash organ_key(const geometry::TriangleMesh& organ, double reference_radius);
 

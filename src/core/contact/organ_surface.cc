@@ -44,8 +44,8 @@ class OtherSides final {
 }  // namespace
 
 OrganSurface::OrganSurface(const geometry::TriangleMesh& organ, double reference_radius,
-                           const Preparation& how)
-    : OrganSurface(prepare(organ, reference_radius, how)) {}
+                           const Preparation& how, const DistanceOf& distance_of)
+    : OrganSurface(prepare(organ, reference_radius, how, distance_of)) {}
 
 OrganSurface::OrganSurface(Prepared&& prepared)
     : arrays_(std::move(prepared.arrays)), distance_(std::move(prepared.distance)) {}

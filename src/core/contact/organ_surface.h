@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,14 @@
 #include "palpate/preparation.h"
 
 namespace palpate::contact {
+
+/// Returns the signed distance of a refined organ.
+using DistanceOf = std::function<geometry::SignedDistance(const geometry::TriangleMesh& refined)>;
+
+/// [setup] Builds the signed distance; the default of DistanceOf.
+[[nodiscard]] inline geometry::SignedDistance build_distance(const geometry::TriangleMesh& refined) {
+  return geometry::SignedDistance(refined);
+}
 
 /// A point on the rest surface, organ frame.
 struct SurfacePoint {
@@ -25,7 +34,8 @@ class OrganSurface final {
   /// Uses all processors; its threads end before it returns. Gives the same bits on any number of processors
   /// and from the cache.
   /// @throws InputError as geometry::SignedDistance.
-  OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {});
+  OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {},
+               const DistanceOf& distance_of = build_distance);
 
   [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
   [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
@@ -69,7 +79,7 @@ class OrganSurface final {
     geometry::SignedDistance distance;
   };
   [[nodiscard]] static Prepared prepare(const geometry::TriangleMesh& organ, double reference_radius,
-                                        const Preparation& how);
+                                        const Preparation& how, const DistanceOf& distance_of);
   explicit OrganSurface(Prepared&& prepared);
 
   [[nodiscard]] Vec3 smooth_normal(std::int32_t triangle, const Vec3& point) const noexcept;

@@ -17,16 +17,13 @@ constexpr double kStoreFrom = 0.98;
 }  // namespace
 
 OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ, double reference_radius,
-                                             const Preparation& how) {
+                                             const Preparation& how, const DistanceOf& distance_of) {
   const auto report_progress = [&](double share, const std::string& what) {
     if (how.progress) how.progress(share, what);
   };
-  const auto distance_of = [&](const geometry::TriangleMesh& mesh) {
-    return how.distance ? how.distance(mesh) : geometry::SignedDistance(mesh);
-  };
   const WorkerThreads workers;
   report_progress(0.0, "cache");
-  std::optional<OrganArrays> loaded = how.load ? how.load(organ, reference_radius) : std::nullopt;
+  std::optional<OrganArrays> loaded = how.store ? how.store->load(organ, reference_radius) : std::nullopt;
   if (loaded) {
     report_progress(kDistanceFrom, "distances");
     geometry::SignedDistance distance = distance_of(loaded->mesh);
@@ -42,7 +39,7 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
         report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
       });
   report_progress(kStoreFrom, "cache");
-  if (how.store) how.store(organ, reference_radius, arrays);
+  if (how.store) how.store->store(organ, reference_radius, arrays);
   report_progress(1.0, "done");
   return {std::move(arrays), std::move(distance)};
 }

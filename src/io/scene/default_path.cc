@@ -8,10 +8,10 @@
 #include <fmt/core.h>
 
 #include "core/geometry/cell.h"
-#include "core/geometry/signed_distance.h"
 #include "io/scene/approach.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/search.h"
 #include "palpate/tool_path.h"
 #include "palpate/units.h"
@@ -129,16 +129,14 @@ struct PressPoint {
 std::string thin_warning(double thickness) {
   return fmt::format(
       "the organ is {:.2g} mm thick where the default path presses it {:.3g} mm deep, and thicker nowhere "
-      "that "
-      "the tool meets squarely",
+      "that the tool meets squarely",
       thickness / kMillimetre, kTravel / kMillimetre);
 }
 
 std::string depth_warning(double depth) {
   return fmt::format(
       "the organ is too thin or too curved for a default path {:.3g} mm deep: the tool meets it squarely "
-      "nowhere; "
-      "the path presses {:.3g} mm deep",
+      "nowhere; the path presses {:.3g} mm deep",
       kTravel / kMillimetre, depth / kMillimetre);
 }
 
@@ -146,7 +144,7 @@ std::string depth_warning(double depth) {
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
 PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip) {
   constexpr int kDepths = 12;  // trial depths, 1 mm apart
-  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const geometry::SignedDistance surface = organ_distance_of(setup);
   const geometry::Bounds box = world_bounds(setup);
   const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};

@@ -6,13 +6,13 @@
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "core/contact/tissue_laws.h"
-#include "core/geometry/signed_distance.h"
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/instrument.h"
 #include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/scene_keys.h"
@@ -214,7 +214,7 @@ void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) 
   options.unit = scene.organ_unit.value_or(LengthUnit::kMillimetre);
   try {
     StiffnessMapFile map = read_stiffness_map(scene.stiffness_map->file(), options);
-    const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+    const geometry::SignedDistance surface = organ_distance_of(setup);
     for (std::size_t i = 0; i < map.points.size(); ++i) {
       const double distance = std::abs(surface.nearest(map.points[i].point_S).distance);
       if (distance <= model::kFarthestStiffnessPoint) continue;

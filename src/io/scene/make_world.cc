@@ -11,6 +11,7 @@
 #include "core/geometry/signed_distance.h"
 #include "core/haptics/stability.h"
 #include "io/scene/device_kinds.h"
+#include "io/scene/organ_distance.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -117,14 +118,14 @@ haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparati
   noise.seed = setup.seed;
   const haptics::GateLimits limits = gate_limits(setup);
   noise::validate(noise, setup.rate_Hz, limits.max_sigma());
-  contact::Preparation sharing = how;
-  sharing.distance = [&setup](const geometry::TriangleMesh& refined) {
+  const auto distance_of = [&setup](const geometry::TriangleMesh& refined) {
     const geometry::TriangleMesh& organ = setup.organ;  // a fine organ is its own refinement
     const bool is_organ = refined.triangles == organ.triangles && refined.vertices == organ.vertices;
-    return is_organ ? setup.organ_distance.of(organ) : geometry::SignedDistance(refined);
+    return is_organ ? organ_distance_of(setup) : geometry::SignedDistance(refined);
   };
   haptics::SimulationWorld world{
-      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, sharing, variation_of(setup)),
+      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how, variation_of(setup),
+                                distance_of),
       .noise = noise::TouchNoise(noise, setup.rate_Hz),
       .limits = limits,
       .mappings = mappings_of(setup),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "core/base/index.h"
 #include "io/system/cache_folder.h"
 #include "io/system/path_text.h"
+#include "palpate/organ_cache.h"
 
 namespace palpate::scene {
 namespace {
@@ -19,8 +21,7 @@ namespace fs = std::filesystem;
 using contact::OrganArrays;
 
 constexpr const char* kEnding = ".organ";
-constexpr std::uint64_t kMostCached = std::uint64_t{1}
-                                      << 30;  // bytes: about ten organs of a million triangles
+constexpr std::uint64_t kMostCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
 
 /// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
 bool lies_within(const geometry::TriangleMesh& refined, const geometry::TriangleMesh& organ) {
@@ -32,13 +33,13 @@ bool lies_within(const geometry::TriangleMesh& refined, const geometry::Triangle
 }
 
 /// The folder of prepared organs.
-class OrganCache final {
+class OrganCache final : public contact::OrganStore {
  public:
   OrganCache(fs::path folder, std::function<void(const std::string&)> remark)
       : folder_(std::move(folder)), remark_(std::move(remark)) {}
 
   [[nodiscard]] std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
-                                                double reference_radius) const {
+                                                double reference_radius) const override {
     const ContentHash key = contact::organ_key(organ, reference_radius);
     const fs::path file = file_of(key);
     std::error_code error;  // an error counts as absent: the organ is prepared again
@@ -61,7 +62,8 @@ class OrganCache final {
     return arrays;
   }
 
-  void store(const geometry::TriangleMesh& organ, double reference_radius, const OrganArrays& arrays) const {
+  void store(const geometry::TriangleMesh& organ, double reference_radius,
+             const OrganArrays& arrays) const override {
     const ContentHash key = contact::organ_key(organ, reference_radius);
     if (!make_private_folder(folder_)) {
       report("the prepared organ could not be kept in " + to_text(folder_));
@@ -130,6 +132,8 @@ bool hangs_together(const OrganArrays& arrays) {
 
 }  // namespace
 
+fs::path organ_cache_folder() { return user_cache_folder(); }
+
 void use_organ_cache(contact::Preparation& how, fs::path folder,
                      std::function<void(const std::string&)> remark,
                      const std::function<void(const std::string&)>& distrusted) {
@@ -138,12 +142,7 @@ void use_organ_cache(contact::Preparation& how, fs::path folder,
     if (distrusted) distrusted("the cache of prepared organs is not used: " + why);
     return;
   }
-  const OrganCache cache(std::move(folder), std::move(remark));
-  how.load = [cache](const geometry::TriangleMesh& organ, double reference_radius) {
-    return cache.load(organ, reference_radius);
-  };
-  how.store = [cache](const geometry::TriangleMesh& organ, double reference_radius,
-                      const OrganArrays& arrays) { cache.store(organ, reference_radius, arrays); };
+  how.store = std::make_shared<const OrganCache>(std::move(folder), std::move(remark));
 }
 
 void put(const OrganArrays& arrays, ArrayFileWriter& file) {

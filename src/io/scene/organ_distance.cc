@@ -1,9 +1,7 @@
-// The signed distance of a scene's organ, shared by everything that a session prepares.
+#include "io/scene/organ_distance.h"
+
 #include <mutex>
 #include <optional>
-
-#include "core/geometry/signed_distance.h"
-#include "palpate/scene.h"
 
 namespace palpate::scene {
 
@@ -14,10 +12,11 @@ struct OrganDistance::Built {
 
 OrganDistance::OrganDistance() : built_(std::make_shared<Built>()) {}
 
-geometry::SignedDistance OrganDistance::of(const geometry::TriangleMesh& organ) const {
-  const std::lock_guard lock(built_->mutex);
-  if (!built_->distance || !built_->distance->is_of(organ)) built_->distance.emplace(organ);
-  return *built_->distance;
+geometry::SignedDistance organ_distance_of(const Scene& setup) {
+  OrganDistance::Built& built = setup.organ_distance.built();
+  const std::lock_guard lock(built.mutex);
+  if (!built.distance || !built.distance->is_of(setup.organ)) built.distance.emplace(setup.organ);
+  return *built.distance;
 }
 
 }  // namespace palpate::scene

@@ -11,8 +11,8 @@
 #include "core/base/philox.h"
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
-#include "core/geometry/signed_distance.h"
 #include "io/scene/minimum_jerk.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/scene_keys.h"
 #include "io/scene/variation_reader.h"
 #include "palpate/error.h"
@@ -164,7 +164,7 @@ std::vector<SearchPress> presses_of(const VerticalLines& lines, const Scene& set
   constexpr std::size_t kMost = 60;
   constexpr double kMostColumns = 4000.0;
   constexpr double kClosest = 8e-3;  // m, between two presses
-  const SearchArea area(setup.organ, setup.organ_distance.of(setup.organ), setup.organ_pose);
+  const SearchArea area(setup.organ, organ_distance_of(setup), setup.organ_pose);
   const Vec3 size = lines.box().size();
   const double coarse = std::sqrt(size.x() * size.y() / kMostColumns);  // of a very large organ
   for (double spacing = std::max(kClosest, coarse);; spacing *= 1.1) {
@@ -239,7 +239,7 @@ void hide_inclusions(const SearchTable& table, Scene& setup) {
                                  table.where, wanted, setup.inclusions.size(), model::kMaxInclusions));
   }
   if (wanted == 0) return;
-  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const geometry::SignedDistance surface = organ_distance_of(setup);
   const SearchArea area(setup.organ, surface, setup.organ_pose);
   const RandomPlaces places(setup.organ, area, setup.seed);
   std::size_t hidden = 0;
@@ -290,7 +290,7 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
           {from.time + u * duration, from.position + minimum_jerk(u) * (to - from.position), down});
     }
   };
-  const VerticalLines lines(setup.organ, setup.organ_distance.of(setup.organ), setup.organ_pose);
+  const VerticalLines lines(setup.organ, organ_distance_of(setup), setup.organ_pose);
   const std::vector<SearchPress> presses = presses_of(lines, setup);
   const std::size_t first = std::min(presses.size() - 1, presses.size() * hand / setup.tools.size());
   const std::size_t last = std::max(first + 1, presses.size() * (hand + 1) / setup.tools.size());

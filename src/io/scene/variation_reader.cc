@@ -8,6 +8,7 @@
 #include "core/base/text.h"
 #include "io/scene/default_path.h"
 #include "io/scene/names.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/scene_keys.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -128,7 +129,7 @@ std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& 
 
 void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup) {
   if (tables.empty()) return;
-  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const geometry::SignedDistance surface = organ_distance_of(setup);
   for (const InclusionTable& table : tables) {
     InclusionSetup made = table.setup;
     model::Inclusion& inclusion = made.inclusion;

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "core/geometry/signed_distance.h"
 #include "io/scene/make_world.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/search.h"
 #include "io/system/output_file.h"
 #include "palpate/tool_contact.h"
@@ -46,7 +46,7 @@ std::vector<Lump> lumps_of(const scene::Scene& setup) {
                                  [](const scene::InclusionSetup& one) { return !one.visible; });
   std::vector<Lump> lumps;
   if (setup.inclusions.empty()) return lumps;
-  const geometry::SignedDistance surface = setup.organ_distance.of(setup.organ);
+  const geometry::SignedDistance surface = scene::organ_distance_of(setup);
   for (const scene::InclusionSetup& one : setup.inclusions) {
     if (hides && one.visible) continue;
     lumps.push_back({one.name, surface.nearest(one.inclusion.centre_S).point});

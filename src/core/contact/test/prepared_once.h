@@ -1,6 +1,7 @@
 #pragma once
 // Prepared organs that the tests of a program share.
 #include <deque>
+#include <memory>
 #include <optional>
 
 #include "core/contact/organ_arrays.h"
@@ -16,20 +17,28 @@ inline Preparation prepared_once() {
     double reference_radius;
     OrganArrays arrays;
   };
-  static std::deque<Prepared> all;
-  Preparation how;
-  how.load = [](const geometry::TriangleMesh& organ, double radius) -> std::optional<OrganArrays> {
-    for (const Prepared& one : all) {
-      if (one.reference_radius == radius && one.organ.triangles == organ.triangles &&
-          one.organ.vertices == organ.vertices)
-        return one.arrays;
+  class Store final : public OrganStore {
+   public:
+    [[nodiscard]] std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
+                                                  double radius) const override {
+      for (const Prepared& one : all()) {
+        if (one.reference_radius == radius && one.organ.triangles == organ.triangles &&
+            one.organ.vertices == organ.vertices)
+          return one.arrays;
+      }
+      return std::nullopt;
     }
-    return std::nullopt;
+    void store(const geometry::TriangleMesh& organ, double radius, const OrganArrays& arrays) const override {
+      all().push_back({organ, radius, arrays});
+    }
+
+   private:
+    static std::deque<Prepared>& all() {
+      static std::deque<Prepared> organs;
+      return organs;
+    }
   };
-  how.store = [](const geometry::TriangleMesh& organ, double radius, const OrganArrays& arrays) {
-    all.push_back({organ, radius, arrays});
-  };
-  return how;
+  return {.store = std::make_shared<const Store>()};
 }
 
 }  // namespace palpate::contact::test

@@ -1,10 +1,11 @@
 // How often the bounding-volume hierarchy of an organ is built.
+#include "io/scene/organ_distance.h"
+
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/signed_distance.h"
 #include "io/scene/default_path.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
@@ -80,7 +81,7 @@ TEST(OrganDistance, CopiesOfASceneAndThreadsShareIt) {
   const std::uint64_t builds = builds_in([&] {
     std::vector<std::thread> threads;
     for (int i = 0; i < 4; ++i) {
-      threads.emplace_back([copy = setup] { (void)copy.organ_distance.of(copy.organ); });
+      threads.emplace_back([copy = setup] { (void)organ_distance_of(copy); });
     }
     for (std::thread& thread : threads) thread.join();
   });
@@ -90,13 +91,13 @@ TEST(OrganDistance, CopiesOfASceneAndThreadsShareIt) {
 TEST(OrganDistance, IsThatOfAnotherMeshOnceTheOrganIsAnother) {
   Scene setup = load(with_nodules("ball", "press"));
   const Vec3 outside(1.0, 0.0, 0.0);
-  const double before = setup.organ_distance.of(setup.organ).nearest(outside).distance;
+  const double before = organ_distance_of(setup).nearest(outside).distance;
   for (Vec3& vertex : setup.organ.vertices) vertex *= 0.5;
-  const SignedDistance smaller = setup.organ_distance.of(setup.organ);
+  const SignedDistance smaller = organ_distance_of(setup);
   EXPECT_GT(smaller.nearest(outside).distance, before);
   EXPECT_EQ(smaller.nearest(outside).distance, SignedDistance(setup.organ).nearest(outside).distance);
   setup.organ.triangles.pop_back();
-  EXPECT_THROW((void)setup.organ_distance.of(setup.organ), InputError);
+  EXPECT_THROW((void)organ_distance_of(setup), InputError);
 }
 
 }  // namespace

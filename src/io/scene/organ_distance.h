@@ -1,0 +1,11 @@
+#pragma once
+#include "core/geometry/signed_distance.h"
+#include "palpate/scene.h"
+
+namespace palpate::scene {
+
+/// [setup] From any thread. The signed distance of the scene's organ, built at the first call and again when
+/// the organ is another mesh than at the last call. @throws InputError when the mesh is not closed.
+[[nodiscard]] geometry::SignedDistance organ_distance_of(const Scene& setup);
+
+}  // namespace palpate::scene
