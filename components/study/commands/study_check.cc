@@ -26,10 +26,10 @@ namespace palpate::app {
 namespace {
 
 using study::ForceBound;
+using study::HandAction;
 using study::PlannedSession;
 using study::Study;
 using study::StudyTask;
-using study::TaskKind;
 
 constexpr double kSecondsPerMinute = 60.0;
 constexpr double kRounding = 1e-9;  // N
@@ -63,7 +63,7 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
   checked.trials = task.practice + task.trials * static_cast<int>(task.arms.size());
   checked.minutes = checked.trials * study::trial_seconds(made.study, task) / kSecondsPerMinute;
   checked.force = study::force_bound(made.study, task);
-  const bool pressed = task.kind == TaskKind::kStiffness && task.depth > 0.0;
+  const bool pressed = task.hand() == HandAction::kPress && task.depth > 0.0;
   if (pressed) checked.force.tissue = press_force(task, made.scene);
   if (checked.force.sum() > made.scene.safety.max_force + kRounding) {
     made.missing.push_back(fmt::format(
@@ -71,9 +71,9 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
         task.name, brief(checked.force.sum()), shortest(made.scene.safety.max_force),
         pressed ? ": lower depth_mm, ratio or standard_k1_N_per_m" : ""));
   }
-  const double longest = task.kind == TaskKind::kInclusion ? task.search_time : 8.0;  // s, with reaching
-  if (task.has_noise() && (task.kind == TaskKind::kInclusion || task.kind == TaskKind::kForceControl) &&
-      longest > made.study.max_continuous_noise) {
+  const double hold = task.two_intervals() ? 0.0 : 8.0;  // s, with reaching
+  const double longest = task.hand() == HandAction::kSearch ? task.search_time : hold;
+  if (task.has_noise() && longest > made.study.max_continuous_noise) {
     made.hints.push_back(fmt::format("task {}: the noise is faded out for {} s after every {} s", task.name,
                                      shortest(study::kNoisePause),
                                      shortest(made.study.max_continuous_noise)));
@@ -146,7 +146,7 @@ void print_text(const CheckedStudy& made) {
   for (const CheckedTask& checked : made.tasks) {
     const StudyTask& task = *checked.task;
     std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8.1f}  {} + {} + {}\n", task.name,
-                             to_string(task.kind), task.arms.size(), checked.trials - task.practice,
+                             describe(task.kind).name, task.arms.size(), checked.trials - task.practice,
                              task.practice, checked.minutes, brief(checked.force.tissue, 3),
                              brief(checked.force.commanded, 3), brief(checked.force.noise, 3));
   }
@@ -168,7 +168,7 @@ void print_text(const CheckedStudy& made) {
 nlohmann::ordered_json json_of(const CheckedTask& checked) {
   nlohmann::ordered_json json;
   json["name"] = checked.task->name;
-  json["kind"] = to_string(checked.task->kind);
+  json["kind"] = describe(checked.task->kind).name;
   json["arms"] = checked.task->arms.size();
   json["trials"] = checked.trials - checked.task->practice;
   json["practice"] = checked.task->practice;

@@ -45,8 +45,8 @@ std::string axes_of(const StudyTask& task) {
   const psychophysics::QuestPlusGrid grid = grid_of(task);
   std::string text = fmt::format("set logscale x\nset xrange [{}:{}]\n",
                                  0.9 * x_of(task, grid.levels.front()), 1.1 * x_of(task, grid.levels.back()));
-  if (task.kind == study::TaskKind::kStiffness) text += "set xtics (0.5, 1, 2)\n";
-  if (task.kind == study::TaskKind::kInclusion) text += "set xtics (1.2, 2, 4, 8)\n";
+  const std::string marks = describe(task.kind).marks;
+  if (!marks.empty()) text += "set xtics (" + marks + ")\n";
   text += task.comparison() ? "set yrange [-0.05:1.05]\nset ytics (0, 0.5, 1)\n"
                             : "set yrange [-0.05:1.05]\nset ytics (0, 0.5, 0.75, 1)\n";
   return text;
@@ -89,22 +89,6 @@ std::string legend_of(const StudyAnalysis& analysis, std::size_t task, int heigh
 
 std::string y_label(const StudyTask& task) {
   return task.comparison() ? "share of answers \"comparison is stiffer\"" : "share of correct answers";
-}
-
-std::string x_label(const StudyTask& task) {
-  switch (task.kind) {
-    case study::TaskKind::kNoiseThreshold:
-      return "standard deviation of the noise [mN]";
-    case study::TaskKind::kForceDetection:
-      return "force [mN]";
-    case study::TaskKind::kStiffness:
-      return "stiffness of the comparison divided by that of the standard";
-    case study::TaskKind::kInclusion:
-      return "stiffness of the inclusion divided by that of the tissue around it";
-    case study::TaskKind::kForceControl:
-      break;
-  }
-  return "target [N]";
 }
 
 // Effects that a figure shows.
@@ -232,7 +216,7 @@ Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_
   figure.caption = fmt::format(
       "x: {}; y: {}. Points: answers at a level, larger with more trials. Lines: the posterior mean of the "
       "function; none where the range of stimuli was too small.",
-      x_label(of), y_label(of));
+      describe(of.kind).axis, y_label(of));
   std::string script = preamble(kWidth, panels.height(), "off") + axes_of(of) +
                        "set tics font ',11'\nset xtics offset 0,0.5\nset ytics offset 0.5,0\nset title font "
                        "',13' offset 0,-0.6\nset multiplot\n" +

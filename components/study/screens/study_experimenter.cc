@@ -215,7 +215,7 @@ void draw_buttons(const ScreenContent& content, const ExperimenterView& view,
 
 std::vector<double> ladder_of(const ScreenContent& content, const study::Study& study) {
   const std::optional<std::size_t> task = study.find_task(content.task);
-  if (!task || study.tasks[*task].kind != study::TaskKind::kNoiseThreshold) return {};
+  if (!task || study.tasks[*task].stimulus() != study::Stimulus::kNoise) return {};
   return content.ladder;
 }
 

@@ -12,7 +12,6 @@ namespace {
 
 using study::ScreenContent;
 using study::Study;
-using study::TaskKind;
 using study::TrialState;
 
 constexpr float kTextHeight = 44.0F;  // px at 1080 lines
@@ -32,23 +31,12 @@ struct Page {
 std::string interval_action(const study::TrialView& trial, const study::StudyTask* task) {
   const std::string number = fmt::format("Interval {}", trial.interval);
   if (task == nullptr) return number;
-  switch (task->kind) {
-    case TaskKind::kStiffness:
-      return trial.deep_enough ? "Come up" : "Press";
-    case TaskKind::kInclusion:
-      return "Search. Space: done";
-    case TaskKind::kForceControl:
-      return "Hold this force";
-    case TaskKind::kNoiseThreshold:
-    case TaskKind::kForceDetection:
-      return task->free ? number : "Keep this force";
-  }
-  return number;
+  if (task->free) return number;
+  return trial.deep_enough ? "Come up" : describe(task->kind).action;
 }
 
 std::string action_of(const ScreenContent& content, const study::StudyTask* task) {
-  const bool lifts =
-      task != nullptr && (task->kind == TaskKind::kStiffness || task->kind == TaskKind::kInclusion);
+  const bool lifts = task != nullptr && task->leaves_tissue();
   switch (content.trial.state) {
     case TrialState::kIdle:
     case TrialState::kFinished:

@@ -13,8 +13,6 @@ namespace {
 // The labels of blind analysis: A, B, C.
 std::string label_of(std::size_t index) { return std::string(1, static_cast<char>('A' + index)); }
 
-double milli(double newtons) { return 1e3 * newtons; }
-
 /// Counts a person once: as consented after any "yes", as refused if there is only "no".
 void count_consent(const Participant& person, StudyAnalysis& analysis) {
   bool asked = false;
@@ -30,18 +28,8 @@ void count_consent(const Participant& person, StudyAnalysis& analysis) {
 }  // namespace
 
 Readable readable_level(const StudyTask& task, double level) noexcept {
-  switch (task.kind) {
-    case TaskKind::kNoiseThreshold:
-    case TaskKind::kForceDetection:
-      return {milli(std::pow(10.0, level)), "mN"};
-    case TaskKind::kStiffness:
-      return {std::exp(level), "ratio"};
-    case TaskKind::kInclusion:
-      return {std::exp(std::pow(10.0, level)), "ratio"};
-    case TaskKind::kForceControl:
-      break;
-  }
-  return {level, "N"};
+  const TaskDescription& kind = describe(task.kind);
+  return {kind.factor * kind.value(level), kind.unit};
 }
 
 Readable readable_estimate(const StudyTask& task, double log10_estimate) noexcept {

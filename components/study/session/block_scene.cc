@@ -48,8 +48,9 @@ scene::Scene block_scene(const Study& study, const StudyTask& task, const BlockN
       static_cast<std::uint32_t>(block.session) << 12U | static_cast<std::uint32_t>(block.block);
   setup.seed = Random(study.seed, block.participant, kNoisePart + part).below(std::size_t{1} << 52U);
   setup.noise.seed = setup.seed;
-  if (task.kind == TaskKind::kStiffness) setup.tissue.k1 = task.standard_k1;
-  if (task.kind == TaskKind::kInclusion) {
+  const TissueChange tissue = stimulus_of(task, 0.0, false).tissue;
+  if (tissue.k1) setup.tissue.k1 = *tissue.k1;
+  if (tissue.inclusion) {
     scene::Scene places = setup;
     places.seed = study.seed;  // all participants have the same places
     lumps = lump_places(places, task);

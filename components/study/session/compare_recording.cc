@@ -62,7 +62,7 @@ class BlockComparison final {
       if (!defect.empty()) return fmt::format("interval {}: {}", i + 1, defect);
     }
     if (!trial_->logged.spoiled.empty()) return "";
-    const std::size_t last = task().kind == TaskKind::kForceControl ? 0 : 1;
+    const std::size_t last = task().two_intervals() ? 1 : 0;
     if (trial_->logged.intervals[last].to_tick == 0) return "has no ticks";
     if (!trial_->logged.observer.empty()) return "";  // its response time is drawn
     const double answered = trial_->logged.response_time * recording_.setup.rate_Hz;
@@ -99,7 +99,7 @@ class BlockComparison final {
   [[nodiscard]] std::string compare_commanded(std::size_t interval, std::uint64_t tick,
                                               const ParameterUpdate& stimulus) const {
     const Trial& planned = trial_->planned;
-    const bool signal = signal_in(interval);
+    const IntervalStimulus must = stimulus_of(task(), planned.level, signal_in(interval));
     haptics::LiveNoise noise;
     noise.enabled = recording_.setup.noise.enabled;
     double k1 = recording_.setup.tissue.k1;
@@ -110,26 +110,19 @@ class BlockComparison final {
       k1 = change.tissue.k1;
       if ((change.what & haptics::kInclusionChanged) != 0) ratio = change.inclusion.ratio;
     }
-    const bool noisy = planned.noise > 0.0 && (task().kind != TaskKind::kNoiseThreshold || signal);
+    const bool noisy = planned.noise > 0.0 && must.noise;
     if (noise.enabled != noisy) return noisy ? "has no noise" : "has noise, must have none";
     if (noisy && noise.gain != planned.noise * noise.threshold) return "has another noise than planned";
-    const bool pushed = task().kind == TaskKind::kForceDetection && signal;
-    if (stimulus.stimulus.force != (pushed ? std::pow(10.0, planned.level) : 0.0)) {
-      return "has another commanded force than planned";
-    }
-    if (task().kind == TaskKind::kStiffness &&
-        k1 != task().standard_k1 * (signal ? std::exp(planned.level) : 1.0)) {
-      return "has another stiffness than planned";
-    }
-    if (task().kind == TaskKind::kInclusion &&
-        ratio != (signal ? std::exp(std::pow(10.0, planned.level)) : 1.0)) {
+    if (stimulus.stimulus.force != must.force) return "has another commanded force than planned";
+    if (k1 != must.tissue.k1.value_or(k1)) return "has another stiffness than planned";
+    if (ratio != must.tissue.inclusion.value_or(ratio)) {
       return "has an inclusion of another stiffness than planned";
     }
     return "";
   }
 
   [[nodiscard]] std::string compare_cues(const IntervalCues& logged) const {
-    const bool hold = task().kind == TaskKind::kForceControl;
+    const bool hold = !task().two_intervals();
     IntervalMeter meter;
     for (std::uint64_t tick = logged.from_tick; tick < logged.to_tick; ++tick) {
       const haptics::TickRow& row = recording_.rows[tick];

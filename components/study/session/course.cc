@@ -202,7 +202,7 @@ void Course::resume() {
 std::size_t Course::arm_of(const PlannedPart& part, int number) const {
   const StudyTask& task = task_of(part);
   const std::size_t arms = task.arms.size();
-  if (task.kind == TaskKind::kForceControl) {
+  if (!task.two_intervals()) {
     const auto rows = psychophysics::williams_square(static_cast<int>(arms));
     // The key deals the rows to each group of people, and names the arm behind each number of the square.
     const auto people = static_cast<std::uint32_t>(rows.size());
@@ -241,7 +241,7 @@ void Course::fill_in(Trial& trial) const {
   trial.draw = static_cast<std::uint32_t>(trial.task * 2 + (trial.repeat ? 1 : 0)) << 20U |
                (trial.practice ? 4U + resumed_ % 4U : static_cast<std::uint32_t>(trial.attempt)) << 16U |
                (static_cast<std::uint32_t>(trial.number) & 0xffffU);
-  if (task.kind == TaskKind::kNoiseThreshold) {
+  if (task.stimulus() == Stimulus::kNoise) {
     trial.noise = std::min(std::pow(10.0, trial.level), study_.max_noise);
     return;
   }
@@ -263,7 +263,7 @@ Trial Course::practice_trial() const {
   trial.number = practice_done_;
   trial.arm = random.below(task.arms.size());
   trial.second = random.uniform() < 0.5;
-  if (task.kind == TaskKind::kForceControl) {
+  if (!task.two_intervals()) {
     trial.level = task.targets[random.below(task.targets.size())];
   } else if (task.signal) {
     trial.level = signal_level(task) + log10_of(3.0);
@@ -289,7 +289,7 @@ Trial Course::trial_of(const Slot& slot) const {
   trial.second =
       Random(study_.seed, participant_, part_of(kIntervalPart, part.task, part.repeat, number)).uniform() <
       0.5;
-  if (task.kind == TaskKind::kForceControl) {
+  if (!task.two_intervals()) {
     const std::size_t targets = task.targets.size();
     const auto round = number / static_cast<std::uint32_t>(targets);
     const auto order =
@@ -321,7 +321,7 @@ std::optional<Trial> Course::next() const {
 
 void Course::count(const TrialRecord& trial, const Trial& expected) {
   const StudyTask& task = study_.tasks[expected.task];
-  if (task.kind == TaskKind::kForceControl) return;
+  if (!task.two_intervals()) return;
   const bool correct = is_correct(task, trial);
   if (!task.signal) {
     levels_of(expected.task, expected.repeat, expected.arm)

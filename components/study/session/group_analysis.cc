@@ -23,12 +23,6 @@ constexpr int kLeastOfArm = 10;           // of a person in each of two arms tha
 constexpr std::size_t kLeastOfCurve = 3;  // arms
 constexpr double kLn10 = 2.30258509299404568402;
 
-std::vector<std::string> measures_of(const StudyTask& task) {
-  if (task.comparison()) return {"ln_jnd"};
-  if (task.kind == TaskKind::kForceControl) return {"ln_rms", "ln_variation"};
-  return {task.signal ? "d_prime" : "ln_threshold"};
-}
-
 // One person's measure in an arm; empty: it cannot be stated.
 std::optional<double> value_of(const ArmResult& arm, const std::string& measure) {
   if (measure == "ln_rms") return arm.ln_rms;

@@ -40,7 +40,7 @@ std::vector<Guesses> count_guesses(const Study& study, std::span<const Participa
     for (const EventRecord& event : person.log.events) {
       if (event.event != "blinding") continue;
       const std::optional<std::size_t> task = study.find_task(event.value("task"));
-      if (!task || study.tasks[*task].kind == TaskKind::kNoiseThreshold) continue;  // always noise
+      if (!task || study.tasks[*task].stimulus() == Stimulus::kNoise) continue;  // always noise
       const bool noise = names.unblinded() && names.has_noise(person.number, *task, event.value("code"));
       Sums& of = sums[{event.value("who"), noise}];
       const std::string answer = event.value("answer");

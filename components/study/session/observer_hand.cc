@@ -95,7 +95,6 @@ void ObserverAgent::follow_force(double wanted, double force) noexcept {
 void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, const Study& study) {
   const TrialView& view = loop.view();
   const StudyTask& task = study.tasks[loop.trial().task];
-  const bool twice = task.kind == TaskKind::kStiffness || task.kind == TaskKind::kInclusion;
   if (view.state == TrialState::kInterval && last_state_ != TrialState::kInterval) {
     interval_began_ = row.tick;
     pressed_ = false;
@@ -107,12 +106,12 @@ void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, cons
       follow_force(0.5 * (view.low + view.high), row.tissue_force);
       break;
     case TrialState::kInterval:
-      if (twice) {
-        const double depth = task.kind == TaskKind::kStiffness && task.depth > 0.0 ? task.depth : 8e-3;
+      if (task.leaves_tissue()) {
+        const double depth = task.hand() == HandAction::kPress && task.depth > 0.0 ? task.depth : 8e-3;
         pressed_ = pressed_ || row.depth >= 1.02 * depth;
         const double speed = (pressed_ ? -0.04 : 0.02) / rate_Hz_ / hand_.length();
         place_ = std::clamp(place_ + speed, 0.0, 2.0);
-        searched_ = task.kind == TaskKind::kInclusion && pressed_ && row.depth <= 0.0;
+        searched_ = task.hand() == HandAction::kSearch && pressed_ && row.depth <= 0.0;
       } else if (task.free) {
         place_ = 0.0;
       } else {
@@ -120,7 +119,7 @@ void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, cons
       }
       break;
     case TrialState::kGap:
-      if (twice) place_ = 0.0;
+      if (task.leaves_tissue()) place_ = 0.0;
       break;
     case TrialState::kIdle:
     case TrialState::kHome:
@@ -146,12 +145,12 @@ void answer_by_force(const Study& study, SimulatedPerson& person, const Trial& t
                      const std::array<std::vector<double>, 2>& samples, double progress, bool last_second,
                      std::uint32_t participant, TrialRecord& record) {
   const StudyTask& task = study.tasks[trial.task];
-  const bool detects = task.kind == TaskKind::kForceDetection || task.kind == TaskKind::kNoiseThreshold;
+  const bool detects = task.stimulus() == Stimulus::kForce || task.stimulus() == Stimulus::kNoise;
   const std::array<IntervalCues, 2> measured = record.intervals;
   const double rms_error = record.rms_error;
   const double variation = record.variation;
   Trial seen = trial;
-  if (task.kind == TaskKind::kStiffness) {
+  if (task.comparison()) {
     const std::size_t comparison = trial.second ? 1 : 0;
     const auto stiffness = [&](std::size_t i) {
       return measured[i].peak_force / std::max(measured[i].depth, 1e-6);

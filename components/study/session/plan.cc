@@ -56,7 +56,7 @@ class SessionClock final {
 int trials_of(const StudyTask& task) { return task.trials * static_cast<int>(task.arms.size()); }
 
 int round_of(const StudyTask& task) {
-  return static_cast<int>(task.kind == TaskKind::kForceControl ? task.targets.size() : task.arms.size());
+  return static_cast<int>(task.two_intervals() ? task.arms.size() : task.targets.size());
 }
 
 /// Fills one session after the other.
@@ -160,18 +160,10 @@ double trial_seconds(const Study& study, const StudyTask& task) noexcept {
   constexpr double kHold = 6.0;         // s
   const double homing = study.homing_still + kToStart;
   const double choice = homing + task.gap + kFades + kAnswer + kNext;
-  switch (task.kind) {
-    case TaskKind::kStiffness:
-      return choice + 2.0 * (kPress + kReturn);
-    case TaskKind::kInclusion:
-      return choice + 2.0 * (kSearchShare * task.search_time + kReturn);
-    case TaskKind::kForceControl:
-      return homing + kReach + kHold + kReturn + kNext;
-    case TaskKind::kNoiseThreshold:
-    case TaskKind::kForceDetection:
-      break;
-  }
-  return choice + 2.0 * task.interval;
+  if (!task.two_intervals()) return homing + kReach + kHold + kReturn + kNext;
+  if (!task.leaves_tissue()) return choice + 2.0 * task.interval;
+  const bool search = task.hand() == HandAction::kSearch;
+  return choice + 2.0 * ((search ? kSearchShare * task.search_time : kPress) + kReturn);
 }
 
 std::vector<PlannedSession> plan_sessions(const Study& study) {

@@ -195,7 +195,7 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
   course_.add(record);
   ++outcome_.trials;
   outcome_.spoiled += record.spoiled.empty() ? 0 : 1;
-  if (task.kind == TaskKind::kNoiseThreshold && !record.practice && record.spoiled.empty())
+  if (task.stimulus() == Stimulus::kNoise && !record.practice && record.spoiled.empty())
     ladder_.push_back(loop.trial().noise);
   message_.clear();
   const bool tells =
@@ -217,7 +217,7 @@ void RunningSession::show(const TrialView& trial, const std::string& message, do
   content.trial = trial;
   content.message = message;
   if (const auto next = course_.next()) {
-    content.sentence = sentence_of(study_.study.tasks[next->task]);
+    content.sentence = describe(study_.study.tasks[next->task].kind).sentence;
     content.task = study_.study.tasks[next->task].name;
   }
   content.session = outcome_.session;

@@ -134,28 +134,21 @@ void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial&
   const StudyTask& task = study.tasks[trial.task];
   Random random(seed ^ kAnswerSeed, participant, trial.draw);
   record.observer = person.kind;
-  if (task.kind == TaskKind::kForceControl) {
+  if (!task.two_intervals()) {
     hold(trial, random, record);
     return;
   }
   double counted = 0.5;
-  switch (task.kind) {
-    case TaskKind::kNoiseThreshold:
-      counted = detects_noise(person, trial, progress);
-      break;
-    case TaskKind::kForceDetection:
-      counted = detects_force(person, trial, progress);
-      break;
-    case TaskKind::kStiffness:
-      counted = called_stiffer(person, task, trial, progress, random, record);
-      break;
-    case TaskKind::kInclusion:
-      counted =
-          detected(trial.level, person.inclusion_threshold + std::log10(spread_factor(person, trial.noise)),
-                   person.observer.drift * progress, person.lapse);
-      break;
-    case TaskKind::kForceControl:
-      break;
+  if (task.stimulus() == Stimulus::kNoise) {
+    counted = detects_noise(person, trial, progress);
+  } else if (task.stimulus() == Stimulus::kForce) {
+    counted = detects_force(person, trial, progress);
+  } else if (task.comparison()) {
+    counted = called_stiffer(person, task, trial, progress, random, record);
+  } else {
+    counted =
+        detected(trial.level, person.inclusion_threshold + std::log10(spread_factor(person, trial.noise)),
+                 person.observer.drift * progress, person.lapse);
   }
   double second = trial.second ? counted : 1.0 - counted;
   if (answers_without_sensing(person.observer)) {

@@ -10,19 +10,9 @@
 #include "palpate/scene.h"
 
 #include "study/psychophysics/psychophysics.h"
+#include "study/session/task_kind.h"
 
 namespace palpate::study {
-
-enum class TaskKind {
-  kNoiseThreshold,  // which interval had the noise?
-  kForceDetection,  // which interval had the extra force?
-  kStiffness,       // which interval was stiffer?
-  kInclusion,       // which interval had the inclusion?
-  kForceControl     // hold a force
-};
-
-/// [any] The name of a kind, as in a study file.
-[[nodiscard]] const char* to_string(TaskKind kind) noexcept;
 
 enum class Method { kQuestPlus, kStaircase, kConstant };
 
@@ -79,11 +69,31 @@ struct StudyTask {
 
   /// [any] Some arm has noise.
   [[nodiscard]] bool has_noise() const noexcept;
-  /// [any] Answers are two-interval choices.
-  [[nodiscard]] bool two_intervals() const noexcept { return kind != TaskKind::kForceControl; }
-  /// [any] Levels are signed logarithms of ratios; else log10 of amplitudes [N], or indices of targets.
-  [[nodiscard]] bool comparison() const noexcept { return kind == TaskKind::kStiffness; }
+  /// [any]
+  [[nodiscard]] Stimulus stimulus() const noexcept { return describe(kind).stimulus; }
+  [[nodiscard]] HandAction hand() const noexcept { return describe(kind).hand; }
+  /// [any] Answers are two-interval choices; else a target is held.
+  [[nodiscard]] bool two_intervals() const noexcept { return stimulus() != Stimulus::kTarget; }
+  /// [any] The tool leaves the tissue between the intervals.
+  [[nodiscard]] bool leaves_tissue() const noexcept { return hand() != HandAction::kHold; }
+  /// [any] Levels are signed logarithms of ratios; else log10 of amplitudes [N] or of ln ratio, or targets
+  /// [N].
+  [[nodiscard]] bool comparison() const noexcept { return describe(kind).comparison; }
 };
+
+/// What one interval of a task renders.
+struct IntervalStimulus {
+  bool noise = true;   // the trial's noise is on
+  double force = 0.0;  // N, commanded
+  TissueChange tissue;
+};
+
+/// [any] @param with_signal whether the interval has the signal, or the comparison @param level of the signal
+[[nodiscard]] IntervalStimulus stimulus_of(const StudyTask& task, double level, bool with_signal);
+
+/// [any] The measures that the analysis compares; a primary analysis is of the first. One fixed force is
+/// compared by d'.
+[[nodiscard]] std::vector<std::string> measures_of(const StudyTask& task);
 
 /// [setup] Stimuli and parameter grid of a task with two intervals. Level: log10 of an amplitude [N]
 /// (kNoiseThreshold, kForceDetection), ln(comparison/standard) (kStiffness), log10(ln ratio) (kInclusion).
@@ -203,8 +213,5 @@ struct PlannedSession {
 
 /// [any] Estimated time of a task's trial [s].
 [[nodiscard]] double trial_seconds(const Study& study, const StudyTask& task) noexcept;
-
-/// [any] The task in one sentence, for the participant.
-[[nodiscard]] std::string sentence_of(const StudyTask& task);
 
 }  // namespace palpate::study

@@ -39,7 +39,7 @@ const ReadTask& source_of(const std::vector<ReadTask>& tasks, const ReadTask& re
   const StudyTask& source = found->task;
   const bool without_noise =
       std::any_of(source.arms.begin(), source.arms.end(), [](const Arm& arm) { return arm.share == 0.0; });
-  if (source.kind != TaskKind::kForceDetection || source.signal || !without_noise) {
+  if (source.stimulus() != Stimulus::kForce || source.signal || !without_noise) {
     signal.fail("from_task", "must be a force-detection task with force_mN, in which one arm has no noise");
   }
   return *found;

@@ -166,14 +166,6 @@ std::vector<std::string> arm_names(const StudyTask& task) {
   return names;
 }
 
-/// The measures of a task; the first is the default.
-std::vector<std::string> measures_of(const StudyTask& task) {
-  if (task.kind == TaskKind::kForceControl) return {"ln_rms"};
-  if (task.comparison()) return {"ln_jnd"};
-  if (task.signal) return {"d_prime"};
-  return {"ln_threshold"};
-}
-
 void read_primary(const TomlTable& table, Study& study) {
   table.allow_only({"task", "contrast", "measure", "alternative"});
   const StudyTask& task = task_in(table, study);
@@ -195,8 +187,8 @@ void read_primary(const TomlTable& table, Study& study) {
     }
   }
   if (primary.condition == primary.reference) table.fail("contrast", form);
-  const std::vector<std::string> measures = measures_of(task);
-  primary.measure = choice(table, "measure", measures, measures.front());
+  const std::string measure = measures_of(task).front();
+  primary.measure = choice(table, "measure", {measure}, measure);
   primary.alternative = choice(table, "alternative", {"less", "greater", "two-sided"}, "two-sided");
   study.primary = primary;
 }
@@ -221,7 +213,7 @@ std::vector<std::vector<double>> shares_in(const TomlTable& table, std::string_v
 void read_inverted_u(const TomlTable& table, Study& study) {
   table.allow_only({"task", "rise", "fall", "alpha"});
   const StudyTask& task = task_in(table, study);
-  if (task.kind != TaskKind::kForceDetection || !task.signal || task.arms.size() < 3) {
+  if (!task.signal || task.arms.size() < 3) {
     table.fail("task", "must be a force-detection task with `signal` and three or more shares");
   }
   const auto rise = shares_in(table, "rise", task);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <iterator>
 #include <utility>
 
@@ -17,45 +18,25 @@ namespace {
 using scene::Range;
 using scene::TomlTable;
 
-constexpr double kMilli = 1e-3;           // m/mm, N/mN
-constexpr int kMostTrials = 10'000;       // of an arm
-constexpr std::size_t kMostArms = 26;     // labels A to Z
-constexpr double kRoundingMargin = 1e-9;  // of sums and products of numbers in the file
+constexpr double kMilli = 1e-3;              // m/mm, N/mN
+constexpr int kMostTrials = 10'000;          // of an arm
+constexpr std::size_t kMostArms = 26;        // labels A to Z
+constexpr Range kLengths{0.0, 200.0, true};  // mm
+constexpr double kRoundingMargin = 1e-9;     // of sums and products of numbers in the file
 
-struct KindKeys {
-  TaskKind kind;
-  std::vector<std::string> keys;  // besides those of every task
-};
-
-const std::vector<KindKeys>& kinds() {
-  static const std::vector<KindKeys> all{
-      {TaskKind::kNoiseThreshold,
-       {"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of"}},
-      {TaskKind::kForceDetection,
-       {"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "signal", "force_mN",
-        "shares", "trials_per_level", "conditions"}},
-      {TaskKind::kStiffness,
-       {"gap_s", "method", "catch_share", "standard_k1_N_per_m", "ratio", "depth_mm", "conditions"}},
-      {TaskKind::kInclusion,
-       {"gap_s", "method", "catch_share", "ratio", "radius_mm", "depth_mm", "search_s", "conditions"}},
-      {TaskKind::kForceControl, {"target_N", "repeats", "conditions"}}};
-  return all;
-}
-
-const KindKeys& kind_of(const TomlTable& table) {
-  std::vector<std::string> names;
-  for (const KindKeys& kind : kinds()) names.emplace_back(to_string(kind.kind));
+TaskKind kind_of(const TomlTable& table) {
+  const std::vector<std::string> names = task_kind_names();
   const std::optional<std::string> stated = table.text("kind");
   if (!stated) table.fail_missing("kind", "must be " + scene::alternatives(names));
   const auto found = std::find(names.begin(), names.end(), *stated);
   if (found == names.end()) fail_choice(table, "kind", *stated, names);
-  return kinds()[static_cast<std::size_t>(std::distance(names.begin(), found))];
+  return static_cast<TaskKind>(std::distance(names.begin(), found));
 }
 
 void read_press(const TomlTable& table, const Study& study, StudyTask& task) {
   constexpr double kLongest = 60.0;  // s
   task.gap = table.number("gap_s", Range{0.1, kLongest}).value_or(task.gap);
-  if (task.kind == TaskKind::kStiffness || task.kind == TaskKind::kInclusion) return;
+  if (task.leaves_tissue()) return;
   task.free = choice(table, "hold", {"contact", "free"}, "contact") == "free";
   if (const auto band = table.numbers("force_band_N", scene::kNotNegative)) {
     if (task.free) table.fail("force_band_N", "must be left out with hold = \"free\"");
@@ -96,7 +77,7 @@ void read_ratios(const TomlTable& table, StudyTask& task) {
   task.steps = count(*range, "steps", 2, kMostSteps, 14);
 }
 
-void read_signal(const TomlTable& table, StudyTask& task) {
+void read_signal(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
   if (!table.has("signal")) return read_amplitudes(table, "force_mN", task);
   for (const char* key : {"force_mN", "method", "catch_share"}) {
     if (table.has(key)) table.fail(key, "must be left out with `signal`, which fixes the force");
@@ -122,15 +103,15 @@ void read_noise_threshold(const TomlTable& table, const Study& study, StudyTask&
   task.sets_threshold = !choice(table, "sets_share_of", {"threshold"}, "").empty();
 }
 
-void read_comparison(const TomlTable& table, StudyTask& task) {
-  constexpr Range kLengths{0.0, 200.0, true};  // mm
+void read_stiffness(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
+  constexpr Range kStiffness{0.1, 1e4};  // N/m
   read_ratios(table, task);
-  if (task.kind == TaskKind::kStiffness) {
-    constexpr Range kStiffness{0.1, 1e4};  // N/m
-    task.standard_k1 = table.number("standard_k1_N_per_m", kStiffness).value_or(task.standard_k1);
-    task.depth = table.number("depth_mm", kLengths).value_or(0.0) * kMilli;
-    return;
-  }
+  task.standard_k1 = table.number("standard_k1_N_per_m", kStiffness).value_or(task.standard_k1);
+  task.depth = table.number("depth_mm", kLengths).value_or(0.0) * kMilli;
+}
+
+void read_inclusion(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
+  read_ratios(table, task);
   constexpr Range kSearch{1.0, 600.0};  // s
   task.depth = table.required_number("depth_mm", kLengths) * kMilli;
   task.radius = table.number("radius_mm", kLengths).value_or(task.radius / kMilli) * kMilli;
@@ -197,7 +178,7 @@ void read_trials(const TomlTable& table, StudyTask& task) {
   constexpr Range kCatchShares{0.0, 0.5};
   task.practice = count(table, "practice", 0, kMostPractice, 0);
   task.repeat_at_end = table.truth("repeat_at_end").value_or(false);
-  if (task.kind == TaskKind::kForceControl) {
+  if (!task.two_intervals()) {
     if (table.has("trials")) table.fail("trials", "must be left out, it is the number of targets x repeats");
     return;
   }
@@ -214,12 +195,38 @@ void read_trials(const TomlTable& table, StudyTask& task) {
                                         : Method::kQuestPlus;
 }
 
+/// The part of a study file that one kind of task has alone.
+struct FileKind {
+  std::vector<std::string> keys;
+  void (*read)(const TomlTable& table, const Study& study, StudyTask& task);
+  const char* levels = nullptr;  // key of the range of stimuli
+};
+
+const FileKind& file_kind(TaskKind kind) {
+  static const std::array<FileKind, 5> kinds{{
+      // in the order of TaskKind
+      {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of"},
+       read_noise_threshold,
+       "sigma_mN"},
+      {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "signal", "force_mN",
+        "shares", "trials_per_level", "conditions"},
+       read_signal,
+       "force_mN"},
+      {{"gap_s", "method", "catch_share", "standard_k1_N_per_m", "ratio", "depth_mm", "conditions"},
+       read_stiffness,
+       "ratio"},
+      {{"gap_s", "method", "catch_share", "ratio", "radius_mm", "depth_mm", "search_s", "conditions"},
+       read_inclusion,
+       "ratio"},
+      {{"target_N", "repeats", "conditions"}, read_targets},
+  }};
+  return kinds[static_cast<std::size_t>(kind)];
+}
+
 /// The stimuli must give a grid of levels.
 void check_levels(const TomlTable& table, const StudyTask& task) {
   if (!task.two_intervals() || task.signal) return;
-  const char* key = task.kind == TaskKind::kNoiseThreshold   ? "sigma_mN"
-                    : task.kind == TaskKind::kForceDetection ? "force_mN"
-                                                             : "ratio";
+  const char* key = file_kind(task.kind).levels;
   const bool amplitudes = table.table(key)->has("from");
   if (task.largest <= task.least) {
     table.table(key)->fail(amplitudes ? "to" : "largest",
@@ -235,29 +242,15 @@ void check_levels(const TomlTable& table, const StudyTask& task) {
 }  // namespace
 
 ReadTask read_task(const TomlTable& table, const Study& study) {
-  const KindKeys& kind = kind_of(table);
+  StudyTask task;
+  task.kind = kind_of(table);
+  const FileKind& kind = file_kind(task.kind);
   std::vector<std::string> keys{"name", "kind", "practice", "repeat_at_end", "trials"};
   keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
   table.allow_only(keys);
-  StudyTask task;
   task.name = name_in(table, "name");
-  task.kind = kind.kind;
   if (task.two_intervals()) read_press(table, study, task);
-  switch (task.kind) {
-    case TaskKind::kNoiseThreshold:
-      read_noise_threshold(table, study, task);
-      break;
-    case TaskKind::kForceDetection:
-      read_signal(table, task);
-      break;
-    case TaskKind::kStiffness:
-    case TaskKind::kInclusion:
-      read_comparison(table, task);
-      break;
-    case TaskKind::kForceControl:
-      read_targets(table, study, task);
-      break;
-  }
+  kind.read(table, study, task);
   read_arms(table, study, task);
   read_trials(table, task);
   check_levels(table, task);

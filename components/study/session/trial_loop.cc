@@ -54,10 +54,6 @@ std::uint64_t TrialLoop::ticks(double seconds) const noexcept {
   return static_cast<std::uint64_t>(std::llround(seconds * scene_.rate_Hz));
 }
 
-bool TrialLoop::presses_twice() const noexcept {
-  return task().kind == TaskKind::kStiffness || task().kind == TaskKind::kInclusion;
-}
-
 void TrialLoop::begin(const Trial& trial) {
   trial_ = trial;
   spoiled_.clear();
@@ -73,10 +69,10 @@ void TrialLoop::begin(const Trial& trial) {
 void TrialLoop::enter(TrialState state, std::uint64_t tick) {
   view_.state = state;
   since_ = tick;
-  view_.bar = state == TrialState::kReach && !presses_twice();
+  view_.bar = state == TrialState::kReach && !task().leaves_tissue();
   view_.low = task().band_low;
   view_.high = task().band_high;
-  if (task().kind == TaskKind::kForceControl) {
+  if (!task().two_intervals()) {
     view_.low = 0.9 * trial_.level;
     view_.high = 1.1 * trial_.level;
   }
@@ -99,13 +95,11 @@ void TrialLoop::finish(std::uint64_t tick) {
 }
 
 void TrialLoop::switch_noise(bool on, std::uint64_t tick) {
-  const bool in_both = task().kind != TaskKind::kNoiseThreshold;
-  if (trial_.noise <= 0.0 || !(in_both || signal_in(view_.interval))) return;
+  if (trial_.noise <= 0.0 || !stimulus_.noise) return;
   haptics::LiveNoise noise;
   noise.enabled = on;
-  const bool threshold = task().kind == TaskKind::kNoiseThreshold;
   const Arm& arm = task().arms[trial_.arm];
-  const bool near = !threshold && arm.profile == NoiseProfile::kProximity;
+  const bool near = arm.profile == NoiseProfile::kProximity;
   noise.threshold = near ? arm.d0 : kFarAway;
   noise.gain = trial_.noise * noise.threshold;
   updates_.offer(noise, tick);
@@ -126,19 +120,20 @@ void TrialLoop::limit_noise(std::uint64_t tick) {
 void TrialLoop::begin_interval(std::uint64_t tick) {
   const std::uint64_t at = tick + scene_.lead;
   ++view_.interval;
+  stimulus_ = stimulus_of(task(), trial_.level, signal_in(view_.interval));
+  set_tissue(at);
   haptics::LiveStimulus stimulus;
   stimulus.interval = static_cast<std::uint32_t>(view_.interval);
   stimulus.ramp = kFade;
-  if (task().kind == TaskKind::kForceDetection && signal_in(view_.interval)) {
-    stimulus.force = std::pow(10.0, trial_.level);
-  }
+  stimulus.force = stimulus_.force;
   updates_.offer(stimulus, at);  // first, so that its tick does not depend on the noise
   switch_noise(true, at);
   begins_ = at + ticks(kFade);
   ends_ = begins_ + ticks(task().interval);
-  if (task().kind == TaskKind::kForceControl) ends_ = begins_ + ticks(kHoldTime);
-  if (presses_twice())
-    ends_ = begins_ + ticks(task().kind == TaskKind::kInclusion ? task().search_time : kReachTime);
+  if (!task().two_intervals()) ends_ = begins_ + ticks(kHoldTime);
+  if (task().leaves_tissue()) {
+    ends_ = begins_ + ticks(task().hand() == HandAction::kSearch ? task().search_time : kReachTime);
+  }
   Measured& measured = measured_[static_cast<std::size_t>(view_.interval - 1)];
   measured.from_tick = begins_;
   enter(TrialState::kInterval, tick);
@@ -156,22 +151,21 @@ void TrialLoop::end_interval(std::uint64_t tick) {
   view_.deep_enough = false;
 }
 
-// The tissue of the interval that comes next. The tool is outside.
-void TrialLoop::set_tissue(int interval, std::uint64_t tick) {
-  if (task().kind == TaskKind::kStiffness) {
+// The tissue of the interval that begins. The tool is outside.
+void TrialLoop::set_tissue(std::uint64_t at) {
+  if (stimulus_.tissue.k1) {
     model::TissueParameters tissue = scene_.tissue;
-    const double ratio = signal_in(interval) ? std::exp(trial_.level) : 1.0;
-    tissue.k1 = task().standard_k1 * ratio;
-    updates_.offer(tissue, tick + scene_.lead);
+    tissue.k1 = *stimulus_.tissue.k1;
+    updates_.offer(tissue, at);
   }
-  if (task().kind == TaskKind::kInclusion && !scene_.lumps.empty()) {
+  if (stimulus_.tissue.inclusion && !scene_.lumps.empty()) {
     // The place is drawn for each trial, the same in both intervals.
     Random random(study_.seed, trial_.draw, kPlacePart);
     const model::Inclusion& place = scene_.lumps[random.below(scene_.lumps.size())];
     haptics::LiveInclusion lump;
     for (std::size_t i = 0; i < 3; ++i) lump.centre_S[i] = place.centre_S[static_cast<Eigen::Index>(i)];
-    lump.ratio = signal_in(interval) ? std::exp(std::pow(10.0, trial_.level)) : 1.0;
-    updates_.offer(lump, tick + scene_.lead);
+    lump.ratio = *stimulus_.tissue.inclusion;
+    updates_.offer(lump, at);
   }
 }
 
@@ -215,10 +209,7 @@ void TrialLoop::home(const haptics::TickRow& row) {
                      !in_contact(row) && row.engagement >= 1.0;
   if (!there) still_since_ = row.tick;
   if (row.tick < still_since_ + ticks(study_.homing_still)) return;
-  if (presses_twice()) {
-    set_tissue(1, row.tick);
-    begin_interval(row.tick);
-  } else if (task().free && task().kind != TaskKind::kForceControl) {
+  if (task().leaves_tissue() || task().free) {
     begin_interval(row.tick);
   } else {
     still_since_ = row.tick;
@@ -227,7 +218,7 @@ void TrialLoop::home(const haptics::TickRow& row) {
 }
 
 void TrialLoop::reach(const haptics::TickRow& row) {
-  const bool control = task().kind == TaskKind::kForceControl;
+  const bool control = !task().two_intervals();
   const bool inside = row.tissue_force >= view_.low && row.tissue_force <= view_.high;
   // Force control: the bar is shown for a time from the first contact on, wherever the force is.
   if (control ? !in_contact(row) : !inside) still_since_ = row.tick;
@@ -240,17 +231,16 @@ void TrialLoop::reach(const haptics::TickRow& row) {
 }
 
 void TrialLoop::measure(const haptics::TickRow& row) {
-  const bool settled = task().kind != TaskKind::kForceControl || row.tick >= begins_ + ticks(kSettle);
+  const bool settled = task().two_intervals() || row.tick >= begins_ + ticks(kSettle);
   measured_[static_cast<std::size_t>(view_.interval - 1)].meter.add(row, settled, trial_.level);
 }
 
 void TrialLoop::check(const haptics::TickRow& row) {
-  const bool band = !presses_twice() && !task().free && task().kind != TaskKind::kForceControl;
+  const bool band = !task().leaves_tissue() && !task().free && task().two_intervals();
   if (band && (row.tissue_force < task().band_low || row.tissue_force > task().band_high)) {
     spoil("the force left the band");
   }
-  const bool commanded = task().kind == TaskKind::kForceDetection && signal_in(view_.interval);
-  if (commanded && row.stimulus_force < kGiven * std::pow(10.0, trial_.level))
+  if (stimulus_.force > 0.0 && row.stimulus_force < kGiven * stimulus_.force)
     spoil("the extra force was lowered");
   if ((row.status & haptics::kForceClamped) != 0) spoil("the force was clamped");
   if ((row.status & haptics::kForceSlewed) != 0) spoil("the force's change was limited");
@@ -264,17 +254,17 @@ void TrialLoop::interval(const haptics::TickRow& row) {
   measure(row);
   check(row);
   bool over = row.tick + 1 >= ends_;
-  if (presses_twice()) {
+  if (task().leaves_tissue()) {
     const IntervalMeter& now = measured_[static_cast<std::size_t>(view_.interval - 1)].meter;
-    const bool stiffness = task().kind == TaskKind::kStiffness;
-    view_.deep_enough = stiffness && task().depth > 0.0 && now.depth() >= task().depth;
-    const bool pressed = now.touched() && (task().depth <= 0.0 || !stiffness || now.depth() >= task().depth);
-    if (stiffness && over && !pressed) spoil("the depth was not reached");
+    const bool press = task().hand() == HandAction::kPress;
+    view_.deep_enough = press && task().depth > 0.0 && now.depth() >= task().depth;
+    const bool pressed = now.touched() && (task().depth <= 0.0 || !press || now.depth() >= task().depth);
+    if (press && over && !pressed) spoil("the depth was not reached");
     const bool out = pressed && !in_contact(row);
-    over = over || (stiffness && out);
+    over = over || (press && out);
   }
   if (!over) return;
-  if (task().kind == TaskKind::kForceControl) {
+  if (!task().two_intervals()) {
     finish(row.tick);
     return;
   }
@@ -290,13 +280,12 @@ void TrialLoop::interval(const haptics::TickRow& row) {
 // A second press begins with the tool outside, so that the tissue can change.
 void TrialLoop::gap(const haptics::TickRow& row) {
   const std::uint64_t begins = since_ + ticks(std::max(task().gap, 2.0 * kFade));
-  if (!presses_twice()) {
+  if (!task().leaves_tissue()) {
     if (row.tick >= begins) begin_interval(row.tick);
     return;
   }
   if (in_contact(row)) still_since_ = row.tick;
   if (row.tick >= begins && row.tick >= still_since_ + ticks(0.2)) {
-    set_tissue(2, row.tick);
     begin_interval(row.tick);
   } else if (row.tick >= since_ + ticks(kReachTime)) {
     spoil("the tool was not taken out");
@@ -324,7 +313,7 @@ void TrialLoop::answer(int interval) {
 }
 
 void TrialLoop::next() {
-  if (view_.state != TrialState::kInterval || task().kind != TaskKind::kInclusion) return;
+  if (view_.state != TrialState::kInterval || task().hand() != HandAction::kSearch) return;
   if (measured_[static_cast<std::size_t>(view_.interval - 1)].meter.touched())
     ends_ = std::min(ends_, view_.tick + 1);
 }
@@ -341,7 +330,7 @@ void TrialLoop::fill_in(TrialRecord& record) const {
     record.intervals[i].from_tick = measured_[i].from_tick;
     record.intervals[i].to_tick = measured_[i].to_tick;
   }
-  if (task().kind != TaskKind::kForceControl) return;
+  if (task().two_intervals()) return;
   record.rms_error = measured_[0].meter.rms_error();
   record.variation = measured_[0].meter.variation();
 }

@@ -84,11 +84,10 @@ class TrialLoop final {
 
   [[nodiscard]] std::uint64_t ticks(double seconds) const noexcept;
   [[nodiscard]] const StudyTask& task() const noexcept { return study_.tasks[trial_.task]; }
-  [[nodiscard]] bool presses_twice() const noexcept;
   [[nodiscard]] bool signal_in(int interval) const noexcept { return interval == (trial_.second ? 2 : 1); }
 
   void enter(TrialState state, std::uint64_t tick);
-  void set_tissue(int interval, std::uint64_t tick);
+  void set_tissue(std::uint64_t at);
   void begin_interval(std::uint64_t tick);
   void end_interval(std::uint64_t tick);
   void switch_noise(bool on, std::uint64_t tick);
@@ -108,6 +107,7 @@ class TrialLoop final {
   haptics::ParameterUpdates& updates_;
   Trial trial_;
   TrialView view_;
+  IntervalStimulus stimulus_;  // of the interval
   std::vector<std::string> spoiled_;
   std::array<Measured, 2> measured_{};
   std::optional<std::array<double, 3>> rest_;  // position of the tool at the first row

@@ -1,0 +1,103 @@
+#include "study/session/task_kind.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "study/session/study.h"
+
+namespace palpate::study {
+namespace {
+
+using psychophysics::QuestPlusGrid;
+
+constexpr double kMillinewtons = 1e3;  // of a newton
+
+double power_of_ten(double level) { return std::pow(10.0, level); }
+
+QuestPlusGrid amplitude_grid(const StudyTask& task) {
+  return psychophysics::detection_grid(task.least, task.largest, task.steps);
+}
+
+QuestPlusGrid comparison_grid(const StudyTask& task) {
+  return psychophysics::difference_grid(task.least, task.largest, task.steps);
+}
+
+// The levels are equally spaced in log10 of ln(ratio).
+QuestPlusGrid ratio_grid(const StudyTask& task) {
+  const double low = std::log10(std::log(task.least));
+  const double high = std::log10(std::log(task.largest));
+  return psychophysics::detection_grid(std::pow(10.0, low), std::pow(10.0, high),
+                                       static_cast<int>(std::lround((task.steps - 1) / (high - low))));
+}
+
+// In the order of TaskKind.
+const std::array<TaskDescription, 5>& task_kinds() {
+  static const std::array<TaskDescription, 5> kinds{{
+      {.name = "noise-threshold",
+       .sentence = "Press gently and hold. In which interval did it tingle?",
+       .action = "Keep this force",
+       .stimulus = Stimulus::kNoise,
+       .value = power_of_ten,
+       .unit = "mN",
+       .factor = kMillinewtons,
+       .axis = "standard deviation of the noise [mN]",
+       .grid = amplitude_grid},
+      {.name = "force-detection",
+       .sentence = "Press gently and hold. In which interval was there an extra force?",
+       .action = "Keep this force",
+       .stimulus = Stimulus::kForce,
+       .value = power_of_ten,
+       .unit = "mN",
+       .factor = kMillinewtons,
+       .axis = "force [mN]",
+       .grid = amplitude_grid},
+      {.name = "stiffness",
+       .sentence = "Press once in each interval, until \"come up\". Which was stiffer?",
+       .action = "Press",
+       .stimulus = Stimulus::kTissue,
+       .hand = HandAction::kPress,
+       .comparison = true,
+       .measures = {"ln_jnd"},
+       .value = [](double level) { return std::exp(level); },
+       .axis = "stiffness of the comparison divided by that of the standard",
+       .marks = "0.5, 1, 2",
+       .grid = comparison_grid,
+       .tissue = [](const StudyTask& task,
+                    double ratio) { return TissueChange{.k1 = task.standard_k1 * ratio}; }},
+      {.name = "inclusion",
+       .sentence = "Search in each interval; Space ends a search. Which had the lump?",
+       .action = "Search. Space: done",
+       .stimulus = Stimulus::kTissue,
+       .hand = HandAction::kSearch,
+       .value = [](double level) { return std::exp(power_of_ten(level)); },
+       .axis = "stiffness of the inclusion divided by that of the tissue around it",
+       .marks = "1.2, 2, 4, 8",
+       .grid = ratio_grid,
+       .tissue = [](const StudyTask& /*task*/, double ratio) { return TissueChange{.inclusion = ratio}; }},
+      {.name = "force-control",
+       .sentence = "Press until the bar is in the band. Keep that force when the bar goes.",
+       .action = "Hold this force",
+       .stimulus = Stimulus::kTarget,
+       .measures = {"ln_rms", "ln_variation"},
+       .value = [](double level) { return level; },
+       .unit = "N",
+       .axis = "target [N]",
+       .grid = amplitude_grid},
+  }};
+  return kinds;
+}
+
+}  // namespace
+
+const TaskDescription& describe(TaskKind kind) noexcept {
+  return task_kinds()[static_cast<std::size_t>(kind)];
+}
+
+std::vector<std::string> task_kind_names() {
+  std::vector<std::string> names;
+  for (const TaskDescription& kind : task_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+}  // namespace palpate::study
