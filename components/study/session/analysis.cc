@@ -28,8 +28,8 @@ void count_consent(const Participant& person, StudyAnalysis& analysis) {
 }  // namespace
 
 Readable readable_level(const StudyTask& task, double level) noexcept {
-  const TaskDescription& kind = describe(task.kind);
-  return {kind.factor * kind.value(level), kind.unit};
+  const LevelScale& scale = describe(task.kind).scale;
+  return {scale.factor * scale.value(level), scale.unit};
 }
 
 Readable readable_estimate(const StudyTask& task, double log10_estimate) noexcept {

@@ -29,9 +29,9 @@ IntervalStimulus stimulus_of(const StudyTask& task, double level, bool with_sign
   const TaskDescription& kind = describe(task.kind);
   IntervalStimulus stimulus;
   stimulus.noise = task.stimulus() != Stimulus::kNoise || with_signal;
-  if (task.stimulus() == Stimulus::kForce && with_signal) stimulus.force = kind.value(level);
+  if (task.stimulus() == Stimulus::kForce && with_signal) stimulus.force = kind.scale.value(level);
   if (task.stimulus() == Stimulus::kTissue) {
-    stimulus.tissue = kind.tissue(task, with_signal ? kind.value(level) : 1.0);
+    stimulus.tissue = kind.tissue(task, with_signal ? kind.scale.value(level) : 1.0);
   }
   return stimulus;
 }

@@ -11,9 +11,9 @@ namespace {
 
 using psychophysics::QuestPlusGrid;
 
-constexpr double kMillinewtons = 1e3;  // of a newton
-
 double power_of_ten(double level) { return std::pow(10.0, level); }
+
+constexpr LevelScale kAmplitudes{power_of_ten, "mN", 1e3};
 
 QuestPlusGrid amplitude_grid(const StudyTask& task) {
   return psychophysics::detection_grid(task.least, task.largest, task.steps);
@@ -32,24 +32,18 @@ QuestPlusGrid ratio_grid(const StudyTask& task) {
 }
 
 // In the order of TaskKind.
-const std::array<TaskDescription, 5>& task_kinds() {
-  static const std::array<TaskDescription, 5> kinds{{
+const std::array<TaskDescription, kTaskKinds>& task_kinds() {
+  static const std::array<TaskDescription, kTaskKinds> kinds{{
       {.name = "noise-threshold",
        .sentence = "Press gently and hold. In which interval did it tingle?",
-       .action = "Keep this force",
        .stimulus = Stimulus::kNoise,
-       .value = power_of_ten,
-       .unit = "mN",
-       .factor = kMillinewtons,
+       .scale = kAmplitudes,
        .axis = "standard deviation of the noise [mN]",
        .grid = amplitude_grid},
       {.name = "force-detection",
        .sentence = "Press gently and hold. In which interval was there an extra force?",
-       .action = "Keep this force",
        .stimulus = Stimulus::kForce,
-       .value = power_of_ten,
-       .unit = "mN",
-       .factor = kMillinewtons,
+       .scale = kAmplitudes,
        .axis = "force [mN]",
        .grid = amplitude_grid},
       {.name = "stiffness",
@@ -59,7 +53,7 @@ const std::array<TaskDescription, 5>& task_kinds() {
        .hand = HandAction::kPress,
        .comparison = true,
        .measures = {"ln_jnd"},
-       .value = [](double level) { return std::exp(level); },
+       .scale = {[](double level) { return std::exp(level); }},
        .axis = "stiffness of the comparison divided by that of the standard",
        .marks = "0.5, 1, 2",
        .grid = comparison_grid,
@@ -70,7 +64,7 @@ const std::array<TaskDescription, 5>& task_kinds() {
        .action = "Search. Space: done",
        .stimulus = Stimulus::kTissue,
        .hand = HandAction::kSearch,
-       .value = [](double level) { return std::exp(power_of_ten(level)); },
+       .scale = {[](double level) { return std::exp(power_of_ten(level)); }},
        .axis = "stiffness of the inclusion divided by that of the tissue around it",
        .marks = "1.2, 2, 4, 8",
        .grid = ratio_grid,
@@ -80,8 +74,7 @@ const std::array<TaskDescription, 5>& task_kinds() {
        .action = "Hold this force",
        .stimulus = Stimulus::kTarget,
        .measures = {"ln_rms", "ln_variation"},
-       .value = [](double level) { return level; },
-       .unit = "N",
+       .scale = {[](double level) { return level; }, "N"},
        .axis = "target [N]",
        .grid = amplitude_grid},
   }};

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ enum class TaskKind {
   kInclusion,       // which interval had the inclusion?
   kForceControl     // hold a force
 };
+inline constexpr std::size_t kTaskKinds = 5;
 
 /// What the level of a trial is a level of.
 enum class Stimulus {
@@ -38,19 +40,24 @@ struct TissueChange {
   std::optional<double> inclusion{};  // its stiffness divided by that of the tissue around it
 };
 
+/// What a level means.
+struct LevelScale {
+  double (*value)(double level);  // N, or a ratio
+  const char* unit = "ratio";
+  double factor = 1.0;  // from the value to the unit
+};
+
 /// What the program knows of a kind of task, apart from its keys in a study file (task_reader.cc).
 struct TaskDescription {
-  const char* name;      // in a study file
-  const char* sentence;  // the task, for the participant
-  const char* action;    // what to do while an interval lasts
+  const char* name;                        // in a study file
+  const char* sentence;                    // the task, for the participant
+  const char* action = "Keep this force";  // what to do while an interval lasts
   Stimulus stimulus;
   HandAction hand = HandAction::kHold;
   bool comparison = false;  // the answer is "comparison is stiffer"; else it is right or wrong
   // What the analysis compares; a primary analysis is of the first.
   std::vector<std::string> measures{"ln_threshold"};
-  double (*value)(double level);  // of a level: N, or a ratio
-  const char* unit = "ratio";
-  double factor = 1.0;     // from the value to the unit
+  LevelScale scale;
   const char* axis;        // title of a figure's axis of stimuli
   const char* marks = "";  // of this axis; empty: gnuplot's own
   psychophysics::QuestPlusGrid (*grid)(const StudyTask& task);

@@ -203,7 +203,7 @@ struct FileKind {
 };
 
 const FileKind& file_kind(TaskKind kind) {
-  static const std::array<FileKind, 5> kinds{{
+  static const std::array<FileKind, kTaskKinds> kinds{{
       // in the order of TaskKind
       {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of"},
        read_noise_threshold,
