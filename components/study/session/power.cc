@@ -17,6 +17,8 @@
 #include "study/psychophysics/simulated_group.h"
 #include "study/session/analysis.h"
 #include "study/session/analysis_parts.h"
+#include "study/session/simulate.h"
+#include "study/session/simulated_person.h"
 
 namespace palpate::study {
 namespace {
@@ -106,14 +108,14 @@ Study curve_study(const Study& study) {
 std::vector<Outcome> curve_group(const Study& part, const PowerRequest& request, std::uint32_t number) {
   const std::uint64_t seed = part.seed + (static_cast<std::uint64_t>(number) + 1) * 0x1'0000'0001U;
   const int most = *std::max_element(request.participants.begin(), request.participants.end());
+  Study own = part;
+  own.seed = seed;
   std::vector<Participant> people;
   for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(most); ++i) {
     SimulatedPerson person = make_person("sr", seed, i);
     person.observer.internal_noise = *request.internal_noise;
     person.observer.lapse = person.lapse;
-    Study own = part;
-    own.seed = seed;
-    people.push_back({i, simulate_trials(own, seed, i, person, seed)});
+    people.push_back({i, simulate_trials(own, seed, i, std::move(person))});
   }
   std::vector<Outcome> outcomes;
   for (const int participants : request.participants) {
@@ -154,28 +156,6 @@ std::vector<PowerRow> rows_of(const std::string& effect, const std::string& anal
 }
 
 }  // namespace
-
-ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t participant,
-                               SimulatedPerson person, std::uint64_t seed) {
-  ParticipantLog log;
-  log.id = "S" + std::to_string(participant + 1);
-  Course course(study, key, participant);
-  const std::size_t sessions = plan_sessions(study).size();
-  bool last_second = false;
-  for (std::size_t session = 1; session <= sessions; ++session) {
-    course.begin_session(static_cast<int>(session));
-    const int planned = std::max(1, course.trials_left());
-    while (const std::optional<Trial> trial = course.next()) {
-      TrialRecord record = record_of(study, *trial, static_cast<int>(session), 1);
-      const double progress = 1.0 - static_cast<double>(course.trials_left()) / planned;
-      answer_by_formula(study, person, *trial, progress, last_second, seed, participant, record);
-      last_second = record.answer == 2;
-      course.add(record);
-      log.trials.push_back(std::move(record));
-    }
-  }
-  return log;
-}
 
 Power simulate_power(const Study& study, PowerRequest request, tasks::Communicator* ranks,
                      const std::function<void(double)>& progress) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -7,8 +6,6 @@
 
 #include "run/tasks/communicator.h"
 
-#include "study/session/folder.h"
-#include "study/session/simulated_person.h"
 #include "study/session/study.h"
 
 namespace palpate::study {
@@ -47,10 +44,6 @@ struct Power {
 /// effect that the study does not analyse
 [[nodiscard]] Power simulate_power(const Study& study, PowerRequest request, tasks::Communicator* ranks,
                                    const std::function<void(double)>& progress);
-
-/// [setup] All trials of a study by one simulated person, by formulas and in memory.
-[[nodiscard]] ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t participant,
-                                             SimulatedPerson person, std::uint64_t seed);
 
 /// [setup] Table of a power simulation, with its assumptions.
 [[nodiscard]] std::string power_text(const Study& study, const Power& power);

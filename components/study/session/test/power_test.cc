@@ -11,6 +11,7 @@
 
 #include "study/psychophysics/test/study_table.h"
 #include "study/session/analysis.h"
+#include "study/session/simulate.h"
 #include "study/session/test/simulated_log.h"
 
 namespace palpate::study {
@@ -111,7 +112,7 @@ TEST(Power, NoInvertedUIsClaimedForALinearObserverByTheWholeChain) {
     std::vector<Participant> people;
     for (std::uint32_t number = 0; number < 8; ++number) {
       SimulatedPerson person = make_person("linear", study.seed, number);
-      people.push_back({number, simulate_trials(study, kTestKey, number, person, study.seed)});
+      people.push_back({number, simulate_trials(study, kTestKey, number, person)});
     }
     claimed += analyse(study, people, kTestKey, true).curves.at(0).found ? 1 : 0;
   }
