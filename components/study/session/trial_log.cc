@@ -4,10 +4,12 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <concepts>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -44,80 +46,85 @@ constexpr std::size_t kMacDigits = 64;
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-double finite(const char* name, double value) {
-  if (!std::isfinite(value)) throw ParameterError(name, value, "finite");
-  return value;
+// The fields of an interval and of a trial in the order of a line. `field` is called with key, member and,
+// for a whole number, the largest of its type.
+void visit_interval(auto& cues, auto&& field) {
+  field("from_tick", cues.from_tick);
+  field("to_tick", cues.to_tick);
+  field("peak_force_N", cues.peak_force);
+  field("mean_force_N", cues.mean_force);
+  field("depth_m", cues.depth);
+  field("work_J", cues.work);
 }
 
-Json json_of_cues(const IntervalCues& cues) {
-  Json json;
-  json["from_tick"] = cues.from_tick;
-  json["to_tick"] = cues.to_tick;
-  json["peak_force_N"] = finite("peak_force_N", cues.peak_force);
-  json["mean_force_N"] = finite("mean_force_N", cues.mean_force);
-  json["depth_m"] = finite("depth_m", cues.depth);
-  json["work_J"] = finite("work_J", cues.work);
-  return json;
+void visit_trial(auto& trial, auto&& field) {
+  constexpr std::uint16_t kMostRuns = std::numeric_limits<std::uint16_t>::max();
+  constexpr std::uint8_t kMostAnswer = 2;
+  field("time", trial.time);
+  field("session", trial.session, kMostRuns);
+  field("block", trial.block, kMostRuns);
+  field("task", trial.task);
+  field("repeat", trial.repeat);
+  field("practice", trial.practice);
+  field("catch", trial.catch_trial);
+  field("number", trial.number, std::numeric_limits<int>::max());
+  field("code", trial.code);
+  field("level", trial.level);
+  field("second", trial.second);
+  field("answer", trial.answer, kMostAnswer);
+  field("counted", trial.counted);
+  field("response_time_s", trial.response_time);
+  field("spoiled", trial.spoiled);
+  field("intervals", trial.intervals);
+  field("rms_error_N", trial.rms_error);
+  field("variation", trial.variation);
+  field("observer", trial.observer);
 }
 
-IntervalCues cues_of(const JsonField& json) {
-  IntervalCues cues;
-  cues.from_tick = json.at("from_tick").whole<std::uint64_t>();
-  cues.to_tick = json.at("to_tick").whole<std::uint64_t>();
-  cues.peak_force = json.at("peak_force_N").number();
-  cues.mean_force = json.at("mean_force_N").number();
-  cues.depth = json.at("depth_m").number();
-  cues.work = json.at("work_J").number();
-  return cues;
-}
+struct FieldWriter {
+  Json& json;
+
+  void operator()(const char* key, double value) const {
+    if (!std::isfinite(value)) throw ParameterError(key, value, "finite");
+    json[key] = value;
+  }
+  void operator()(const char* key, const std::array<IntervalCues, 2>& intervals) const {
+    Json& all = json[key] = Json::array();
+    for (const IntervalCues& cues : intervals) visit_interval(cues, FieldWriter{all.emplace_back()});
+  }
+  void operator()(const char* key, const auto& value, auto... /*most*/) const { json[key] = value; }
+};
+
+struct FieldReader {
+  const JsonField& json;
+
+  void operator()(const char* key, std::string& value) const { value = json.at(key).text(); }
+  void operator()(const char* key, bool& value) const { value = json.at(key).flag(); }
+  void operator()(const char* key, double& value) const { value = json.at(key).number(); }
+  void operator()(const char* key, std::vector<std::string>& value) const { value = json.at(key).texts(); }
+  void operator()(const char* key, std::uint64_t& value) const {
+    value = json.at(key).whole<std::uint64_t>();
+  }
+  template <std::integral Whole>
+  void operator()(const char* key, int& value, Whole most) const {
+    value = json.at(key).whole<Whole>(most);
+  }
+  void operator()(const char* key, std::array<IntervalCues, 2>& intervals) const {
+    const std::vector<JsonField> read = json.at(key).exactly(intervals.size());
+    for (std::size_t i = 0; i < read.size(); ++i) visit_interval(intervals[i], FieldReader{read[i]});
+  }
+};
 
 Json json_of_trial(const TrialRecord& trial) {
   Json json;
   json["type"] = "trial";
-  json["time"] = trial.time;
-  json["session"] = trial.session;
-  json["block"] = trial.block;
-  json["task"] = trial.task;
-  json["repeat"] = trial.repeat;
-  json["practice"] = trial.practice;
-  json["catch"] = trial.catch_trial;
-  json["number"] = trial.number;
-  json["code"] = trial.code;
-  json["level"] = finite("level", trial.level);
-  json["second"] = trial.second;
-  json["answer"] = trial.answer;
-  json["counted"] = trial.counted;
-  json["response_time_s"] = finite("response_time_s", trial.response_time);
-  json["spoiled"] = trial.spoiled;
-  json["intervals"] = Json::array({json_of_cues(trial.intervals[0]), json_of_cues(trial.intervals[1])});
-  json["rms_error_N"] = finite("rms_error_N", trial.rms_error);
-  json["variation"] = finite("variation", trial.variation);
-  json["observer"] = trial.observer;
+  visit_trial(trial, FieldWriter{json});
   return json;
 }
 
 TrialRecord trial_of(const JsonField& json) {
   TrialRecord trial;
-  trial.time = json.at("time").text();
-  trial.session = json.at("session").whole<std::uint16_t>();
-  trial.block = json.at("block").whole<std::uint16_t>();
-  trial.task = json.at("task").text();
-  trial.repeat = json.at("repeat").flag();
-  trial.practice = json.at("practice").flag();
-  trial.catch_trial = json.at("catch").flag();
-  trial.number = json.at("number").whole<int>();
-  trial.code = json.at("code").text();
-  trial.level = json.at("level").number();
-  trial.second = json.at("second").flag();
-  trial.answer = json.at("answer").whole<std::uint8_t>(2);
-  trial.counted = json.at("counted").flag();
-  trial.response_time = json.at("response_time_s").number();
-  trial.spoiled = json.at("spoiled").texts();
-  const std::vector<JsonField> intervals = json.at("intervals").exactly(trial.intervals.size());
-  for (std::size_t i = 0; i < trial.intervals.size(); ++i) trial.intervals[i] = cues_of(intervals[i]);
-  trial.rms_error = json.at("rms_error_N").number();
-  trial.variation = json.at("variation").number();
-  trial.observer = json.at("observer").text();
+  visit_trial(trial, FieldReader{json});
   return trial;
 }
 

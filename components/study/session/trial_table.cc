@@ -1,6 +1,7 @@
 #include "study/session/trial_table.h"
 
 #include <optional>
+#include <utility>
 
 #include "core/base/text.h"
 #include "palpate/error.h"
@@ -27,87 +28,89 @@ void append_row(std::string& table, const std::vector<std::string>& fields) {
   table += '\n';
 }
 
-// Columns of one interval.
-std::vector<TrialColumn> interval_columns(const std::string& number, const std::string& which) {
-  return {{"peak_force_" + number, "N", "largest tissue force of the " + which + " interval, without noise"},
-          {"mean_force_" + number, "N", "mean tissue force of the " + which + " interval, without noise"},
-          {"depth_" + number, "mm", "largest depth of the " + which + " interval"},
-          {"work_" + number, "mJ", "work of the hand in the " + which + " interval"}};
+/// A column and its text for one trial.
+struct Cell {
+  TrialColumn column;
+  std::string text;
+};
+
+void add_interval_cells(const std::string& number, const std::string& which, const IntervalCues& cues,
+                        bool exists, std::vector<Cell>& cells) {
+  constexpr double kMilli = 1e3;
+  const auto add = [&](const char* name, const char* unit, const std::string& what, double value) {
+    cells.push_back({{name + number, unit, what}, exists ? shortest(value) : ""});
+  };
+  const std::string without = " interval, without noise";
+  add("peak_force_", "N", "largest tissue force of the " + which + without, cues.peak_force);
+  add("mean_force_", "N", "mean tissue force of the " + which + without, cues.mean_force);
+  add("depth_", "mm", "largest depth of the " + which + " interval", kMilli * cues.depth);
+  add("work_", "mJ", "work of the hand in the " + which + " interval", kMilli * cues.work);
 }
 
-std::vector<TrialColumn> make_columns() {
-  std::vector<TrialColumn> columns = {
-      {"participant", "", "random identifier"},
-      {"session", "", "number of the session"},
-      {"block", "", "haptic run within the session"},
-      {"task", "", "name of the task in the study file"},
-      {"trial_number", "", "number in the task, or in its practice, from 0"},
-      {"time", "", "ISO 8601, UTC"},
-      {"practice", "", "1: practice, which no analysis uses"},
-      {"repetition", "", "1: the task's repetition at the end of its session"},
-      {"catch_trial", "", "1: at the largest level"},
-      {"condition", "", "the participant's own code until the study is unblinded, then the name"},
-      {"level", "", "of the stimulus: log10 of N, ln of a ratio, log10 of ln of a ratio, or a target in N"},
-      {"stimulus", "", "the level in the unit of the next column; below 1: the comparison is softer"},
-      {"stimulus_unit", "", "mN, N, or ratio"},
-      {"second", "", "1: the signal, or the comparison, was in the second interval"},
-      {"answer", "", "1: first interval, 2: second interval, 0: none"},
-      {"correct", "", "1: the answer was correct"},
-      {"response_time", "s", "from the end of the second interval"},
-      {"spoiled", "", "reasons, separated by semicolons; such a trial does not count"},
-      {"rms_error", "N", "of the force held after the first second"},
-      {"variation", "", "coefficient of variation of the force held after the first second"},
-      {"observer", "", "simulated observer; empty: a person"}};
-  for (const auto& [number, which] : {std::pair{"1", "first"}, std::pair{"2", "second"}}) {
-    for (TrialColumn& column : interval_columns(number, which)) columns.push_back(std::move(column));
-  }
-  return columns;
+// All columns in their order. @param id of the participant
+std::vector<Cell> cells_of(const StudyTask& task, const TrialRecord& trial, const std::string& id,
+                           const std::string& condition) {
+  const bool choice = task.two_intervals();
+  const Readable stimulus = readable_level(task, trial.level);
+  const auto if_choice = [&](const std::string& text) { return choice ? text : ""; };
+  const auto if_hold = [&](const std::string& text) { return choice ? "" : text; };
+  std::vector<Cell> cells = {
+      {{"participant", "", "random identifier"}, id},
+      {{"session", "", "number of the session"}, std::to_string(trial.session)},
+      {{"block", "", "haptic run within the session"}, std::to_string(trial.block)},
+      {{"task", "", "name of the task in the study file"}, trial.task},
+      {{"trial_number", "", "number in the task, or in its practice, from 0"}, std::to_string(trial.number)},
+      {{"time", "", "ISO 8601, UTC"}, trial.time},
+      {{"practice", "", "1: practice, which no analysis uses"}, yes_or_no(trial.practice)},
+      {{"repetition", "", "1: the task's repetition at the end of its session"}, yes_or_no(trial.repeat)},
+      {{"catch_trial", "", "1: at the largest level"}, yes_or_no(trial.catch_trial)},
+      {{"condition", "", "the participant's own code until the study is unblinded, then the name"},
+       condition},
+      {{"level", "", "of the stimulus: log10 of N, ln of a ratio, log10 of ln of a ratio, or a target in N"},
+       shortest(trial.level)},
+      {{"stimulus", "", "the level in the unit of the next column; below 1: the comparison is softer"},
+       brief(stimulus.value)},
+      {{"stimulus_unit", "", "mN, N, or ratio"}, stimulus.unit},
+      {{"second", "", "1: the signal, or the comparison, was in the second interval"},
+       if_choice(yes_or_no(trial.second))},
+      {{"answer", "", "1: first interval, 2: second interval, 0: none"},
+       if_choice(std::to_string(trial.answer))},
+      {{"correct", "", "1: the answer was correct"},
+       trial.answer == 0 ? "" : if_choice(yes_or_no(is_correct(task, trial)))},
+      {{"response_time", "s", "from the end of the second interval"},
+       if_choice(shortest(trial.response_time))},
+      {{"spoiled", "", "reasons, separated by semicolons; such a trial does not count"},
+       joined(trial.spoiled, ";")},
+      {{"rms_error", "N", "of the force held after the first second"}, if_hold(shortest(trial.rms_error))},
+      {{"variation", "", "coefficient of variation of the force held after the first second"},
+       if_hold(shortest(trial.variation))},
+      {{"observer", "", "simulated observer; empty: a person"}, trial.observer}};
+  add_interval_cells("1", "first", trial.intervals[0], true, cells);
+  add_interval_cells("2", "second", trial.intervals[1], choice, cells);
+  return cells;
 }
 
 }  // namespace
 
 const std::vector<TrialColumn>& trial_columns() {
-  static const std::vector<TrialColumn> columns = make_columns();
+  static const std::vector<TrialColumn> columns = [] {
+    std::vector<TrialColumn> all;
+    for (Cell& cell : cells_of({}, {}, "", "")) all.push_back(std::move(cell.column));
+    return all;
+  }();
   return columns;
 }
 
 std::vector<std::string> trial_row(const Study& study, const Participant& person, const TrialRecord& trial,
                                    const ArmNames& names) {
-  constexpr double kMilli = 1e3;
   const std::optional<std::size_t> found = study.find_task(trial.task);
   if (!found) throw InputError(person.log.id + ": task = `" + trial.task + "` is not in the study file");
-  const StudyTask& task = study.tasks[*found];
   const std::vector<std::string>& arms = names.tasks()[*found].arms;
   const std::size_t arm = names.index_of(person.number, *found, trial.code);
-  const bool choice = task.two_intervals();
-  const Readable stimulus = readable_level(task, trial.level);
-  std::vector<std::string> row = {person.log.id,
-                                  std::to_string(trial.session),
-                                  std::to_string(trial.block),
-                                  trial.task,
-                                  std::to_string(trial.number),
-                                  trial.time,
-                                  yes_or_no(trial.practice),
-                                  yes_or_no(trial.repeat),
-                                  yes_or_no(trial.catch_trial),
-                                  names.unblinded() || arms.size() == 1 ? arms[arm] : trial.code,
-                                  shortest(trial.level),
-                                  brief(stimulus.value),
-                                  stimulus.unit,
-                                  choice ? yes_or_no(trial.second) : "",
-                                  choice ? std::to_string(trial.answer) : "",
-                                  choice && trial.answer != 0 ? yes_or_no(is_correct(task, trial)) : "",
-                                  choice ? shortest(trial.response_time) : "",
-                                  joined(trial.spoiled, ";"),
-                                  choice ? "" : shortest(trial.rms_error),
-                                  choice ? "" : shortest(trial.variation),
-                                  trial.observer};
-  for (std::size_t i = 0; i < trial.intervals.size(); ++i) {
-    const IntervalCues& cues = trial.intervals[i];
-    const bool exists = choice || i == 0;
-    for (const double value : {cues.peak_force, cues.mean_force, kMilli * cues.depth, kMilli * cues.work}) {
-      row.push_back(exists ? shortest(value) : "");
-    }
+  const std::string& condition = names.unblinded() || arms.size() == 1 ? arms[arm] : trial.code;
+  std::vector<std::string> row;
+  for (Cell& cell : cells_of(study.tasks[*found], trial, person.log.id, condition)) {
+    row.push_back(std::move(cell.text));
   }
   return row;
 }
