@@ -79,16 +79,14 @@ inline constexpr double kAlike = 0.64;
 /// - A tangential displacement (a pull to the side) is widened until its slope is below kMaxTangentialSlope.
 ///   The surface ahead of the contact is compressed, but does not fold.
 /// - For several contacts, the length of the displacement is the mean of their lengths, weighted by the
-/// eighth
-///   powers of the lengths. The direction is the mean of their directions, weighted by the squares of the
-///   lengths (mean_direction_gain). Coincident contacts therefore act as one contact. Where contacts overlap,
-///   the largest displacement determines the result within 3 %. The displacement has no jump when contacts
-///   separate. Between two converging contacts the direction turns slowly enough that the surface does not
-///   fold.
+///   eighth powers of the lengths. The direction is the mean of their directions, weighted by the squares of
+///   the lengths (mean_direction_gain). Coincident contacts therefore act as one contact. Where contacts
+///   overlap, the largest displacement determines the result within 3 %. The displacement has no jump when
+///   contacts separate. Between two converging contacts the direction turns slowly enough that the surface
+///   does not fold.
 /// - A press that is deeper than 0.7 of the organ's thickness at the contact is drawn with less depth, at
-/// most
-///   0.9 of the thickness (limited_depth). The pressed side therefore never comes out of the far side. Two
-///   presses from opposite sides are limited together (opposition_factors). In all other cases u(0) = D.
+///   most 0.9 of the thickness (limited_depth). The pressed side therefore never comes out of the far side.
+///   Two presses from opposite sides are limited together (opposition_factors). In all other cases u(0) = D.
 class SurfaceDeformer final {
  public:
   /// [setup] Prepares the rest mesh and keeps it. The mesh may be open.

@@ -14,8 +14,7 @@ inline constexpr std::array kPhaseNames{"approach", "press", "pull"};
 /// Bits of ToolResult::status.
 inline constexpr std::uint32_t kStartedInside = 1U << 0;  // a part gives no force until it has left the organ
 inline constexpr std::uint32_t kContactsFull = 1U << 1;   // a part has more contacts than kContactsPerPart
-inline constexpr std::uint32_t kGripReleased = 1U
-                                               << 2;  // the force exceeded the grip limit: the grasp let go
+inline constexpr std::uint32_t kGripReleased = 1U << 2;   // above the grip limit: the grasp let go
 inline constexpr std::uint32_t kJump = 1U << 3;  // the tool moved faster than any hand: contact starts again
 
 inline constexpr int kContactsPerPart = 4;

@@ -14,10 +14,8 @@ inline constexpr std::uint32_t kTorqueClamped = 1U << 10;
 inline constexpr std::uint32_t kTorqueSlewed = 1U << 11;
 inline constexpr std::uint32_t kEnergyDamped = 1U << 12;  // the passivity controller acted
 inline constexpr std::uint32_t kDutyHigh = 1U << 13;      // RMS force over kDutyShort above continuous_force
-inline constexpr std::uint32_t kDutyLimited = 1U
-                                              // force lowered: RMS force over kDutyLong near
-                                              // continuous_force, or warm motors
-                                              << 14;
+// force lowered: RMS force over kDutyLong near continuous_force, or warm motors
+inline constexpr std::uint32_t kDutyLimited = 1U << 14;
 
 /// Time constants [s] of the written force's mean squares. The short one warns, the long one lowers the
 /// force.

@@ -60,7 +60,7 @@ Descriptor::~Descriptor() {
 
 IgtlAddress parse_igtl_address(const std::string& text, const std::string& who) {
   const std::string want =
-      "wanted is a port from 1 to 65535, or an address of this machine and a port, as in 0.0.0.0:18944";
+      "must be a port from 1 to 65535, or an address of this machine and a port, as in 0.0.0.0:18944";
   IgtlAddress address;
   const std::size_t colon = text.rfind(':');
   if (colon != std::string::npos) address.host = text.substr(0, colon);

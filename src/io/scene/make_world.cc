@@ -75,10 +75,10 @@ std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model
   const double depth = haptics::depth_of_tangent(
       tissue, direction_of(setup), 1.0 / setup.rate_Hz,
       able.max_stiffness / (variation * device.workspace_scale * device.force_scale));
-  return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " bears, " + rounded(stiffness) +
-         " N/m against " + rounded(able.max_stiffness) + " N/m" +
-         (std::isfinite(depth) ? ", from a depth of " + rounded(depth / kMillimetre) + " mm on" : "") +
-         ": it may tremble there; --fit-device scales the force to what it bears";
+  return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " can render, " +
+         rounded(stiffness) + " N/m instead of at most " + rounded(able.max_stiffness) + " N/m" +
+         (std::isfinite(depth) ? ", from a depth of " + rounded(depth / kMillimetre) + " mm" : "") +
+         ": the device may tremble there; --fit-device scales the force down to what it can render";
 }
 
 std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
@@ -164,7 +164,7 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
       remarks.push_back("device " + device.kind + ": the tissue's force is scaled by " +
                         rounded(device.force_scale) + " for the hand (--fit-device), so that its " +
                         rounded(stiffness) + " N/m become the " + rounded(able.max_stiffness) +
-                        " N/m that a " + able.model + " bears");
+                        " N/m that a " + able.model + " can render");
     }
   }
   world.limits = gate_limits(setup);

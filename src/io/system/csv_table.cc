@@ -127,7 +127,7 @@ void CsvTable::split() {
 
 void CsvTable::read_header() {
   if (line_.find(';') != std::string_view::npos) {
-    fail("semicolons stand between the columns, must be commas, and points in the numbers");
+    fail("semicolons separate the columns, must be commas, with decimal points in the numbers");
   }
   split();
   const std::string required = required_names(columns_);
@@ -141,7 +141,7 @@ void CsvTable::read_header() {
       continue;
     }
     const auto column = static_cast<std::size_t>(named - columns_.begin());
-    if (has(column)) fail(columns_[column].name + ": stands twice, must stand once");
+    if (has(column)) fail(columns_[column].name + ": the column appears twice, must appear once");
     cell_of_[column] = i;
   }
   header_cells_ = cells_.size();

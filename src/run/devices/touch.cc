@@ -27,8 +27,8 @@ const std::string& checked_arm_name(const std::string& name) {
   if (plain && name.size() <= kLongestArmName && name.rfind('.', 0) != 0) return name;
   throw InputError(
       "device touch: the name after \"touch:\" must be the arm's name in Touch_Setup, as in touch:Left, at "
-      "most "
-      "64 letters without / and without a point in front; the library is where the system's loader finds it");
+      "most 64 letters without / and without a point in front; the library is where the system's loader "
+      "finds it");
 }
 
 std::string calibration_text(int style) {
@@ -114,8 +114,7 @@ std::string TouchDevice::last_error() const {
       return "the arm switched its force off: let it rest for some minutes, then begin again";
     case TouchError::kSlow:
       return "the vendor's scheduler gives samples too slowly or none: end other programs, look at the arm "
-             "with "
-             "Touch_Diagnostic, then reset the fault";
+             "with Touch_Diagnostic, then reset the fault";
     case TouchError::kNone:
       break;
   }

@@ -25,8 +25,7 @@ constexpr HdErrorWords kHdErrors[] = {
      "end the other program that uses it; each of two arms needs its own name, --device touch:NAME"},
     {0x0302, "the arm does not communicate",
      "look at its cable and power, give yourself rights on its port (sudo usermod -aG dialout $USER, then "
-     "log "
-     "in again), run Touch_Setup"},
+     "log in again), run Touch_Setup"},
     {0x0303, "its communication is not configured",
      "run Touch_Setup as this user, with GTDD_HOME set as for this program"},
     {0x0304, "the vendor's timer failed", "end other programs that use the arm, then begin again"},

@@ -98,8 +98,7 @@ MachineCheck memory_lock(const fs::path& root) {
     check.found = "memlock limit " + *allowed + " bytes, and no CAP_IPC_LOCK";
     check.advice =
         "put '@realtime - memlock unlimited' into /etc/security/limits.d/realtime.conf and log in again; in "
-        "a "
-        "container: --ulimit memlock=-1";
+        "a container: --ulimit memlock=-1";
   }
   return check;
 }

@@ -25,7 +25,7 @@ TEST(IgtlAddress, WhatIsNoPortIsRefusedWithWhatWouldBeRight) {
       ADD_FAILURE() << wrong;
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(),
-                  HasSubstr(std::string("--igtl ") + wrong + ": wanted is a port from 1 to 65535"));
+                  HasSubstr(std::string("--igtl ") + wrong + ": must be a port from 1 to 65535"));
     }
   }
 }

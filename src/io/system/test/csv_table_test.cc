@@ -57,7 +57,7 @@ TEST(CsvTable, RefusesHeadersThatAreMissingUnknownIncompleteOrTwice) {
   EXPECT_EQ(error_in("time_s,depthmm\n"), "a.csv:1: column \"depthmm\": unknown, did you mean depth_mm?");
   EXPECT_THAT(error_in("depth_mm,wholly\n"), HasSubstr("valid are time_s, depth_mm and specimen"));
   EXPECT_EQ(error_in("time_s\n"), "a.csv:1: depth_mm: missing, the header must name depth_mm");
-  EXPECT_EQ(error_in("depth_mm,depth_mm\n"), "a.csv:1: depth_mm: stands twice, must stand once");
+  EXPECT_EQ(error_in("depth_mm,depth_mm\n"), "a.csv:1: depth_mm: the column appears twice, must appear once");
 }
 
 TEST(CsvTable, NamesTheColumnsThatAreMissingBeforeThoseThatAreUnknown) {

@@ -109,8 +109,8 @@ TEST(IgtlSource, OtherFormsAreRefusedWithTheRequiredOne) {
   for (const char* wrong : {"", "18945", "Hand"}) {
     EXPECT_THAT(opening_refusal(wrong), HasSubstr("must be PORT/NAME or ADDRESS:PORT/NAME")) << wrong;
   }
-  EXPECT_THAT(opening_refusal("0/Hand"), HasSubstr("device igtl: 0: wanted is a port from 1 to 65535"));
-  EXPECT_THAT(opening_refusal("localhost:80/Hand"), HasSubstr("wanted is a port from 1 to 65535"));
+  EXPECT_THAT(opening_refusal("0/Hand"), HasSubstr("device igtl: 0: must be a port from 1 to 65535"));
+  EXPECT_THAT(opening_refusal("localhost:80/Hand"), HasSubstr("must be a port from 1 to 65535"));
   for (const char* wrong : {"1/", "1/StylusTipToReferences", "1/a b", "1/\xc3\xa4"}) {
     EXPECT_THAT(opening_refusal(wrong), HasSubstr("must have 1 to 20 printable ASCII characters")) << wrong;
   }
