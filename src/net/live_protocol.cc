@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/json_field.h"
 #include "io/system/json_text.h"
 #include "palpate/tick_observer.h"
 #include "palpate/touch_noise.h"
@@ -19,24 +20,15 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kDeepest = 8;                  // nesting levels of a message; the commands need three
-constexpr std::size_t kLongestText = 1024;   // bytes of a text value, such as a path
-constexpr std::size_t kLongestName = 63;     // bytes of a tissue's name, as in a recorded parameter update
-constexpr std::size_t kLongestId = 64;       // bytes
-constexpr std::size_t kLongestExcerpt = 40;  // bytes of a value in an error
+constexpr int kDeepest = 8;                 // nesting levels of a message; the commands need three
+constexpr std::size_t kLongestText = 1024;  // bytes of a text value, such as a path
+constexpr std::size_t kLongestName = 63;    // bytes of a tissue's name, as in a recorded parameter update
+constexpr std::size_t kLongestId = 64;      // bytes
 constexpr double kLargestWhole = 9007199254740992.0;  // 2^53; JSON readers round larger integers
-
-/// Shortens a client's text for an error message and replaces characters that are not printable ASCII.
-std::string excerpt(std::string text) {
-  if (text.size() > kLongestExcerpt) text = text.substr(0, kLongestExcerpt) + "...";
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
-}
 
 [[noreturn]] void fail(const std::string& field, const json& value, const std::string& want) {
   throw LiveError("field",
-                  field + " = " + excerpt(value.dump(-1, ' ', false, json::error_handler_t::replace)) +
+                  field + " = " + ascii_excerpt(value.dump(-1, ' ', false, json::error_handler_t::replace)) +
                       ": must be " + want,
                   field);
 }
@@ -92,9 +84,9 @@ class Members final {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
       const std::string near = nearest_word(key, known_);
       throw LiveError("field",
-                      path_of(excerpt(key)) + ": is no field of this command" +
+                      path_of(ascii_excerpt(key)) + ": is no field of this command" +
                           (near.empty() ? "" : ", did you mean " + near + "?"),
-                      path_of(excerpt(key)));
+                      path_of(ascii_excerpt(key)));
     }
   }
 
@@ -253,7 +245,7 @@ Hello read_hello(Members& root) {
   if (version == nullptr || *version != kLiveProtocol) {
     throw LiveError(
         "version",
-        "palpate" + (version == nullptr ? ": missing" : " = " + excerpt(version->dump(-1, ' ', true))) +
+        "palpate" + (version == nullptr ? ": missing" : " = " + ascii_excerpt(version->dump(-1, ' ', true))) +
             ": must be \"" + kLiveProtocol + "\", the protocol's version that this program speaks",
         "palpate");
   }
@@ -349,7 +341,7 @@ const Reader& find_reader(const json& command) {
   const std::string near =
       command.is_string() ? nearest_word(command.get_ref<const std::string&>(), names) : std::string();
   throw LiveError("command",
-                  "do = " + excerpt(command.dump(-1, ' ', true)) + ": must be one of " + list +
+                  "do = " + ascii_excerpt(command.dump(-1, ' ', true)) + ": must be one of " + list +
                       (near.empty() ? "" : "; did you mean " + near + "?"),
                   "do");
 }

@@ -13,21 +13,37 @@ using nlohmann::json;
 
 constexpr std::size_t kLongestField = 200;  // bytes of a field's name in a message
 
+std::string ascii_excerpt(std::string text) {
+  constexpr std::size_t kLongest = 40;  // bytes
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 void JsonField::fail(const std::string& want) const {
   const std::string name = where_ + (name_.empty() ? "it" : excerpt(name_, kLongestField));
   if (!there()) throw InputError(name + ": missing, must be " + want);
-  const std::string value = value_->is_primitive()
-                                ? value_->dump(-1, ' ', false, json::error_handler_t::replace)
-                                : std::string("an ") + value_->type_name();
-  throw InputError(name + " = " + excerpt(value) + ": must be " + want);
+  const bool by_kind = quote_ == Quote::kLine && !value_->is_primitive();
+  const std::string value = by_kind ? std::string("an ") + value_->type_name()
+                                    : value_->dump(-1, ' ', false, json::error_handler_t::replace);
+  throw InputError(name + " = " + (quote_ == Quote::kLine ? excerpt(value) : ascii_excerpt(value)) +
+                   ": must be " + want);
+}
+
+JsonField JsonField::within(const json* value, std::string name) const {
+  JsonField field = *this;
+  field.value_ = value == nullptr || value->is_null() ? nullptr : value;
+  field.name_ = std::move(name);
+  return field;
 }
 
 JsonField JsonField::at(const std::string& key) const {
   const std::string name = name_.empty() ? key : name_ + "." + key;
-  if (!there()) return {nullptr, where_, name};
+  if (!there()) return within(nullptr, name);
   if (!value_->is_object()) fail("an object");
   const auto found = value_->find(key);
-  return {found == value_->end() || found->is_null() ? nullptr : &*found, where_, name};
+  return within(found == value_->end() ? nullptr : &*found, name);
 }
 
 bool JsonField::has(const std::string& key) const { return there() && value_->contains(key); }
@@ -51,8 +67,7 @@ std::vector<JsonField> JsonField::elements(std::size_t most) const {
   }
   all.reserve(value_->size());
   for (std::size_t i = 0; i < value_->size(); ++i) {
-    const json& element = (*value_)[i];
-    all.push_back({element.is_null() ? nullptr : &element, where_, name_ + "[" + std::to_string(i) + "]"});
+    all.push_back(within(&(*value_)[i], name_ + "[" + std::to_string(i) + "]"));
   }
   return all;
 }
@@ -63,8 +78,8 @@ std::vector<JsonField> JsonField::exactly(std::size_t count) const {
   return all;
 }
 
-double JsonField::number() const {
-  if (!there() || !value_->is_number()) fail("a number");
+double JsonField::number(const char* want) const {
+  if (!there() || !value_->is_number()) fail(want);
   return value_->get<double>();
 }
 
@@ -89,8 +104,8 @@ bool JsonField::flag() const {
   return value_->get<bool>();
 }
 
-std::string JsonField::text() const {
-  if (!there() || !value_->is_string()) fail("a text");
+std::string JsonField::text(const std::string& want) const {
+  if (!there() || !value_->is_string()) fail(want);
   return value_->get<std::string>();
 }
 

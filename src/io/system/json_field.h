@@ -12,14 +12,20 @@
 
 namespace palpate {
 
+/// [setup] A text from outside, made safe for other programs: at most 40 bytes, in printable ASCII.
+[[nodiscard]] std::string ascii_excerpt(std::string text);
+
 /// A value of a JSON text from a file or a message, with its name in the text: "devices[0].base". All
 /// functions are [setup]; they throw InputError "NAME = VALUE: must be ...", or "NAME: missing, must be ...",
 /// in one line. The text must outlive it.
 class JsonField final {
  public:
+  /// How messages show a value: as one line, with arrays and objects by their kind; or as ascii_excerpt().
+  enum class Quote { kLine, kAscii };
+
   /// The whole text. @param where start of all messages: "FILE: "
-  explicit JsonField(const nlohmann::json& root, std::string where = "")
-      : value_(&root), where_(std::move(where)) {}
+  explicit JsonField(const nlohmann::json& root, std::string where = "", Quote quote = Quote::kLine)
+      : value_(&root), where_(std::move(where)), quote_(quote) {}
 
   /// Whether the text has it, with a value other than null.
   [[nodiscard]] bool there() const noexcept { return value_ != nullptr; }
@@ -38,15 +44,16 @@ class JsonField final {
   /// The elements of an array of exactly this size.
   [[nodiscard]] std::vector<JsonField> exactly(std::size_t count) const;
 
-  /// A finite number; JSON has no others.
-  [[nodiscard]] double number() const;
+  /// A finite number; JSON has no others. @param want for the message
+  [[nodiscard]] double number(const char* want = "a number") const;
   /// A number from `low` to `high`.
   [[nodiscard]] double number(double low, double high) const;
   /// A number > 0, at most `most`.
   [[nodiscard]] double positive(double most) const;
   [[nodiscard]] std::optional<double> optional_number() const;
   [[nodiscard]] bool flag() const;
-  [[nodiscard]] std::string text() const;
+  /// @param want for the message
+  [[nodiscard]] std::string text(const std::string& want = "a text") const;
   [[nodiscard]] std::vector<std::string> texts() const;
   /// A whole number of the type's range, at most `most`.
   template <std::integral Whole>
@@ -56,14 +63,15 @@ class JsonField final {
   }
 
  private:
-  JsonField(const nlohmann::json* value, std::string where, std::string name)
-      : value_(value), where_(std::move(where)), name_(std::move(name)) {}
+  /// A value within this one. @param value null, or JSON's null: missing
+  [[nodiscard]] JsonField within(const nlohmann::json* value, std::string name) const;
   /// The bits of a whole number from `least`, which is 0 or negative, to `most`.
   [[nodiscard]] std::uint64_t whole_from(std::int64_t least, std::uint64_t most) const;
 
   const nlohmann::json* value_;  // null: missing
   std::string where_;
-  std::string name_;  // "" for the whole text
+  std::string name_{};  // "" for the whole text
+  Quote quote_;
 };
 
 }  // namespace palpate
