@@ -2,9 +2,9 @@
 // forces with those of the committed constants. tools/ablate_contact compiles it against a copy of
 // contact_constants.h whose constants are variables, and in which contact::set_constants() exists. Reads one
 // "NAME VALUE" per line. Prints for each: largest change of a force [mN], its 95th percentile, the motion
-// with the largest change, largest change of a torque [mN m], largest step between ticks of all motions but
-// the fast ones [mN], processor time [us] of a tick and hand. The first line printed is for the committed
-// constants.
+// with the largest change, largest change of a torque [mN m], largest growth of a step between ticks of all
+// motions but the fast ones [mN], processor time [us] of a tick and hand. The first line printed is for the
+// committed constants, with their largest step and its motion.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,9 +24,10 @@ namespace {
 
 using namespace palpate;
 
-constexpr double kPeriod = 1e-3;  // s
-constexpr int kTicks = 1500;      // of a motion
-constexpr std::array kMotions{"press", "sweep", "edge", "fast", "roll", "pull"};
+constexpr double kPeriod = 1e-3;        // s
+constexpr int kTicks = 1500;            // of a motion
+constexpr double kLargestForce = 20.0;  // N, as the gate limits it by default
+constexpr std::array kMotions{"press", "sweep", "edge", "fast", "roll", "turn", "pull"};
 constexpr std::size_t kFast = 3;  // has jumps, which are steps of the force in any case
 
 /// An organ, its tools and the heights that the motions need.
@@ -77,6 +78,7 @@ contact::ToolInput at(const Setting& s, std::size_t motion, int tick, std::size_
   Vec3 tip(0.0, 0.0, 5e-3);
   double tilt = 0.0;
   double gripper = 0.1;
+  double turn = 0.0;
   switch (motion) {
     case 0:
       tip.z() -= 13e-3 * (ramp(t, 0.0, 0.5) - ramp(t, 0.9, 1.4));
@@ -100,6 +102,13 @@ contact::ToolInput at(const Setting& s, std::size_t motion, int tick, std::size_
       tilt = 1.7 * (ramp(t, 0.2, 0.7) - ramp(t, 0.8, 1.3));
       gripper = 0.8;
       break;
+    case 5:  // oblique open jaws slide and turn
+      tip += Vec3(5e-3 + 6e-3 * wave(0.8, t), 5e-3 - 8e-3 * ramp(t, 0.4, 1.0),
+                  -11e-3 * (ramp(t, 0.0, 0.2) - ramp(t, 1.3, 1.5)));
+      tilt = 1.1 + 0.4 * wave(1.7, t);
+      turn = 2.0 * ramp(t, 0.3, 1.2);
+      gripper = 1.0;
+      break;
     default:
       tip += Vec3(6e-3 * ramp(t, 0.6, 0.8), 0.0, -6e-3 * ramp(t, 0.0, 0.3) + 9e-3 * ramp(t, 0.5, 0.9));
       gripper = 0.8 - 0.8 * ramp(t, 0.3, 0.4) + 0.8 * ramp(t, 1.0, 1.1);
@@ -107,7 +116,7 @@ contact::ToolInput at(const Setting& s, std::size_t motion, int tick, std::size_
   const double aside = hand == 0 ? 0.0 : 6e-3;
   const Quat down = rotation_about(Vec3::UnitX(), portable::kPi);
   const Quat turned =
-      (rotation_about(Vec3::UnitZ(), 100.0 * aside) * rotation_about(Vec3::UnitX(), tilt) * down)
+      (rotation_about(Vec3::UnitZ(), 100.0 * aside + turn) * rotation_about(Vec3::UnitX(), tilt) * down)
           .normalized();
   const Vec3 tip_W = s.top + tip + Vec3(aside, 0.5 * aside, 0.0);
   return {{turned, tip_W - turned * Vec3(0.0, 0.0, s.tool_tips)}, gripper};
@@ -132,7 +141,10 @@ std::vector<std::vector<Wrench>> play(const std::vector<Setting>& settings, doub
       for (int tick = 0; tick < kTicks; ++tick) {
         for (std::size_t hand = 0; hand < hands; ++hand) inputs[hand] = at(s, motion, tick, hand);
         contact::advance(s.world, {}, inputs, state, results);
-        for (const contact::ToolResult& r : results) wrenches.push_back({r.force_W, r.torque_W});
+        for (const contact::ToolResult& r : results) {
+          const double felt = std::min(1.0, kLargestForce / std::max(r.force_W.norm(), 1e-9));
+          wrenches.push_back({felt * r.force_W, felt * r.torque_W});
+        }
       }
       count += wrenches.size();
     }
@@ -141,6 +153,11 @@ std::vector<std::vector<Wrench>> play(const std::vector<Setting>& settings, doub
   return all;
 }
 
+std::string name_of(const Setting& s, std::size_t motion) {
+  return std::string(kMotions[motion % kMotions.size()]) + " (" + s.name + ")";
+}
+
+/// @param usual the wrenches of the committed constants; empty: these are they
 void report(const std::vector<Setting>& settings, const std::string& name,
             const std::vector<std::vector<Wrench>>& usual) {
   double time_us = 0.0;
@@ -154,14 +171,19 @@ void report(const std::vector<Setting>& settings, const std::string& name,
     const Setting& s = settings[m / kMotions.size()];
     const std::size_t hands = s.world.tool_count();
     for (std::size_t i = 0; i < now[m].size(); ++i) {
-      if (i >= hands && m % kMotions.size() != kFast)
-        step = std::max(step, (now[m][i].force - now[m][i - hands].force).norm());
+      if (i >= hands && m % kMotions.size() != kFast) {
+        const double before = usual.empty() ? 0.0 : (usual[m][i].force - usual[m][i - hands].force).norm();
+        const double grown = (now[m][i].force - now[m][i - hands].force).norm() - before;
+        if (usual.empty() && grown > step) where = name_of(s, m);
+        step = std::max(step, grown);
+      }
+      if (usual.empty()) continue;
       torque = std::max(torque, (now[m][i].torque - usual[m][i].torque).norm());
       if (now[m][i].force.isZero(0.0) && usual[m][i].force.isZero(0.0)) continue;
       changes.push_back((now[m][i].force - usual[m][i].force).norm());
       if (changes.back() <= largest) continue;
       largest = changes.back();
-      where = std::string(kMotions[m % kMotions.size()]) + " (" + s.name + ")";
+      where = name_of(s, m);
     }
   }
   std::sort(changes.begin(), changes.end());
@@ -180,7 +202,7 @@ int main() {
   settings.push_back(setting("kidney", {"sphere:4"}, false));
   double time_us = 0.0;
   const auto usual = play(settings, time_us);
-  report(settings, "as committed", usual);
+  report(settings, "as committed", {});
   std::string name;
   for (double value = 0.0; std::cin >> name >> value;) {
     contact::set_constants(name, value);
