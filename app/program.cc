@@ -97,7 +97,8 @@ int run_command(int argc, char** argv, const AddCommands& add_commands) {
   program.set_version_flag("--version", std::string("palpate ") + kVersion);
   program.require_subcommand(1);
   int exit_code = kDone;
-  add_commands(program, quoted_command_line("palpate", argc, argv), exit_code);
+  const std::string command_line = quoted_command_line("palpate", argc, argv);
+  add_commands(program, command_line, exit_code);  // the commands keep references to both
   if (argc == 1) {
     std::cerr << program.help();
     return kBadInput;

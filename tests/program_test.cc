@@ -102,6 +102,15 @@ TEST(Program, BadUsageAndBadInputExitTwoInOneLineAndWriteNothing) {
   }
 }
 
+TEST(Program, AReportSaysTheCommandThatMadeIt) {
+  const Folder folder;
+  const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "my report"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(
+      text_of(folder / "my report/report.html").find("palpate run --offline --duration-s 0.05 --report"),
+      std::string::npos);
+}
+
 TEST(Program, OutputsThatCannotBeWrittenExitTwoAndLeaveTheOthersAlone) {
   const Folder folder;
   for (const auto& wrong : std::vector<std::vector<std::string>>{{"--record", "no/such/r.h5"},
