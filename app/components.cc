@@ -60,10 +60,10 @@ const ComponentCommand* find(std::string_view name) noexcept {
 /// Replaces this process by `program`. Returns only when `program` cannot be executed. @return the reason
 int execute(const fs::path& program, char** arguments) {
   std::string name = program.string();
-  std::vector<char*> words = {name.data()};
-  while (*arguments != nullptr) words.push_back(*arguments++);
-  words.push_back(nullptr);
-  execv(name.c_str(), words.data());
+  std::vector<char*> argv = {name.data()};
+  while (*arguments != nullptr) argv.push_back(*arguments++);
+  argv.push_back(nullptr);
+  execv(name.c_str(), argv.data());
   return errno;
 }
 

@@ -46,7 +46,7 @@ fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions
   for (const OutputFiles& file : files) recordings.push_back(record::read_recording(file.recording));
   std::vector<report::Experiment> experiments;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    experiments.push_back({title_of(sessions[i]->setup()), &recordings[i], command_line});
+    experiments.push_back({title_of(sessions[i]->scene()), &recordings[i], command_line});
   }
   Progress bar("report");
   return report::write_report(experiments, folder,

@@ -39,7 +39,7 @@ int list_devices(bool as_json) {
       }
       list.push_back({{"kind", probe.kind},
                       {"available", probe.available},
-                      {"words", probe.words},
+                      {"words", probe.text},
                       {"reasons", reasons}});
     }
     std::cout << json_text(Json{{"devices", list}}, -1) << '\n';
@@ -49,7 +49,7 @@ int list_devices(bool as_json) {
   for (const devices::Probe& probe : probes) {
     std::string kind = probe.kind;
     kind.resize(std::max(kKindWidth, kind.size() + 1), ' ');
-    std::cout << kind << (probe.available ? "available:    " : "unavailable:  ") << probe.words << '\n';
+    std::cout << kind << (probe.available ? "available:    " : "unavailable:  ") << probe.text << '\n';
     for (const devices::Reason& reason : probe.reasons) {
       std::cout << std::string(kKindWidth, ' ') << "- " << reason.what << '\n'
                 << std::string(kKindWidth, ' ') << "  $ " << reason.command << '\n';
@@ -64,7 +64,7 @@ struct Look {
   haptics::DeviceState last;
   std::uint64_t reads = 0;
   std::uint64_t fresh = 0;  // reads that returned a new sample
-  std::string trouble;
+  std::string last_error;
 };
 
 /// Opens the device and reads it for 0.2 s at 1 kHz. Commands no force, so the device stays at zero force.
@@ -85,7 +85,7 @@ Look look_at(const std::string& what) {
     age = look.last.age;
   }
   opened.device->stop();
-  look.trouble = opened.device->last_error();
+  look.last_error = opened.device->last_error();
   return look;
 }
 
@@ -111,7 +111,7 @@ void print_json(const Look& look) {
   json["gripper"] = look.last.gripper;
   json["buttons"] = pressed_buttons(look.last.buttons);
   json["fault"] = haptics::name_of(look.last.fault);
-  json["trouble"] = look.trouble;
+  json["trouble"] = look.last_error;
   std::cout << json_text(json, -1) << '\n';
 }
 
@@ -133,7 +133,7 @@ void print_lines(const Look& look) {
             << "  state        "
             << (look.last.fault == haptics::Fault::kNone ? "no fault" : haptics::describe(look.last.fault))
             << '\n';
-  if (!look.trouble.empty()) std::cout << "  error        " << look.trouble << '\n';
+  if (!look.last_error.empty()) std::cout << "  error        " << look.last_error << '\n';
 }
 
 int try_device(const DevicesFlags& flags) {

@@ -111,11 +111,11 @@ std::string padded(std::string label) {
   return label;
 }
 
-void print_list(const char* name, const std::vector<std::string>& words) {
+void print_list(const char* name, const std::vector<std::string>& texts) {
   std::string label = padded(name);
-  if (words.empty()) std::cout << "  " << label << "none\n";
-  for (const std::string& word : words) {
-    std::cout << "  " << label << word << '\n';
+  if (texts.empty()) std::cout << "  " << label << "none\n";
+  for (const std::string& text : texts) {
+    std::cout << "  " << label << text << '\n';
     label.assign(label.size(), ' ');
   }
 }

@@ -33,20 +33,20 @@ NextSession::NextSession(scene::Overrides request, std::optional<LiveParameters>
   work_ = std::async(std::launch::async, [this] {
     const devices::SignalStack signal_stack;
     haptics::yield_to_loop();
-    scene::Scene setup = scene::load(request_);
+    scene::Scene scene = scene::load(request_);
     if (kept_) {
-      const double rate_Hz = setup.noise.rate_Hz;
-      setup.tissue = kept_->tissue;
-      setup.noise = kept_->noise;
-      setup.noise.rate_Hz = rate_Hz;
-      setup.inclusions = kept_->inclusions;
+      const double rate_Hz = scene.noise.rate_Hz;
+      scene.tissue = kept_->tissue;
+      scene.noise = kept_->noise;
+      scene.noise.rate_Hz = rate_Hz;
+      scene.inclusions = kept_->inclusions;
     }
-    if (check_) check_(setup);
+    if (check_) check_(scene);
     if (!recording_.empty()) {
       require_regular_file(recording_, "recording");
-      require_no_overwrite(std::vector<NamedFile>{{"recording", recording_}}, sources_of(setup));
+      require_no_overwrite(std::vector<NamedFile>{{"recording", recording_}}, sources_of(scene));
     }
-    setup_ = std::move(setup);
+    scene_ = std::move(scene);
   });
 }
 
@@ -54,7 +54,7 @@ void NextSession::prepare_now(std::optional<double> duration_s, bool no_cache) {
   state_ = State::kPreparing;
   work_ = std::async(std::launch::async, [this, duration_s, no_cache] {
     const devices::SignalStack signal_stack;
-    session_ = prepare(std::move(*setup_), duration_s, no_cache, &broken_off_);
+    session_ = prepare(std::move(*scene_), duration_s, no_cache, &broken_off_);
   });
 }
 

@@ -13,8 +13,8 @@ namespace palpate::app {
 
 /// Tissue, touch noise and inclusions in force, which may differ from those of the scene.
 struct LiveParameters {
-  explicit LiveParameters(const scene::Scene& setup)
-      : tissue(setup.tissue), noise(setup.noise), inclusions(setup.inclusions) {}
+  explicit LiveParameters(const scene::Scene& scene)
+      : tissue(scene.tissue), noise(scene.noise), inclusions(scene.inclusions) {}
 
   model::TissueParameters tissue;
   noise::NoiseSettings noise;
@@ -59,7 +59,7 @@ class NextSession final {
   std::optional<LiveParameters> kept_;
   std::filesystem::path recording_;
   Check check_;
-  std::optional<scene::Scene> setup_;
+  std::optional<scene::Scene> scene_;
   std::unique_ptr<Session> session_;
   std::string failure_;
   std::atomic<bool> broken_off_{false};

@@ -63,10 +63,10 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
            (near.empty() ? "; the commands are " + names : ", did you mean " + near + "?") + help;
   }
   // CLI11 reports a word that is not a number as "Could not convert: --seed = abc".
-  std::string words = error.what();
+  std::string message = error.what();
   const std::string convert = "Could not convert: ";
-  if (words.rfind(convert, 0) != 0) return words + help;
-  return words.substr(convert.size()) + ": must be a number" + help;
+  if (message.rfind(convert, 0) != 0) return message + help;
+  return message.substr(convert.size()) + ": must be a number" + help;
 }
 
 /// [setup] Rejects an empty word, as from "$FILE" where FILE is not set. An empty name of an output would

@@ -29,13 +29,13 @@ RecordedView::RecordedView(std::filesystem::path file, bool no_cache, const reco
       frames_(recording_, preparation_.how()) {}
 
 std::uint32_t RecordedView::hands() const noexcept {
-  return static_cast<std::uint32_t>(recording_.setup.devices.size());
+  return static_cast<std::uint32_t>(recording_.scene.devices.size());
 }
 
 render::Subject RecordedView::subject() const {
-  const scene::Scene& setup = recording_.setup;
-  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
-          scene::visible_inclusions(setup.inclusions)};
+  const scene::Scene& scene = recording_.scene;
+  return {scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
+          scene::visible_inclusions(scene.inclusions)};
 }
 
 const haptics::TickRow& RecordedView::row(std::uint64_t tick, std::uint32_t hand) const {
@@ -43,12 +43,12 @@ const haptics::TickRow& RecordedView::row(std::uint64_t tick, std::uint32_t hand
 }
 
 double RecordedView::time_of(std::uint64_t tick) const noexcept {
-  return static_cast<double>(tick) / recording_.setup.rate_Hz;
+  return static_cast<double>(tick) / recording_.scene.rate_Hz;
 }
 
 std::uint64_t RecordedView::tick_at(double time) const noexcept {
   const double last = static_cast<double>(ticks() - 1);
-  return static_cast<std::uint64_t>(std::clamp(std::round(time * recording_.setup.rate_Hz), 0.0, last));
+  return static_cast<std::uint64_t>(std::clamp(std::round(time * recording_.scene.rate_Hz), 0.0, last));
 }
 
 render::Camera RecordedView::camera(std::uint32_t hand, bool close_up) {

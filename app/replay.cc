@@ -33,7 +33,7 @@ std::string hexadecimal(std::uint64_t value) {
 void print_json(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks) {
   nlohmann::ordered_json json;
   json["ticks"] = ticks;
-  json["hands"] = recording.setup.tools.size();
+  json["hands"] = recording.scene.tools.size();
   json["complete"] = recording.facts.complete;
   json["rows_compared"] = result.rows_compared;
   json["rows_different"] = result.rows_different;
@@ -74,7 +74,7 @@ int replay_file(const ReplayFlags& flags) {
       flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); },
       record::Blind::kAllow);
   const record::ReplayResult result = run_again(recording, flags.file, bar, flags.no_cache);
-  const std::uint64_t ticks = result.rows_compared / recording.setup.tools.size();
+  const std::uint64_t ticks = result.rows_compared / recording.scene.tools.size();
   if (flags.json) {
     print_json(recording, result, ticks);
   } else {

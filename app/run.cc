@@ -109,7 +109,7 @@ struct RunFlags {
   OutputFiles files;
 };
 
-void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
+void check_outputs(const OutputFiles& files, const scene::Scene& scene) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
@@ -119,7 +119,7 @@ void check_outputs(const OutputFiles& files, const scene::Scene& setup) {
     require_regular_output(files.report / "recording.h5", "--report");
     outputs.push_back({"--report", files.report / "recording.h5"});
   }
-  require_no_overwrite(outputs, sources_of(setup));
+  require_no_overwrite(outputs, sources_of(scene));
 }
 
 /// Whether this run has a window. Reports a missing display for a run in real time without --headless.
@@ -133,7 +133,7 @@ bool wants_window(const RunFlags& flags) {
 /// Rejects a mouse or a gamepad without a window, because the window supplies their input. @throws InputError
 void require_window(const Session& session, const RunFlags& flags, bool window) {
   if (window) return;
-  for (const scene::DeviceSetup& device : session.setup().devices) {
+  for (const scene::DeviceSetup& device : session.scene().devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
     const std::string why = flags.offline    ? "with --offline"
@@ -205,10 +205,10 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
-  scene::Scene setup = scene::load(flags.request);
-  check_outputs(flags.files, setup);
+  scene::Scene scene = scene::load(flags.request);
+  check_outputs(flags.files, scene);
   const std::shared_ptr<Session> session =
-      prepare(std::move(setup), flags.duration_s, flags.no_cache, &signals->flag());
+      prepare(std::move(scene), flags.duration_s, flags.no_cache, &signals->flag());
   const bool window = wants_window(flags);
   require_window(*session, flags, window);
   OutputFiles files = flags.files;
@@ -220,14 +220,14 @@ int run(const RunFlags& flags, const std::string& command_line) {
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
-  const bool palpates = session->setup().task == scene::Task::kPalpate;
+  const bool palpates = session->scene().task == scene::Task::kPalpate;
   if (recorded.empty() && ((palpates && !window) || !files.screenshot.empty())) {
     const fs::path folder = temporary.emplace("palpate-").path();
     if (folder.empty()) throw InputError(fs::temp_directory_path().string() + ": cannot make a folder in it");
     recorded = folder / "run.h5";
   }
 
-  const std::string title = title_of(session->setup());
+  const std::string title = title_of(session->scene());
   igtl.report_where();
   const Played played = play_as_asked(session, flags, recorded, window, igtl.server(), signals->flag());
   signals.reset();

@@ -45,10 +45,10 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   const palpation::ScoredRecording scored = score_of(recording, flags.no_cache);
   const palpation::Scorer& made = scored.scorer();
   if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);
-  if (!flags.picture.empty()) write_png(report::draw_felt_stiffness(recording.setup, made), flags.picture);
+  if (!flags.picture.empty()) write_png(report::draw_felt_stiffness(recording.scene, made), flags.picture);
   if (!flags.report.empty()) {
     report_message("report: " +
-                   report::write_palpation_report(recording.setup, made, report, command_line).string());
+                   report::write_palpation_report(recording.scene, made, report, command_line).string());
   }
   if (flags.json) {
     std::cout << palpation::to_json(made.score()) << '\n';

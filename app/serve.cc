@@ -57,7 +57,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kPageType
      {".txt", "text/plain; charset=utf-8"},
      {".svg", "image/svg+xml"},
      {".png", "image/png"}}};
-constexpr std::size_t kMostPageFiles = 100;
+constexpr std::size_t kMaxPageFiles = 100;
 
 /// The files of a page by their path at the server: an HTML file, or those of a folder with an index.html.
 /// They are read once, so that a request opens no file. @throws InputError
@@ -71,8 +71,8 @@ std::map<std::string, net::PageFile> read_page(const fs::path& page) try {
       return entry.path().extension() == known.first;
     });
     if (type == kPageTypes.end() || entry.symlink_status().type() != fs::file_type::regular) continue;
-    if (files.size() == kMostPageFiles) {
-      throw InputError(fmt::format("{}: has more than {} files", page.string(), kMostPageFiles));
+    if (files.size() == kMaxPageFiles) {
+      throw InputError(fmt::format("{}: has more than {} files", page.string(), kMaxPageFiles));
     }
     const std::string path = "/" + entry.path().lexically_relative(page).generic_string();
     files[path == "/index.html" ? "/" : path] = {std::string(type->second),
@@ -145,14 +145,14 @@ int serve(const ServeFlags& flags) {
   const BackgroundOutput output;
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
-  scene::Scene setup = scene::load(flags.runs.request);
-  require_windowless(setup);
-  std::vector<NamedFile> inputs = sources_of(setup);
+  scene::Scene scene = scene::load(flags.runs.request);
+  require_windowless(scene);
+  std::vector<NamedFile> inputs = sources_of(scene);
   inputs.push_back({"--page", flags.page});
   inputs.push_back({"--token-file", flags.token_file});
   require_no_overwrite(std::vector<NamedFile>{{"--record", flags.runs.recording}}, inputs);
   ServedRuns runs(flags.runs,
-                  prepare(std::move(setup), flags.runs.duration_s, flags.runs.no_cache, &signals.flag()));
+                  prepare(std::move(scene), flags.runs.duration_s, flags.runs.no_cache, &signals.flag()));
   net::LiveServer server(options, runs);
   runs.stop_with(signals.flag());
   report_place(server, flags, options);

@@ -24,8 +24,8 @@ bool is_same_path(const std::string& one, const std::string& other, scene::Devic
 
 }  // namespace
 
-void require_windowless(const scene::Scene& setup) {
-  for (const scene::DeviceSetup& device : setup.devices) {
+void require_windowless(const scene::Scene& scene) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || !kind->window) continue;
     throw InputError("device " + device.kind + ": needs the window of `palpate run`; serve has no window");
@@ -41,8 +41,8 @@ void require_made_up(const std::string& device) {
                        "device");
 }
 
-void require_named(const scene::Scene& setup, const std::vector<scene::DeviceSetup>& named) {
-  for (const scene::DeviceSetup& device : setup.devices) {
+void require_named(const scene::Scene& scene, const std::vector<scene::DeviceSetup>& named) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     const scene::DeviceKind* const kind = scene::find_device_kind(device.kind);  // load() knows it
     if (is_simulated(*kind)) continue;
     const bool is_named = std::any_of(named.begin(), named.end(), [&](const scene::DeviceSetup& own) {

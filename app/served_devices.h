@@ -9,7 +9,7 @@ namespace palpate::app {
 
 /// [setup] Rejects a scene with a mouse or a gamepad, because they need the window of `palpate run`.
 /// @throws InputError
-void require_windowless(const scene::Scene& setup);
+void require_windowless(const scene::Scene& scene);
 
 /// [setup] A client may select a simulated device, but no device that opens something on the server.
 /// @throws LiveError
@@ -17,6 +17,6 @@ void require_made_up(const std::string& device);
 
 /// [setup] Rejects devices of a client's scene that open a port, a service, an arm or a recording, unless the
 /// server was started with them: only its operator may open something. @throws InputError
-void require_named(const scene::Scene& setup, const std::vector<scene::DeviceSetup>& named);
+void require_named(const scene::Scene& scene, const std::vector<scene::DeviceSetup>& named);
 
 }  // namespace palpate::app

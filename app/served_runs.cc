@@ -44,11 +44,11 @@ void require_inside(const scene::InclusionSetup& inclusion, const geometry::Tria
 ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
-      own_devices_(first_->setup().devices),
-      now_(first_->setup()) {}
+      own_devices_(first_->scene().devices),
+      now_(first_->scene()) {}
 
-const scene::Scene& ServedRuns::setup() const {
-  return run_ != nullptr ? run_->session().setup() : first_->setup();
+const scene::Scene& ServedRuns::scene() const {
+  return run_ != nullptr ? run_->session().scene() : first_->scene();
 }
 
 void ServedRuns::send_event(const std::string& event, Json members) {
@@ -82,7 +82,7 @@ void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   surface_.reset();
   moved_ns_ = 0;
   first_.reset();
-  now_ = LiveParameters(run_->session().setup());
+  now_ = LiveParameters(run_->session().scene());
   send_event("run", {{"run", about_run()}});
 }
 
@@ -91,8 +91,8 @@ void ServedRuns::begin_first() { begin_first(options_.recording); }
 void ServedRuns::begin_first(fs::path recording) {
   const model::TissueParameters tissue = now_.tissue;  // a client may have changed it before the first run
   const haptics::LiveNoise noise = live(now_.noise);
-  const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->setup().tissue);
-  const bool other_noise = !(noise == live(first_->setup().noise));
+  const bool other_tissue = net::tissue_json(tissue) != net::tissue_json(first_->scene().tissue);
+  const bool other_noise = !(noise == live(first_->scene().noise));
   begin(std::move(first_), std::move(recording));
   if (other_tissue) {
     (void)run_->session().updates().offer(tissue);
@@ -131,8 +131,8 @@ Json ServedRuns::about_run() {
                        : accounted_    ? "ended"
                                        : "running"},
              {"loading", is_loading()},
-             {"scene", setup().name},
-             {"rate_Hz", setup().rate_Hz}};
+             {"scene", scene().name},
+             {"rate_Hz", scene().rate_Hz}};
   if (run_ == nullptr) return about;
   about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(run_->recording().string());
   if (!accounted_) return about;
@@ -157,16 +157,16 @@ net::LiveState ServedRuns::newest() {
 }
 
 ServedRuns::Answer ServedRuns::describe() const {
-  Json scene = net::scene_json(setup());
-  scene.update(net::inclusions_json(now_.inclusions));
-  return Json{{"scene", scene},
+  Json json = net::scene_json(scene());
+  json.update(net::inclusions_json(now_.inclusions));
+  return Json{{"scene", json},
               {"tissue", net::tissue_json(now_.tissue)},
               {"noise", net::noise_json(live(now_.noise))}};
 }
 
 ServedRuns::Answer ServedRuns::surface(bool at_rest) {
   constexpr std::int64_t kBetween = 20'000'000;  // ns; many clients within it share one surface
-  if (!surface_) surface_.emplace(setup().organ);
+  if (!surface_) surface_.emplace(scene().organ);
   if (at_rest) {
     Json whole{{"run", runs_}};
     whole.update(surface_->at_rest());
@@ -189,7 +189,7 @@ const haptics::Snapshot& ServedRuns::newest_snapshot(const std::string& command)
 }
 
 ServedRuns::Answer ServedRuns::tool(std::uint32_t hand) const {
-  const std::vector<geometry::Tool>& tools = setup().tools;
+  const std::vector<geometry::Tool>& tools = scene().tools;
   if (hand >= tools.size()) {
     throw LiveError("refused",
                     fmt::format("hand = {}: must be less than {}, the number of hands", hand, tools.size()),
@@ -268,9 +268,9 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
 /// Check of the next scene, which runs on the thread that reads it.
 NextSession::Check ServedRuns::check_of(bool is_clients) const {
   if (!is_clients) return require_windowless;
-  return [own = own_devices_](const scene::Scene& setup) {
-    require_windowless(setup);
-    require_named(setup, own);
+  return [own = own_devices_](const scene::Scene& scene) {
+    require_windowless(scene);
+    require_named(scene, own);
   };
 }
 
@@ -286,7 +286,7 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
 ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
-  const bool same_inclusions = first_ != nullptr && first_->setup().inclusions == now_.inclusions;
+  const bool same_inclusions = first_ != nullptr && first_->scene().inclusions == now_.inclusions;
   if (same_inclusions && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
@@ -328,7 +328,7 @@ ServedRuns::Answer ServedRuns::set_noise(const net::NoiseEdit& edit) {
   settings.enabled = noise.enabled;
   settings.gain = noise.gain;
   settings.threshold = noise.threshold;
-  noise::validate(settings, setup().rate_Hz);
+  noise::validate(settings, scene().rate_Hz);
   Json answer{{"change", nullptr}};
   if (running()) answer["change"] = run_->session().updates().offer(noise).number;
   now_.noise = settings;
@@ -350,7 +350,7 @@ ServedRuns::Answer ServedRuns::set_inclusion(const net::InclusionEdit& edit) {
     answer["change"] = accepted.number;
     answer["warnings"] = accepted.warnings;
   } else if (edit.centre_S) {
-    require_inside(changed, setup().organ);
+    require_inside(changed, scene().organ);
   }
   now_.inclusions[index] = changed;
   send_event("inclusion", {{"change", answer["change"]},
@@ -377,14 +377,14 @@ std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
 
 void ServedRuns::report_faults() {
   while (const std::optional<net::FaultTransition> turn = run_->observer().take_fault()) {
-    const std::string trouble = run_->session().devices()[turn->hand]->last_error();
+    const std::string last_error = run_->session().devices()[turn->hand]->last_error();
     Json fault{{"run", runs_},
                {"tick", turn->tick},
-               {"time_s", static_cast<double>(turn->tick) / setup().rate_Hz},
+               {"time_s", static_cast<double>(turn->tick) / scene().rate_Hz},
                {"hand", turn->hand},
                {"fault", haptics::name_of(turn->fault)},
                {"words", haptics::describe(turn->fault)}};
-    if (turn->fault != haptics::Fault::kNone && !trouble.empty()) fault["trouble"] = trouble;
+    if (turn->fault != haptics::Fault::kNone && !last_error.empty()) fault["trouble"] = last_error;
     send_event("fault", {{"fault", fault}});
   }
 }

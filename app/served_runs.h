@@ -61,7 +61,7 @@ class ServedRuns final : public net::RunService {
   using Answer = std::optional<nlohmann::ordered_json>;
 
   [[nodiscard]] bool running() const noexcept { return run_ != nullptr && !accounted_; }
-  [[nodiscard]] const scene::Scene& setup() const;
+  [[nodiscard]] const scene::Scene& scene() const;
   Answer describe() const;
   Answer surface(bool at_rest);
   Answer tool(std::uint32_t hand) const;

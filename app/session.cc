@@ -91,11 +91,11 @@ ProgressObserver::~ProgressObserver() {
 }
 
 void ProgressObserver::report_progress(const std::stop_token& stop) {
-  Progress bar(session_.setup().name);
+  Progress bar(session_.scene().name);
   std::mutex mutex;
   std::condition_variable_any wake;
   std::unique_lock lock(mutex);
-  bool told_warm = false;
+  bool warm_reported = false;
   for (bool last = false; !last;) {
     last = wake.wait_for(lock, stop, kRedraw, [&stop] { return stop.stop_requested(); });
     haptics::FaultSeen seen;
@@ -104,11 +104,11 @@ void ProgressObserver::report_progress(const std::stop_token& stop) {
       report_fault(seen);
     }
     const int hand = warm_hand_.load(std::memory_order_relaxed);
-    if (hand >= 0 && !told_warm &&
-        session_.setup().devices[static_cast<std::size_t>(hand)].kind != "replay") {
+    if (hand >= 0 && !warm_reported &&
+        session_.scene().devices[static_cast<std::size_t>(hand)].kind != "replay") {
       bar.clear();
       app::report_message(describe_warm_motors(static_cast<std::size_t>(hand)));
-      told_warm = true;
+      warm_reported = true;
     }
     {
       const std::scoped_lock errors(mutex_);
@@ -117,23 +117,23 @@ void ProgressObserver::report_progress(const std::stop_token& stop) {
     }
     if (last) break;
     const auto ticks = static_cast<double>(done_.load(std::memory_order_relaxed));
-    bar.update(ticks / static_cast<double>(session_.ticks()), seconds(ticks / session_.setup().rate_Hz));
+    bar.update(ticks / static_cast<double>(session_.ticks()), seconds(ticks / session_.scene().rate_Hz));
   }
 }
 
 std::string ProgressObserver::describe_warm_motors(std::size_t hand) const {
-  const bool lowers = std::isfinite(session_.setup().devices[hand].abilities.continuous_force);
+  const bool lowers = std::isfinite(session_.scene().devices[hand].abilities.continuous_force);
   return "hand " + std::to_string(hand) + ": the device's motors are warm: pause for some minutes; " +
          (lowers ? "its force is reduced until they have cooled"
                  : "its force is not reduced, because it does not report its continuous force");
 }
 
 void ProgressObserver::report_fault(const haptics::FaultSeen& seen) const {
-  const std::string trouble = session_.devices()[seen.hand]->last_error();
+  const std::string last_error = session_.devices()[seen.hand]->last_error();
   report_error("fault at tick " + std::to_string(seen.tick) + " (" +
-               shortest(static_cast<double>(seen.tick) / session_.setup().rate_Hz) + " s), hand " +
+               shortest(static_cast<double>(seen.tick) / session_.scene().rate_Hz) + " s), hand " +
                std::to_string(seen.hand) + ": " + haptics::describe(seen.fault) +
-               (trouble.empty() ? "" : " (" + trouble + ")") +
+               (last_error.empty() ? "" : " (" + last_error + ")") +
                "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
 }
 
@@ -197,9 +197,9 @@ void require_writable_parent(const fs::path& path, const std::string& flag) {
 }
 
 /// Reports for which topics the run waits.
-void report_awaited_topics(const scene::Scene& setup) {
-  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
-    const scene::DeviceSetup& device = setup.devices[hand];
+void report_awaited_topics(const scene::Scene& scene) {
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    const scene::DeviceSetup& device = scene.devices[hand];
     if (device.kind != "ros" || !ros::has_plugin()) continue;
     report_message("device ros: the run begins when a program publishes poses to " +
                    (device.path.empty() ? devices::default_ros_topic(hand) : device.path));
@@ -207,8 +207,8 @@ void report_awaited_topics(const scene::Scene& setup) {
 }
 
 /// Says for which clients the run waits.
-void report_awaited_clients(const scene::Scene& setup) {
-  for (const scene::DeviceSetup& device : setup.devices) {
+void report_awaited_clients(const scene::Scene& scene) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind == nullptr || kind->path != scene::DevicePath::kClient) continue;
     const bool local = device.path.find(':') == std::string::npos || device.path.rfind("127.", 0) == 0;
@@ -221,23 +221,23 @@ void report_awaited_clients(const scene::Scene& setup) {
 
 }  // namespace
 
-std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s, bool no_cache,
+std::unique_ptr<Session> prepare(scene::Scene scene, std::optional<double> duration_s, bool no_cache,
                                  const std::atomic<bool>* broken_off) {
-  if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "--duration-s");
+  if (duration_s) (void)session::ticks_in(*duration_s, scene.rate_Hz, "--duration-s");
   if (broken_off != nullptr && broken_off->load(std::memory_order_relaxed)) throw Cancelled();
   const OrganPreparation preparation(no_cache);
   session::SessionOptions options;
   options.duration_s = duration_s;
   options.preparation = preparation.how();
-  report_awaited_topics(setup);
-  report_awaited_clients(setup);
+  report_awaited_topics(scene);
+  report_awaited_clients(scene);
   if (broken_off != nullptr) {
     options.preparation.progress = [broken_off, &preparation](double share, const std::string& what) {
       if (broken_off->load(std::memory_order_relaxed)) throw Cancelled();
       preparation.how().progress(share, what);
     };
   }
-  return std::make_unique<Session>(std::move(setup), std::move(options));
+  return std::make_unique<Session>(std::move(scene), std::move(options));
 }
 
 void require_writable_file(const fs::path& file, const std::string& flag) {
@@ -255,9 +255,9 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
   require_regular_output(file, flag);
 }
 
-std::vector<NamedFile> sources_of(const scene::Scene& setup) {
+std::vector<NamedFile> sources_of(const scene::Scene& scene) {
   std::vector<NamedFile> files;
-  for (const scene::SourceFile& file : setup.files) files.push_back({file.named_by, file.path});
+  for (const scene::SourceFile& file : scene.files) files.push_back({file.named_by, file.path});
   return files;
 }
 
@@ -302,7 +302,7 @@ void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
 
 RunResult play(Session& session, const PlayOptions& how) {
   const ResetOnSignal signals;
-  const net::IgtlRun shown(how.igtl, session.setup());
+  const net::IgtlRun shown(how.igtl, session.scene());
   ProgressObserver companion(session);
   SignalRelay relay(session.control(), how.stop);
   std::vector<haptics::TickObserver*> observers = how.observers;
@@ -328,14 +328,14 @@ int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed) 
   return kDone;
 }
 
-std::string title_of(const scene::Scene& setup) {
-  std::string organ = fs::path(setup.organ_name).stem().string();
+std::string title_of(const scene::Scene& scene) {
+  std::string organ = fs::path(scene.organ_name).stem().string();
   if (organ.empty()) organ = "organ";
   organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));
   std::string tools;
-  for (const geometry::Tool& tool : setup.tools) tools += (tools.empty() ? "" : " and ") + tool.name;
-  const char* done = setup.task == scene::Task::kPull      ? " pulled with "
-                     : setup.task == scene::Task::kPalpate ? " palpated with "
+  for (const geometry::Tool& tool : scene.tools) tools += (tools.empty() ? "" : " and ") + tool.name;
+  const char* done = scene.task == scene::Task::kPull      ? " pulled with "
+                     : scene.task == scene::Task::kPalpate ? " palpated with "
                                                            : " pressed with ";
   constexpr std::size_t kLongestTitle = 256;  // bytes; the names may be of a foreign recording
   return excerpt(organ + done + tools, kLongestTitle);
@@ -350,9 +350,9 @@ void write_screenshot(const record::Recording& recording, const session::RunStat
       record::snapshots_at(recording, {statistics.deepest_tick}, OrganPreparation(no_cache).how());
   const haptics::Snapshot& deepest = snapshots.front();
   const contact::ToolResult& result = deepest.results[statistics.deepest_hand];
-  const scene::Scene& setup = recording.setup;
-  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
-                                scene::visible_inclusions(setup.inclusions)};
+  const scene::Scene& scene = recording.scene;
+  const render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
+                                scene::visible_inclusions(scene.inclusions)};
   render::OffscreenRenderer renderer(subject, kWidth, kHeight);
   const bool touched = result.phase != contact::Phase::kApproach;
   const render::Camera camera = render::frame_contact(

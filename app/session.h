@@ -36,7 +36,7 @@ class Cancelled final : public InputError {
 /// the cache of prepared organs @param broken_off cancels the preparation: after another thread or a signal
 /// has set it, the next stage of the preparation throws Cancelled @throws InputError; ParameterError naming
 /// --duration-s.
-[[nodiscard]] std::unique_ptr<Session> prepare(scene::Scene setup, std::optional<double> duration_s,
+[[nodiscard]] std::unique_ptr<Session> prepare(scene::Scene scene, std::optional<double> duration_s,
                                                bool no_cache, const std::atomic<bool>* broken_off = nullptr);
 
 /// [setup] Checks that a file can be written, without creating or changing it. @throws InputError naming
@@ -49,7 +49,7 @@ void require_regular_file(const std::filesystem::path& file, const std::string& 
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
 
 /// [setup] The files from which a scene was read. No output may replace them.
-[[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& setup);
+[[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& scene);
 
 /// [setup] During the lifetime of this object Ctrl-C, SIGTERM or the end of the terminal (SIGHUP) ends the
 /// run with zero force and a closed recording, or its preparation before any file is written. A second one
@@ -92,7 +92,7 @@ struct PlayOptions {
 [[nodiscard]] int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed);
 
 /// [setup] Title of a run, e.g. "Gallbladder pressed with curved-forceps".
-[[nodiscard]] std::string title_of(const scene::Scene& setup);
+[[nodiscard]] std::string title_of(const scene::Scene& scene);
 
 /// [setup] Writes a picture of a recording's deepest tick as a PNG file. @param no_cache ignores the cache of
 /// prepared organs @throws InputError when the file cannot be written, std::runtime_error without OpenGL.

@@ -110,7 +110,7 @@ std::vector<std::string> remarks(const RunResult& run) {
     all.emplace_back(fmt::format("tissue or noise was changed {}{} during the run", run.statistics.changes,
                                  run.statistics.changes == 1 ? " time" : " times"));
   }
-  const std::pair<std::uint32_t, std::string> words[] = {
+  const std::pair<std::uint32_t, std::string> texts[] = {
       {contact::kStartedInside,
        "a part of the tool started inside the organ: it gave no force until it had left the organ"},
       {contact::kContactsFull,
@@ -119,7 +119,7 @@ std::vector<std::string> remarks(const RunResult& run) {
       {contact::kGripReleased,
        "the force limit of the grip was exceeded: it let go (grip_limit_N of the tissue)"},
       {contact::kJump, "the tool moved faster than a hand can: its contacts were reset"}};
-  for (const auto& [bit, text] : words) {
+  for (const auto& [bit, text] : texts) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }
   if (run.statistics.limited_ticks > 0) {

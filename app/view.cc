@@ -75,10 +75,10 @@ std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, do
       "ffmpeg -nostdin -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i pipe:0 -an "
       "-c:v libx264 -crf 18 -pix_fmt yuv420p -movflags +faststart",
       width, height, shortest(frames_a_second)));
-  std::vector<std::string> words(std::istream_iterator<std::string>(flags), {});
-  words.push_back(file.string());
+  std::vector<std::string> arguments(std::istream_iterator<std::string>(flags), {});
+  arguments.push_back(file.string());
   std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
+  for (std::string& word : arguments) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions{};
   posix_spawn_file_actions_init(&actions);
@@ -177,7 +177,7 @@ struct ViewFlags {
 };
 
 constexpr std::uint64_t kLargestSide = 8192;
-constexpr double kMostFrames = 1e6;
+constexpr double kMaxFrames = 1e6;
 
 Display::Size parse_size(const std::string& text) {
   const std::size_t cross = text.find('x');
@@ -251,7 +251,7 @@ void make_film(FilePictures& pictures, const RecordedView& seen, const ViewFlags
   if (from > to)
     throw InputError(fmt::format("--from-s {}: later than --to-s {}", shortest(from), shortest(to)));
   const double count = std::floor((to - from) * flags.slow * flags.fps) + 1.0;
-  if (!(count <= kMostFrames))
+  if (!(count <= kMaxFrames))
     throw InputError(fmt::format(
         "--video {}: {} pictures; must be at most a million: shorten it, or lower --fps or --slow",
         flags.video, shortest(count)));

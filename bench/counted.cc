@@ -81,15 +81,15 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
 template <typename Approach, typename Contact>
 bool count_tick(std::size_t tool_triangles, std::size_t inclusions, Approach dump_approach,
                 Contact dump_contact) {
-  scene::Scene setup = bench::bench_scene("press", 0, tool_triangles);
+  scene::Scene scene = bench::bench_scene("press", 0, tool_triangles);
   for (std::size_t i = 0; i < inclusions; ++i) {
-    setup.inclusions.push_back({});
-    setup.inclusions.back().inclusion.radius = 1e-3;
-    setup.inclusions.back().inclusion.centre_S = setup.organ_pose.inverse() * scene::default_touch(setup, 0) -
+    scene.inclusions.push_back({});
+    scene.inclusions.back().inclusion.radius = 1e-3;
+    scene.inclusions.back().inclusion.centre_S = scene.organ_pose.inverse() * scene::default_touch(scene, 0) -
                                                  Vec3(0.0, 0.0, 5e-3 + 0.5e-3 * static_cast<double>(i));
   }
-  const haptics::SimulationWorld world = scene::make_world(setup);
-  devices::ScriptedDevice device(bench::hand_path(setup));
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  devices::ScriptedDevice device(bench::hand_path(scene));
   const std::uint64_t last = device.last_tick(world.rate_Hz);
   bench::OneHand hand(world);
   std::uint64_t next = 0;

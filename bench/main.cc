@@ -40,7 +40,7 @@ constexpr std::size_t kFine = 100'000;      // triangles
 constexpr std::size_t kFinest = 1'000'000;  // triangles
 constexpr double kPeerSeconds = 4.0;
 constexpr double kLoopRate = 10'000.0;  // Hz
-constexpr std::size_t kMostHands = 100'000;
+constexpr std::size_t kMaxHandsOfOption = 100'000;
 
 /// The measurements selected by flags; without flags all.
 struct Plan {
@@ -127,31 +127,31 @@ class Bench final {
 
   void measure(const Subject& subject) {
     show(0.0, "preparing the " + subject.task + " scene");
-    const scene::Scene setup =
+    const scene::Scene scene =
         bench::bench_scene(subject.task, subject.organ_triangles, subject.tool_triangles);
-    const Prepared prepared = prepare(setup);
-    const std::string name = setup.name + ", " + std::to_string(setup.organ.triangles.size()) + " triangles";
+    const Prepared prepared = prepare(scene);
+    const std::string name = scene.name + ", " + std::to_string(scene.organ.triangles.size()) + " triangles";
     if (plan_.preparation && subject.tool_triangles == 0) account_.preparation.push_back(prepared.account);
     if (plan_.ticks) {
-      const scene::ToolPath path = hand_path(setup);
+      const scene::ToolPath path = hand_path(scene);
       show(0.3, "ticks of " + name);
-      account_.ticks.push_back(time_ticks(setup, prepared.world, path, plan_.quick ? 3 : 5));
+      account_.ticks.push_back(time_ticks(scene, prepared.world, path, plan_.quick ? 3 : 5));
       if (subject.tool_triangles == 0) {
-        const std::vector<PathPoint> way = run_path(setup, prepared.world, path);
-        account_.nearest.push_back(time_nearest(setup, way));
-        if (plan_.peers) ask_peers(setup, way, name);
+        const std::vector<PathPoint> way = run_path(scene, prepared.world, path);
+        account_.nearest.push_back(time_nearest(scene, way));
+        if (plan_.peers) ask_peers(scene, way, name);
       }
     }
     done_ += 1.0;
   }
 
-  void ask_peers(const scene::Scene& setup, const std::vector<PathPoint>& way, const std::string& name) {
+  void ask_peers(const scene::Scene& scene, const std::vector<PathPoint>& way, const std::string& name) {
     const auto ratio = [](double theirs, double own) { return own > 0.0 ? theirs / own : 0.0; };
     const TickAccount& tick = account_.ticks.back();
     const double nearest_us = account_.nearest.back().times.p50_us;
     for (const PalpatePeer& peer : peers_->all()) {
       show(0.6, std::string(peer.name) + " on " + name);
-      PeerAccount theirs = measure_peer(peer, {setup, way, kPeerSeconds});
+      PeerAccount theirs = measure_peer(peer, {scene, way, kPeerSeconds});
       const bool point = peer.one_point != 0;
       theirs.ratio = ratio(theirs.contact.p50_us, point ? nearest_us : tick.contact.p50_us);
       theirs.approach_ratio = ratio(theirs.approach.p50_us, point ? nearest_us : tick.approach.p50_us);
@@ -175,15 +175,15 @@ class Bench final {
   }
 
   void measure_hands() {
-    const scene::Scene setup = bench_scene("press", 0, 0);
-    const Prepared prepared = prepare(setup);
-    const scene::ToolPath path = hand_path(setup);
+    const scene::Scene scene = bench_scene("press", 0, 0);
+    const Prepared prepared = prepare(scene);
+    const scene::ToolPath path = hand_path(scene);
     account_.hands =
-        hand_capacity(setup, prepared.world, path, plan_.waiting,
+        hand_capacity(scene, prepared.world, path, plan_.waiting,
                       [this](double share, const std::string& what) { show(1.5 * share, what); });
     if (plan_.hands > 0) {
       show(1.5, std::to_string(plan_.hands) + " hands");
-      account_.hands->asked = run_hands(setup, prepared.world, path, plan_.waiting, plan_.hands);
+      account_.hands->asked = run_hands(scene, prepared.world, path, plan_.waiting, plan_.hands);
     }
     done_ += 2.0;
   }
@@ -192,10 +192,10 @@ class Bench final {
     scene::Overrides request;
     request.task = task;
     request.rate_Hz = kLoopRate;
-    const scene::Scene setup = scene::load(request);
-    const Prepared prepared = prepare(setup);
+    const scene::Scene scene = scene::load(request);
+    const Prepared prepared = prepare(scene);
     account_.loops.push_back(
-        compare_with_empty_loop(setup, prepared.world, scene::default_path(setup, 0), plan_.waiting,
+        compare_with_empty_loop(scene, prepared.world, scene::default_path(scene, 0), plan_.waiting,
                                 [this](double share, const std::string& what) { show(share, what); }));
     done_ += 1.0;
   }
@@ -232,7 +232,7 @@ void add_flags(CLI::App& command, Plan& flags) {
           "--hands", flags.hands,
           "only hands: how many each core carries inside 80 % of a 1 ms period in 99.9 % of 10,000 "
           "periods, all cores at once (found by halving: a minute or two), and N of them on all cores")
-      ->check(CLI::Range(std::size_t{1}, kMostHands))
+      ->check(CLI::Range(std::size_t{1}, kMaxHandsOfOption))
       ->type_name("N");
   command.add_flag_callback(
       "--poll", [&flags] { flags.waiting = haptics::Waiting::kPoll; },

@@ -27,7 +27,7 @@ struct BlindStudy {
     EXPECT_EQ(made.exit_code, 0) << made.err;
     const record::Recording recorded = record::read_recording(folder / "open.h5");
     fs::create_directory(folder / "recordings");
-    record::Recorder recorder(folder / "recordings/b.h5", recorded.setup, true, {},
+    record::Recorder recorder(folder / "recordings/b.h5", recorded.scene, true, {},
                               {"pilot", sha256("the proof")});
     recorder.on_start(1);
     for (haptics::TickRow row : recorded.rows) {

@@ -10,15 +10,15 @@
 
 namespace palpate::tests {
 
-Rig::Rig(scene::Scene resolved) : setup(std::move(resolved)), world(scene::make_world(setup)) {
-  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
-    devices.push_back(devices::open_device(setup, hand));
+Rig::Rig(scene::Scene resolved) : scene(std::move(resolved)), world(scene::make_world(scene)) {
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    devices.push_back(devices::open_device(scene, hand));
   }
 }
 
 std::uint64_t Rig::whole_path() const {
   std::uint64_t last = 0;
-  for (const auto& device : devices) last = std::max(last, device->last_tick(setup.rate_Hz));
+  for (const auto& device : devices) last = std::max(last, device->last_tick(scene.rate_Hz));
   return last;
 }
 

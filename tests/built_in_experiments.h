@@ -14,7 +14,7 @@ namespace palpate::tests {
 struct Rig {
   explicit Rig(scene::Scene resolved);
 
-  scene::Scene setup;
+  scene::Scene scene;
   haptics::SimulationWorld world;
   std::vector<std::unique_ptr<haptics::Device>> devices;
 

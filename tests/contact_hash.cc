@@ -132,16 +132,16 @@ int run(const char* expected_file, const std::string& wanted) {
   for (const std::string task : {"press", "pull"}) {
     if (!wanted.empty() && task != wanted) continue;
     for (const Tools& tools : all) {
-      scene::Scene setup = bench::bench_scene(task, 0, tools.triangles[0]);
-      const scene::ToolPath path = bench::hand_path(setup);
+      scene::Scene scene = bench::bench_scene(task, 0, tools.triangles[0]);
+      const scene::ToolPath path = bench::hand_path(scene);
       for (std::size_t hand = 1; hand < tools.triangles.size(); ++hand) {
-        setup.tools.push_back(bench::bench_scene(task, 0, tools.triangles[hand]).tools[0]);
-        setup.devices.push_back(setup.devices[0]);
+        scene.tools.push_back(bench::bench_scene(task, 0, tools.triangles[hand]).tools[0]);
+        scene.devices.push_back(scene.devices[0]);
       }
       for (const auto kind : {model::OrganMotionKind::kBreathing, model::OrganMotionKind::kHeartbeat}) {
-        setup.organ_motion.push_back(model::organ_motion_preset(kind));
+        scene.organ_motion.push_back(model::organ_motion_preset(kind));
       }
-      const haptics::SimulationWorld world = scene::make_world(setup);
+      const haptics::SimulationWorld world = scene::make_world(scene);
       for (const bool shake : {false, true}) {
         for (const bool organ_moves : {false, true}) {
           const std::string name = task + "-" + tools.name + (shake ? "-shaken" : "-on-path") +

@@ -38,20 +38,20 @@ scene::Scene two_hands() {
   scene::Overrides request;
   request.task = "press";
   request.organ_motion = {"breathing", "heartbeat"};
-  scene::Scene setup = scene::load(request);
-  setup.tools.push_back(setup.tools.front());
-  setup.devices.push_back(setup.devices.front());
-  return setup;
+  scene::Scene scene = scene::load(request);
+  scene.tools.push_back(scene.tools.front());
+  scene.devices.push_back(scene.devices.front());
+  return scene;
 }
 
 /// "TICKS HASH" of a run on the scene's paths.
-std::string hash_of(const scene::Scene& setup) {
-  const haptics::SimulationWorld world = scene::make_world(setup);
+std::string hash_of(const scene::Scene& scene) {
+  const haptics::SimulationWorld world = scene::make_world(scene);
   haptics::SimulationState state(world);
   std::vector<devices::ScriptedDevice> hands;
   std::uint64_t ticks = 0;
   for (std::size_t hand = 0; hand < world.hands(); ++hand) {
-    hands.emplace_back(scene::default_path(setup, hand).faster(setup.devices[hand].path_speed));
+    hands.emplace_back(scene::default_path(scene, hand).faster(scene.devices[hand].path_speed));
     ticks = std::max(ticks, hands.back().last_tick(world.rate_Hz));
   }
   ticks = std::min(ticks, kMaxTicks);

@@ -87,8 +87,8 @@ TEST(Igtl, WhatAClientReceivesIsWhatTheRecordingSays) {
   }
   EXPECT_EQ(frames.rbegin()->first, 2.999) << "the last tick reaches a client that keeps up";
   // The organ at rest. Its far side does not move.
-  geometry::TriangleMesh rest = recording.setup.organ;
-  geometry::transform(rest, recording.setup.organ_pose);
+  geometry::TriangleMesh rest = recording.scene.organ;
+  geometry::transform(rest, recording.scene.organ_pose);
   EXPECT_NEAR(lowest, 1e3 * geometry::bounds(rest).low.z(), 1e-3) << "mm";
   EXPECT_NEAR(highest, 1e3 * geometry::bounds(rest).high.z(), 1e-3) << "mm";
 }
@@ -122,7 +122,7 @@ TEST(Igtl, APortThatIsTakenExitsTwoInOneLineAndWritesNothing) {
   EXPECT_TRUE(folder.names().empty());
 }
 
-TEST(Igtl, WhoOpensItToOtherMachinesIsToldThatThereIsNoPassword) {
+TEST(Igtl, WhoOpensItToOtherMachinesIsWarnedThatThereIsNoPassword) {
   const Folder folder;
   const std::string where = "0.0.0.0:" + std::to_string(free_port());
   const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.01", "--igtl", where});

@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick) {
+TEST(RealTime, AFaultIsReportedWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick) {
   const Folder folder;
   record_broken_hand(folder / "hand.h5", 20'000, 100);
   Program program(folder.path(), {"run", "--device", "replay:hand.h5", "--headless", "--record", "run.h5",
@@ -49,7 +49,7 @@ TEST(RealTime, AFaultIsToldWhileTheRunGoesOnAndAResetBySignalReachesTheNextTick)
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0) << "a replay meets the same reset";
 }
 
-TEST(RealTime, ALoopThatStoodStillWithADeviceInAHandIsAFaultThatIsToldAndRecorded) {
+TEST(RealTime, ALoopThatStoodStillWithADeviceInAHandIsAFaultThatIsReportedAndRecorded) {
   const Folder folder;
   Program program(folder.path(), {"run", "--device", std::string("forcedimension:") + PALPATE_DHD_STAND_IN,
                                   "--headless", "--record", "run.h5", "--json", "--duration-s", "2"});

@@ -37,16 +37,16 @@ class PathFile final {
 
 /// A 3 mm ball above a block whose top is at z = 0, moved along a path.
 scene::Scene ball_and_block(double rate_Hz, const std::string& path) {
-  scene::Scene setup;
-  setup.name = "ball and block";
-  setup.rate_Hz = rate_Hz;
-  setup.seed = 5;
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  setup.tissue = model::tissue_preset("gallbladder");
-  setup.tools = {geometry::make_tool("sphere:3")};
-  setup.devices = {{"scripted", path, 1.0, {}}};
-  return setup;
+  scene::Scene scene;
+  scene.name = "ball and block";
+  scene.rate_Hz = rate_Hz;
+  scene.seed = 5;
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  scene.tissue = model::tissue_preset("gallbladder");
+  scene.tools = {geometry::make_tool("sphere:3")};
+  scene.devices = {{"scripted", path, 1.0, {}}};
+  return scene;
 }
 
 std::vector<haptics::TickRow> rows_of(Rig& rig, std::uint64_t ticks, bool offline = true) {
@@ -65,7 +65,7 @@ TEST(Run, NoiseThreeMillimetresOffTheSurfaceIsTheSameAtOneAndFourKilohertz) {
   const auto at_4 = rows_of(fast, 2000);
   ASSERT_EQ(at_1.size(), 500u);
   ASSERT_EQ(at_4.size(), 2000u);
-  const noise::NoiseSettings& settings = slow.setup.noise;
+  const noise::NoiseSettings& settings = slow.scene.noise;
   for (std::size_t i = 0; i < at_4.size(); ++i) {
     const haptics::TickRow& row = at_4[i];
     const haptics::TickRow& same = at_1[i / 4];
@@ -85,9 +85,9 @@ TEST(Run, NoiseThreeMillimetresOffTheSurfaceIsTheSameAtOneAndFourKilohertz) {
 TEST(Run, InContactTheForceIsTheLawsAtTheDepthAndUpwards) {
   const PathFile pressed(
       "time_s,x_m,y_m,z_m\n0,0.001,0.002,0.006\n0.5,0.001,0.002,-0.002\n1,0.001,0.002,-0.002\n");
-  scene::Scene setup = ball_and_block(1000.0, pressed.name());
-  setup.noise.enabled = false;
-  Rig rig(std::move(setup));
+  scene::Scene scene = ball_and_block(1000.0, pressed.name());
+  scene.noise.enabled = false;
+  Rig rig(std::move(scene));
   const auto rows = rows_of(rig, 1000);
   const haptics::TickRow& last = rows.back();
   EXPECT_EQ(last.phase, 1u);

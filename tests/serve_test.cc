@@ -152,9 +152,9 @@ TEST(Serve, AnInclusionChangesDuringTheRunForAllClientsAndStaysForTheNextRun) {
   ASSERT_EQ(first.changes.size(), 1U);
   EXPECT_EQ(first.changes[0].inclusion.ratio, 3.0);
   const record::Recording second = record::read_recording(folder / "run-2.h5");
-  ASSERT_EQ(second.setup.inclusions.size(), 2U);
-  EXPECT_EQ(second.setup.inclusions[0].inclusion.ratio, 4.0);
-  EXPECT_NEAR(second.setup.inclusions[0].inclusion.centre_S.z(), 1e-3 * moved[2].get<double>(), 1e-12);
+  ASSERT_EQ(second.scene.inclusions.size(), 2U);
+  EXPECT_EQ(second.scene.inclusions[0].inclusion.ratio, 4.0);
+  EXPECT_NEAR(second.scene.inclusions[0].inclusion.centre_S.z(), 1e-3 * moved[2].get<double>(), 1e-12);
   EXPECT_EQ(run(folder, {"replay", "run.h5", "--verify"}).exit_code, 0);
 }
 
@@ -239,7 +239,7 @@ TEST(Serve, APictureHasTheContactsOfTheNewestTickAndAToolItsMesh) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
-TEST(Serve, AnOrganThatIsTooFineToBeSentIsToldSoAndPlayed) {
+TEST(Serve, AnOrganThatIsTooFineToBeSentIsReportedSoAndPlayed) {
   const Folder folder;
   Serve serve(folder, {"--organ", "gallbladder-30k", "--tool", "sphere:5", "--wait"});
   LiveClient client(serve.port());
@@ -253,7 +253,7 @@ TEST(Serve, AnOrganThatIsTooFineToBeSentIsToldSoAndPlayed) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
-TEST(Serve, AFaultIsToldToClientsInWordsAndTheyMayResetIt) {
+TEST(Serve, AFaultIsReportedToClientsInWordsAndTheyMayResetIt) {
   const Folder folder;
   std::ofstream(folder / "faulty.toml") << "[organ]\nmesh = \"gallbladder\"\n[tool]\nmesh = \"sphere:3\"\n"
                                            "[device]\nkind = \"emulated\"\n[[device.fault]]\nkind = \"nan\"\n"
@@ -365,7 +365,7 @@ TEST(Serve, AClientsSceneOpensNoDeviceWithWhichTheServerWasNotStarted) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
-TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsToldThereAndNotToClients) {
+TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsReportedThereAndNotToClients) {
   const Folder folder;
   (void)folder.write("mine.toml",
                      "[tissue]\nname = \"mine\"\nlaw = \"smooth\"\nk1_N_per_m = 20.0\nbeta = 1.6\nq = 0.7\n"

@@ -40,8 +40,8 @@ TEST_P(TickPurity, NoHeapUseAndNoLockInTenThousandTicks) {
 
 TEST_P(TickPurity, NoHeapUseAndNoLockWhileTissueAndNoiseChange) {
   Rig rig = built_in(GetParam());
-  haptics::ParameterUpdates changes(rig.world, rig.setup.tissue, {});
-  model::TissueParameters tissue = rig.setup.tissue;
+  haptics::ParameterUpdates changes(rig.world, rig.scene.tissue, {});
+  model::TissueParameters tissue = rig.scene.tissue;
   tissue.law = model::LawKind::kSmooth;
   tissue.relaxation = {{0.2, 0.05}, {0.2, 0.5}, {0.1, 5.0}};
   for (std::size_t i = 1; i < haptics::ParameterUpdates::kMaxWaiting; ++i) {
@@ -70,7 +70,7 @@ TEST_P(TickPurity, NoHeapUseAndNoLockWhileAClientLooksOnByOpenIgtLink) {
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();
   {
-    const net::IgtlRun shown(&server, rig.setup);
+    const net::IgtlRun shown(&server, rig.scene);
     (void)rig.run({&server, &bracket}, {.ticks = kTicks, .offline = true});
   }
   EXPECT_EQ(heap_uses() - heap_before, 0u);
@@ -100,7 +100,7 @@ void expect_no_system_call_but_the_clock(const char* task, haptics::Waiting wait
       std::filesystem::temp_directory_path() / ("palpate_purity_" + std::to_string(getpid()) + ".h5");
   const FilteredOutcome outcome = run_filtered([&](FilteredPart& part) {
     constexpr std::uint64_t kRealTicks = 1500;
-    record::Recorder recorder(file, rig.setup, false);
+    record::Recorder recorder(file, rig.scene, false);
     Bracket bracket(
         kRealTicks, [&] { part.start(); }, [&] { part.done(); });
     (void)rig.run({&recorder, &bracket},

@@ -25,7 +25,7 @@ void force_bar(double force, double most) {
 }
 
 void choose_device(const PanelModel& shown, Commands& commands) {
-  const std::string& now = shown.setup.devices.front().kind;
+  const std::string& now = shown.scene.devices.front().kind;
   if (!ImGui::BeginCombo("##device", now.c_str())) return;
   for (const scene::DeviceKind& kind : scene::device_kinds()) {
     if (kind.path == scene::DevicePath::kRecording || kind.path == scene::DevicePath::kClient)
@@ -40,37 +40,37 @@ void choose_device(const PanelModel& shown, Commands& commands) {
 }
 
 void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
-  const HandStatus& words = shown.hands[hand];
+  const HandStatus& status = shown.hands[hand];
   const haptics::TickRow& newest = shown.traces.newest(static_cast<std::uint32_t>(hand));
   {
     const Rows rows("hand", 0.30F);
     if (shown.hands.size() > 1) {
-      rows.text("Device", words.device);
+      rows.text("Device", status.device);
     } else {
       rows.name("Device", "what moves the tool; another device starts a new session");
       choose_device(shown, commands);
     }
-    rows.text("State", words.state);
+    rows.text("State", status.state);
     rows.name("Force", "what goes to the hand, after the gate");
-    force_bar(device_force(newest), shown.setup.safety.max_force);
-    if (words.engagement < 1.0) {
+    force_bar(device_force(newest), shown.scene.safety.max_force);
+    if (status.engagement < 1.0) {
       rows.text(
-          "Let through", formatted("%.0f %%", 100.0 * words.engagement),
+          "Let through", formatted("%.0f %%", 100.0 * status.engagement),
           "a held device gets force after it was still outside the tissue for 0.25 s, then within 0.5 s");
     }
     rows.name("Gate", "limits of force and of its change");
-    if (words.limited) {
+    if (status.limited) {
       ImGui::TextColored(colour::kWarning, "shortens the force");
     } else {
       ImGui::TextColored(colour::kGood, "lets all through");
     }
     rows.name("Fault", "latched until it is reset");
-    if (words.fault.empty()) ImGui::TextColored(colour::kGood, "none");
+    if (status.fault.empty()) ImGui::TextColored(colour::kGood, "none");
   }
-  if (words.fault.empty()) return;
+  if (status.fault.empty()) return;
   ImGui::PushTextWrapPos(0.0F);
-  ImGui::TextColored(colour::kWarning, "Zero force: %s.", words.fault.c_str());
-  ImGui::TextUnformatted(words.advice.c_str());
+  ImGui::TextColored(colour::kWarning, "Zero force: %s.", status.fault.c_str());
+  ImGui::TextUnformatted(status.advice.c_str());
   ImGui::PopTextWrapPos();
   if (ImGui::Button("Reset the fault  (R)", ImVec2(-1.0F, 0.0F))) commands.reset_faults = true;
 }
@@ -127,10 +127,10 @@ void device_panel(const PanelModel& shown, Commands& commands) {
 
 void timing_panel(const PanelModel& shown) {
   const Traces& traces = shown.traces;
-  const double period_ns = 1e9 / shown.setup.rate_Hz;
+  const double period_ns = 1e9 / shown.scene.rate_Hz;
   {
     const Rows rows("timing", 0.40F);
-    rows.text("Loop", formatted("%.0f Hz", shown.setup.rate_Hz));
+    rows.text("Loop", formatted("%.0f Hz", shown.scene.rate_Hz));
     const auto two = [](const haptics::Histogram& times) {
       return microseconds_text(times.percentile(0.5)) + ", " + microseconds_text(times.percentile(0.999));
     };

@@ -38,7 +38,7 @@ extern "C" int x_connection_is_lost(void* /*display*/) {
 extern "C" int x_request_is_refused(void* /*display*/, void* /*event*/) { return 0; }
 
 /// Installs the handlers if SDL has loaded X.
-void hear_of_lost_display() {
+void install_loss_handlers() {
   using LossHandler = int (*)(void*);
   using ErrorHandler = int (*)(void*, void*);
   display_is_lost = false;
@@ -67,7 +67,7 @@ Display::Display(const std::string& title, Size size) {
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
     throw NoWindow(std::string("no window can be opened: ") + SDL_GetError());
   }
-  hear_of_lost_display();
+  install_loss_handlers();
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);

@@ -40,7 +40,7 @@ struct HandStatus {
 
 /// Values that the panels show in one frame; valid for that frame.
 struct PanelModel {
-  const scene::Scene& setup;
+  const scene::Scene& scene;
   const scene::Overrides& request;
   const Traces& traces;
   const haptics::Snapshot& snapshot;

@@ -147,8 +147,8 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& show
 }  // namespace
 
 Plotted plotted(const PanelModel& shown) {
-  const bool pull = shown.setup.task == scene::Task::kPull;
-  Plotted all{shown.tissue, pull ? model::Direction::kPull : model::Direction::kPress, shown.setup.rate_Hz};
+  const bool pull = shown.scene.task == scene::Task::kPull;
+  Plotted all{shown.tissue, pull ? model::Direction::kPull : model::Direction::kPress, shown.scene.rate_Hz};
   for (std::uint32_t hand = 0; hand < shown.hands.size(); ++hand) {
     all.hands.push_back({shown.traces.of_hand(hand), shown.traces.newest(hand)});
   }

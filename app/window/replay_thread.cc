@@ -168,8 +168,8 @@ ActiveParameters active_parameters(const record::Recording& recording, std::uint
   for (const haptics::ParameterUpdate& change : recording.changes) {
     if (change.tick <= tick) last = &change;
   }
-  const noise::NoiseSettings& noise = recording.setup.noise;
-  if (last == nullptr) return {recording.setup.tissue, {noise.enabled, noise.gain, noise.threshold}};
+  const noise::NoiseSettings& noise = recording.scene.noise;
+  if (last == nullptr) return {recording.scene.tissue, {noise.enabled, noise.gain, noise.threshold}};
   return {haptics::tissue_of(*last), last->noise};
 }
 

@@ -23,9 +23,9 @@ std::string short_name(const std::string& name) {
 }
 
 void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands) {
-  if (!ImGui::BeginCombo("##organ", short_name(shown.setup.organ_name).c_str())) return;
+  if (!ImGui::BeginCombo("##organ", short_name(shown.scene.organ_name).c_str())) return;
   for (const std::string& name : geometry::builtin_organ_names()) {
-    if (!ImGui::Selectable(name.c_str(), name == shown.setup.organ_name)) continue;
+    if (!ImGui::Selectable(name.c_str(), name == shown.scene.organ_name)) continue;
     scene::Overrides request = shown.request;
     request.organ = name;
     request.organ_unit.reset();
@@ -39,7 +39,7 @@ void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands
 
 void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands) {
   const std::string now =
-      shown.setup.tools.empty() ? std::string() : short_name(shown.setup.tools.front().name);
+      shown.scene.tools.empty() ? std::string() : short_name(shown.scene.tools.front().name);
   if (!ImGui::BeginCombo("##tool", now.c_str())) return;
   std::vector<std::string> names = geometry::builtin_tool_names();
   for (const char* ball : {"sphere:3", "sphere:5", "sphere:10"}) names.emplace_back(ball);
@@ -58,11 +58,11 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
 void choose_task(const PanelModel& shown, Commands& commands) {
   for (const scene::Task task : {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate}) {
     if (task != scene::Task::kPress) ImGui::SameLine();
-    const bool now = shown.setup.task == task;
+    const bool now = shown.scene.task == task;
     if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;
     scene::Overrides request = shown.request;
     request.task = scene::to_string(task);
-    if (!request.scene && !request.organ) request.organ = shown.setup.organ_name;
+    if (!request.scene && !request.organ) request.organ = shown.scene.organ_name;
     commands.request = std::move(request);
   }
 }
@@ -145,7 +145,7 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     rows.name("Organ", "built in, or a mesh file");
     choose_organ(shown, state, commands);
     rows.name("Tool", "built in, or a mesh file; several tools stay as the scene has them");
-    ImGui::BeginDisabled(shown.setup.tools.size() != 1);
+    ImGui::BeginDisabled(shown.scene.tools.size() != 1);
     choose_tool(shown, state, commands);
     ImGui::EndDisabled();
     rows.name("Task",

@@ -50,7 +50,7 @@ void colour_bar(const SearchStatus& search) {
 }  // namespace
 
 Search::Search(const Session& session)
-    : session_(session), scorer_(session.setup(), session.world().contact) {}
+    : session_(session), scorer_(session.scene(), session.world().contact) {}
 
 void Search::end() {
   if (score_) return;
@@ -134,7 +134,7 @@ void search_panel(const PanelModel& shown, Commands& commands) {
     score_rows(*search.score);
     if (ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) {
       scene::Overrides request = shown.request;
-      request.seed = shown.setup.seed + 1;
+      request.seed = shown.scene.seed + 1;
       commands.request = std::move(request);
     }
   } else if (ImGui::Button("End the search", ImVec2(-1.0F, 0.0F))) {

@@ -24,17 +24,17 @@ void Steering::take(const Session& session) {
   drop();
   for (std::size_t hand = 0; hand < session.devices().size(); ++hand) {
     haptics::Device* device = session.devices()[hand].get();
-    const scene::DeviceSetup& setup = session.setup().devices[hand];
-    const Quat world_D = setup.base.rotation;
+    const scene::DeviceSetup& how = session.scene().devices[hand];
+    const Quat world_D = how.base.rotation;
     if (auto* mouse = dynamic_cast<devices::MouseDevice*>(device)) {
-      const double gripper = session.setup().task == scene::Task::kPull ? 1.0 : 0.0;
-      mice_.push_back({mouse, world_D, setup.workspace_scale,
+      const double gripper = session.scene().task == scene::Task::kPull ? 1.0 : 0.0;
+      mice_.push_back({mouse, world_D, how.workspace_scale,
                        Vec3(world_D * mouse->orientation() * Vec3::UnitZ()), mouse->start(), gripper, false});
     }
     if (auto* pad = dynamic_cast<devices::GamepadDevice*>(device)) {
-      const double gripper = session.setup().task == scene::Task::kPull ? 1.0 : 0.0;
+      const double gripper = session.scene().task == scene::Task::kPull ? 1.0 : 0.0;
       pads_.push_back(
-          {pad, world_D, setup.workspace_scale, Vec3(world_D * pad->orientation() * Vec3::UnitZ()), gripper});
+          {pad, world_D, how.workspace_scale, Vec3(world_D * pad->orientation() * Vec3::UnitZ()), gripper});
     }
   }
 }

@@ -133,17 +133,17 @@ void draw_times(const TimelineStrip& strip) {
   const float room = std::max(1.0F, strip.high.x - strip.low.x);
   const double step = round_step(strip.duration * std::min(1.0, static_cast<double>(6.0F * text / room)));
   for (int i = 0; i * step <= strip.duration * (1.0 + 1e-9); ++i) {
-    const std::string words = formatted(step < 0.01  ? "%.3f s"
+    const std::string label = formatted(step < 0.01  ? "%.3f s"
                                         : step < 0.1 ? "%.2f s"
                                         : step < 1.0 ? "%.1f s"
                                                      : "%.0f s",
                                         i * step);
-    const float width = ImGui::CalcTextSize(words.c_str()).x;
+    const float width = ImGui::CalcTextSize(label.c_str()).x;
     const float x = strip.x(i * step);
     list.AddLine(ImVec2(x, strip.high.y), ImVec2(x, strip.high.y + 0.2F * text), packed(colour::kFaint));
     list.AddText(
         ImVec2(std::clamp(x - 0.5F * width, strip.low.x, strip.high.x - width), strip.high.y + 0.2F * text),
-        packed(colour::kFaint), words.c_str());
+        packed(colour::kFaint), label.c_str());
   }
 }
 

@@ -62,8 +62,8 @@ Viewer::~Viewer() {
 void Viewer::show(std::unique_ptr<OpenRecording> open) {
   ticks_.reset();
   open_ = std::move(open);
-  const scene::Scene& setup = view().recording().setup;
-  playback_.emplace(view().ticks(), setup.rate_Hz);
+  const scene::Scene& scene = view().recording().scene;
+  playback_.emplace(view().ticks(), scene.rate_Hz);
   state_.hand = 0;
   snapshot_there_ = false;
   there_ = false;
@@ -177,10 +177,10 @@ void Viewer::compose() {
     if (layout_.left.width > 0.0F) draw_viewer_panels(layout_.left, seen, state_, commands_);
     if (layout_.timeline.height > 0.0F) draw_timeline(layout_.timeline, seen, state_, commands_);
     if (layout_.plots.height > 0.0F) {
-      const scene::Scene& setup = view().recording().setup;
-      const bool pull = setup.task == scene::Task::kPull;
+      const scene::Scene& scene = view().recording().scene;
+      const bool pull = scene.task == scene::Task::kPull;
       Plotted plots{active_parameters_.tissue, pull ? model::Direction::kPull : model::Direction::kPress,
-                    setup.rate_Hz};
+                    scene.rate_Hz};
       for (std::uint32_t hand = 0; hand < view().hands(); ++hand) {
         plots.hands.push_back({rows_[hand], view().row(shown_.tick, hand)});
       }
@@ -215,7 +215,7 @@ void Viewer::draw_overlay() {
   std::vector<Banner> banners = {{banner_, true}};
   if (next_.valid()) banners.push_back({next_name_ + " is being opened ..."});
   const float y = viewport_.draw_overlay(layout_.picture, banners,
-                                         title_of(view().recording().setup) +
+                                         title_of(view().recording().scene) +
                                              formatted("   %.3f s", view().time_of(shown_.tick)) +
                                              formatted(" of %.3f s", view().duration_s()));
   if (state_.map) draw_map_scale(layout_.picture, y + 1.2F * ImGui::GetFontSize(), state_.map_range);

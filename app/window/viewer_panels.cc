@@ -40,7 +40,7 @@ std::string recorded_microseconds(std::int64_t ns) {
 }
 
 void recording_rows(const ViewerModel& seen, ViewerState& state) {
-  const scene::Scene& setup = seen.view.recording().setup;
+  const scene::Scene& scene = seen.view.recording().scene;
   const record::RunFacts& facts = seen.view.recording().facts;
   const Rows rows("recording", 0.30F);
   rows.name("File", "Ctrl + O, or drop another one on the window");
@@ -51,7 +51,7 @@ void recording_rows(const ViewerModel& seen, ViewerState& state) {
   rows.text("Begun", begun(facts.started_unix_ns));
   rows.text("Length", formatted("%.3f s, ", seen.view.duration_s()) +
                           formatted("%.0f ticks", static_cast<double>(seen.view.ticks())));
-  rows.text("Loop", formatted("%.0f Hz", setup.rate_Hz) + (facts.offline ? ", offline" : ""));
+  rows.text("Loop", formatted("%.0f Hz", scene.rate_Hz) + (facts.offline ? ", offline" : ""));
   if (!facts.offline) {
     rows.text("Tick", "p99.9 " + recorded_microseconds(facts.tick_time.p999_ns), "computing time of a tick");
     rows.text("Missed", formatted("%.0f ticks", static_cast<double>(facts.missed_deadlines)),
@@ -74,13 +74,13 @@ void choose_hand(const ViewerModel& seen, const ViewerState& state, ViewerComman
 
 void moment_rows(const ViewerModel& seen, const ViewerState& state, ViewerCommands& commands) {
   const haptics::TickRow& row = seen.view.row(seen.tick, state.hand);
-  const scene::Scene& setup = seen.view.recording().setup;
+  const scene::Scene& scene = seen.view.recording().scene;
   const Rows rows("moment", 0.30F);
   if (seen.view.hands() > 1) {
     rows.name("Hand", "0 to 3");
     choose_hand(seen, state, commands);
   }
-  rows.text("Device", setup.devices[state.hand].kind);
+  rows.text("Device", scene.devices[state.hand].kind);
   rows.text("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
   rows.text("State", moment_text(row, 2));
   rows.text("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
@@ -105,7 +105,7 @@ void picture_rows(const ViewerModel& seen, ViewerState& state, ViewerCommands& c
     const Rows rows("map", 0.30F);
     ImGui::BeginDisabled(!state.map);
     rows.number("Up to", state.map_range, 1e-3, 0.05, 1e3 * ViewerState::kLeastMap,
-                1e3 * ViewerState::kMostMap, "%.1f mm", "displacement at the upper end of the colours");
+                1e3 * ViewerState::kMaxMap, "%.1f mm", "displacement at the upper end of the colours");
     ImGui::EndDisabled();
   }
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
@@ -188,8 +188,8 @@ void draw_map_scale(const Rectangle& picture, float top, double range) {
   for (int mark = 0; mark < kMarks; ++mark) {
     const double share = mark / (kMarks - 1.0);
     const float y = high.y - height * static_cast<float>(share);
-    const std::string words = formatted("%.3g", 1e3 * share * range) + (mark + 1 == kMarks ? " mm" : "");
-    list.AddText(ImVec2(low.x + 1.4F * text, y - 0.5F * text), packed(colour::kText), words.c_str());
+    const std::string label = formatted("%.3g", 1e3 * share * range) + (mark + 1 == kMarks ? " mm" : "");
+    list.AddText(ImVec2(low.x + 1.4F * text, y - 0.5F * text), packed(colour::kText), label.c_str());
   }
 }
 

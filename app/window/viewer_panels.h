@@ -17,7 +17,7 @@ enum class ViewerPanel { kRecording, kMoment, kPicture };
 /// Visibility of a viewer's panels, and the settings of its picture.
 struct ViewerState {
   static constexpr double kLeastMap = 0.1e-3;  // m
-  static constexpr double kMostMap = 0.1;
+  static constexpr double kMaxMap = 0.1;
 
   std::array<bool, 3> open{true, true, true};
   bool plots = true;

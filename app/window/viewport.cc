@@ -30,18 +30,18 @@ int imgui_button(Uint8 button) {
   return button == SDL_BUTTON_MIDDLE ? 2 : -1;
 }
 
-float strip_height(float width, const std::string& words) {
+float strip_height(float width, const std::string& text) {
   const float margin = 0.7F * ImGui::GetFontSize();
-  return ImGui::CalcTextSize(words.c_str(), nullptr, false, width - 2.0F * margin).y + margin;
+  return ImGui::CalcTextSize(text.c_str(), nullptr, false, width - 2.0F * margin).y + margin;
 }
 
-float draw_strip(float x, float y, float width, const std::string& words, bool fault) {
+float draw_strip(float x, float y, float width, const std::string& text, bool fault) {
   const float margin = 0.7F * ImGui::GetFontSize();
-  const float height = strip_height(width, words);
+  const float height = strip_height(width, text);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   list.AddRectFilled(ImVec2(x, y), ImVec2(x + width, y + height),
                      packed(fault ? colour::kFault : colour::kNotice, 0.94F));
-  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), words.c_str(),
+  list.AddText(nullptr, 0.0F, ImVec2(x + margin, y + 0.5F * margin), packed(colour::kText), text.c_str(),
                nullptr, width - 2.0F * margin);
   return height;
 }
@@ -70,7 +70,7 @@ std::optional<float> UiScale::asked(const std::string& flag) {
     text = variable;
   }
   const double scale = parse_positive(name, text);
-  if (!(scale >= kLeast && scale <= kMost))
+  if (!(scale >= kLeast && scale <= kMax))
     throw InputError(fmt::format("{} {}: want a number from 0.5 to 4; 1 is 96 dots an inch", name, text));
   return static_cast<float>(scale);
 }

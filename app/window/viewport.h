@@ -34,10 +34,10 @@ struct Banner {
 /// Requested scale of text and panels; nothing: the scale follows the display's resolution.
 struct UiScale {
   static constexpr double kLeast = 0.5;
-  static constexpr double kMost = 4.0;
+  static constexpr double kMax = 4.0;
 
   /// [setup] Reads --ui-scale, else PALPATE_UI_SCALE. @throws InputError naming it unless it is a number from
-  /// kLeast to kMost
+  /// kLeast to kMax
   [[nodiscard]] static std::optional<float> asked(const std::string& flag);
 };
 

@@ -50,7 +50,7 @@ Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowO
     : request_(std::move(request)),
       options_(std::move(options)),
       viewport_("Palpate", options_.size, options_.scale),
-      now_(first->setup()) {
+      now_(first->scene()) {
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it the window has no gamepads
   SDL_PumpEvents();
   take(std::move(first), options_.recording);
@@ -96,7 +96,7 @@ void Window::draw_frame() {
   Viewport::draw_panels();
   if (std::exchange(commands_.screenshot, false)) viewport_.save(picture());
   glFinish();
-  mind_graphics();
+  recover_graphics();
   frame_time_ = 1e-9 * static_cast<double>(monotonic_ns() - frame_began_ns_);
   viewport_.show();
 }
@@ -105,7 +105,7 @@ void Window::draw_frame() {
 /// the user does not see outdated pictures during contact.
 void Window::settle_picture() {
   shown_ = {};
-  shown_.organ_W = run_->session().setup().organ_pose;
+  shown_.organ_W = run_->session().scene().organ_pose;
   snapshot_there_ = true;
   const bool camera_was_set = camera_set_;
   const std::int64_t until = monotonic_ns() + kSettlingNs;
@@ -135,7 +135,7 @@ void Window::take_newest() {
 }
 
 /// Reduces the picture after memory ran out; closes the window if the graphics card has lost its memory.
-void Window::mind_graphics() {
+void Window::recover_graphics() {
   if (Viewport::out_of_memory()) {
     const bool smaller = live_.shrink();
     viewport_.show_message(std::string("the graphics card's memory ran out") +
@@ -164,23 +164,23 @@ void Window::draw_picture() {
 
 std::vector<HandStatus> Window::hand_texts() const {
   const Session& session = run_->session();
-  std::vector<HandStatus> all(session.setup().devices.size());
+  std::vector<HandStatus> all(session.scene().devices.size());
   for (std::size_t hand = 0; hand < all.size(); ++hand) {
-    const scene::DeviceSetup& device = session.setup().devices[hand];
+    const scene::DeviceSetup& device = session.scene().devices[hand];
     const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
-    HandStatus& words = all[hand];
-    words.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
-    words.state = run_->ended() ? "the run has ended" : moment_text(newest, 1);
-    words.engagement = newest.engagement;
-    words.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
-                                      haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
+    HandStatus& status = all[hand];
+    status.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
+    status.state = run_->ended() ? "the run has ended" : moment_text(newest, 1);
+    status.engagement = newest.engagement;
+    status.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
+                                       haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
     const auto fault = static_cast<haptics::Fault>(newest.fault);
     if (fault == haptics::Fault::kNone) continue;
-    words.fault = haptics::describe(fault);
-    const std::string trouble =
+    status.fault = haptics::describe(fault);
+    const std::string last_error =
         hand < session.devices().size() ? session.devices()[hand]->last_error() : std::string();
-    if (!trouble.empty()) words.fault += " (" + trouble + ")";
-    words.advice = advice_on(fault);
+    if (!last_error.empty()) status.fault += " (" + last_error + ")";
+    status.advice = advice_on(fault);
   }
   return all;
 }
@@ -206,7 +206,7 @@ std::string Window::banner_text(bool& fault) const {
 
 PanelModel Window::shown() const {
   PanelModel shown{
-      run_->session().setup(), request_, *traces_, shown_, now_.tissue, now_.noise, hand_texts()};
+      run_->session().scene(), request_, *traces_, shown_, now_.tissue, now_.noise, hand_texts()};
   shown.inclusions = now_.inclusions;
   shown.recording = run_->recording().string();
   shown.looked_at = last_recording_.string();
@@ -247,7 +247,7 @@ void Window::draw_overlay() {
   bool fault = false;
   banner_ = banner_text(fault);
   viewport_.draw_overlay(layout_.picture, {{banner_, fault}},
-                         title_of(run_->session().setup()) + formatted("   %.1f s", traces_->newest_time()));
+                         title_of(run_->session().scene()) + formatted("   %.1f s", traces_->newest_time()));
 }
 
 WindowOutcome Window::finish() {

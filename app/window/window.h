@@ -152,7 +152,7 @@ class Window final {
   void compose();
   void draw_overlay();
   void draw_picture();
-  void mind_graphics();
+  void recover_graphics();
   [[nodiscard]] PanelModel shown() const;
   [[nodiscard]] std::vector<HandStatus> hand_texts() const;
   [[nodiscard]] std::string banner_text(bool& fault) const;

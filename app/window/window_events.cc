@@ -112,7 +112,7 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_v) commands_.look = true;
   if (key == SDLK_g) steering_.toggle_rest_of_jaws();
   if (key == SDLK_m && search_ != nullptr) {
-    steering_.press_button(run_->session().setup().search.mark_button);
+    steering_.press_button(run_->session().scene().search.mark_button);
   }
   if (key == SDLK_t && search_ != nullptr) commands_.map = !search_->shows_map;
   if (key == SDLK_n) {

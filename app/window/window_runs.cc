@@ -30,18 +30,18 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
                                                 options_.igtl);
   ++runs_begun_;
   if (!run_->recording().empty()) last_recording_ = run_->recording();
-  const scene::Scene& setup = run_->session().setup();
-  now_ = LiveParameters(setup);
+  const scene::Scene& scene = run_->session().scene();
+  now_ = LiveParameters(scene);
   tissue_note_.clear();
-  traces_ = std::make_unique<Traces>(setup.rate_Hz);
+  traces_ = std::make_unique<Traces>(scene.rate_Hz);
   snapshot_there_ = false;
   paused_ = false;
   tissue_waits_ = false;
   noise_waits_ = false;
   inclusions_wait_ = false;
-  if (setup.task == scene::Task::kPalpate) search_ = std::make_unique<Search>(run_->session());
+  if (scene.task == scene::Task::kPalpate) search_ = std::make_unique<Search>(run_->session());
   steering_.take(run_->session());
-  viewport_.display().set_title("Palpate: " + title_of(setup));
+  viewport_.display().set_title("Palpate: " + title_of(scene));
 }
 
 void Window::begin() {
@@ -59,8 +59,8 @@ void Window::make_renderer() {
 }
 
 render::Subject Window::subject() const {
-  const scene::Scene& setup = run_->session().setup();
-  return {setup.organ, setup.tools, now_.tissue.reach, setup.tissue.name,
+  const scene::Scene& scene = run_->session().scene();
+  return {scene.organ, scene.tools, now_.tissue.reach, scene.tissue.name,
           scene::visible_inclusions(now_.inclusions)};
 }
 
@@ -117,9 +117,9 @@ void Window::poll_next() {
     case NextSession::State::kReady: {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
-      const std::string organ_before = run_->session().setup().organ_name;
+      const std::string organ_before = run_->session().scene().organ_name;
       take(next->take(), next->recording());
-      camera_set_ = camera_set_ && organ_before == run_->session().setup().organ_name;
+      camera_set_ = camera_set_ && organ_before == run_->session().scene().organ_name;
       break;
     }
     case NextSession::State::kFailed:
@@ -176,7 +176,7 @@ void Window::apply_tissue(const model::TissueParameters& tissue) {
 
 void Window::apply_noise(const noise::NoiseSettings& noise) {
   try {
-    noise::validate(noise, run_->session().setup().rate_Hz);
+    noise::validate(noise, run_->session().scene().rate_Hz);
     if (run_->pausing()) {
       noise_waits_ = true;
     } else if (!run_->ended()) {
@@ -194,7 +194,7 @@ void Window::apply_inclusion(const haptics::LiveInclusion& change) {
     if (run_->pausing()) {
       inclusions_wait_ = true;
     } else if (!run_->ended()) {
-      const std::vector<std::string>& known = run_->session().setup().remarks;
+      const std::vector<std::string>& known = run_->session().scene().remarks;
       for (const std::string& warning : run_->session().updates().offer(change).warnings) {
         if (std::find(known.begin(), known.end(), warning) == known.end()) viewport_.show_message(warning);
       }
@@ -304,7 +304,7 @@ void Observers::open(const std::filesystem::path& program, const std::filesystem
   std::string name = program.string();
   std::string command = "view";
   std::string file = std::filesystem::absolute(recording).string();
-  const std::array<char*, 4> words = {name.data(), command.data(), file.data(), nullptr};
+  const std::array<char*, 4> arguments = {name.data(), command.data(), file.data(), nullptr};
   posix_spawn_file_actions_t actions{};
   posix_spawn_file_actions_init(&actions);
   // The viewer must not inherit device handles, nor the lock on the recording, which would outlive the
@@ -316,7 +316,7 @@ void Observers::open(const std::filesystem::path& program, const std::filesystem
   posix_spawnattr_setpgroup(&apart, 0);
   posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
   pid_t child = -1;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, &apart, words.data(), environ);
+  const int failed = posix_spawn(&child, name.c_str(), &actions, &apart, arguments.data(), environ);
   posix_spawnattr_destroy(&apart);
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));

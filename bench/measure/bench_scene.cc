@@ -150,21 +150,21 @@ std::size_t triangle_count(const geometry::Tool& tool) noexcept {
 scene::Scene bench_scene(const std::string& task, std::size_t organ_triangles, std::size_t tool_triangles) {
   scene::Overrides request;
   request.task = task;
-  scene::Scene setup = scene::load(request);
+  scene::Scene scene = scene::load(request);
   if (organ_triangles > 0) {
-    setup.organ =
-        tessellate(setup.organ, parts_for(setup.organ.triangles.size(), organ_triangles), Shape::kCurved);
+    scene.organ =
+        tessellate(scene.organ, parts_for(scene.organ.triangles.size(), organ_triangles), Shape::kCurved);
   }
   if (tool_triangles > 0) {
-    const int parts = parts_for(triangle_count(setup.tools[0]), tool_triangles);
-    for (geometry::ToolPart& part : setup.tools[0].parts)
+    const int parts = parts_for(triangle_count(scene.tools[0]), tool_triangles);
+    for (geometry::ToolPart& part : scene.tools[0].parts)
       part.mesh = tessellate(part.mesh, parts, Shape::kFlat);
   }
-  return setup;
+  return scene;
 }
 
-scene::ToolPath hand_path(const scene::Scene& setup) {
-  const scene::ToolPath own = scene::default_path(setup, 0);
+scene::ToolPath hand_path(const scene::Scene& scene) {
+  const scene::ToolPath own = scene::default_path(scene, 0);
   std::vector<scene::PathRow> rows;
   const int steps = static_cast<int>(std::lround(kWay / kRowSpacing));
   const auto add_way = [&](const scene::PathRow& end, double from, double begins) {

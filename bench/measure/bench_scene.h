@@ -34,6 +34,6 @@ enum class Shape { kFlat, kCurved };
 /// [setup] Path of hand 0: the scene's own (scene::default_path), with an approach from 10 mm higher and 20
 /// mm aside and the same way back. The handle always oscillates by 0.5 mm and two thirds of a degree. Begins
 /// and ends at the same pose. @throws InputError as scene::default_path.
-[[nodiscard]] scene::ToolPath hand_path(const scene::Scene& setup);
+[[nodiscard]] scene::ToolPath hand_path(const scene::Scene& scene);
 
 }  // namespace palpate::bench

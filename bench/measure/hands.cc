@@ -241,9 +241,9 @@ std::size_t greatest_that_fits(std::size_t first, std::size_t too_many,
   return most;
 }
 
-HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationWorld& world,
+HandsAccount hand_capacity(const scene::Scene& scene, const haptics::SimulationWorld& world,
                            const scene::ToolPath& path, haptics::Waiting waiting, const Watch& watch) {
-  const Window window = contact_window(run_path(setup, world, path));
+  const Window window = contact_window(run_path(scene, world, path));
   HandsAccount account;
   account.bytes_per_hand = bytes_per_hand(world, window, path);
   ParallelHands parallel(world, window, path, waiting);
@@ -251,7 +251,7 @@ HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationW
   const HandsRun gauged = parallel.run(kGaugedHands * parallel.cores(), kGaugedPeriods, false);
   // With more hands even the median period exceeds the limit.
   const double bound = std::min(limit_us() / gauged.round.p50_us * static_cast<double>(kGaugedHands),
-                                static_cast<double>(kMostHandsTried));
+                                static_cast<double>(kMaxHandsTried));
   const auto too_many = static_cast<std::size_t>(bound) + 1;
   const double halvings = std::log2(bound + 1.0) + 1.0;
   double done = 0.0;
@@ -270,11 +270,11 @@ HandsAccount hand_capacity(const scene::Scene& setup, const haptics::SimulationW
   return account;
 }
 
-HandsRun run_hands(const scene::Scene& setup, const haptics::SimulationWorld& world,
+HandsRun run_hands(const scene::Scene& scene, const haptics::SimulationWorld& world,
                    const scene::ToolPath& path, haptics::Waiting waiting, std::size_t hands,
                    std::uint64_t periods) {
   if (hands == 0) throw std::invalid_argument("bench: 0 hands: must be at least 1");
-  const Window window = contact_window(run_path(setup, world, path));
+  const Window window = contact_window(run_path(scene, world, path));
   return ParallelHands(world, window, path, waiting).run(hands, periods, false);
 }
 

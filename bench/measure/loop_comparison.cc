@@ -41,7 +41,7 @@ void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Sid
 
 }  // namespace
 
-LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::SimulationWorld& world,
+LoopAccount compare_with_empty_loop(const scene::Scene& scene, const haptics::SimulationWorld& world,
                                     const scene::ToolPath& path, haptics::Waiting waiting,
                                     const Watch& watch) {
   devices::ScriptedDevice device(path);
@@ -52,7 +52,7 @@ LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::Si
   with.late_us.reserve(last);
   empty.late_us.reserve(last);
   OneHand hand(world);
-  ScratchRecorder recorder(setup);
+  ScratchRecorder recorder(scene);
   std::vector<std::string> remarks;
   const haptics::MemoryLock memory(remarks);
   std::thread thread([&] {
@@ -61,7 +61,7 @@ LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::Si
     haptics::TickWait wait(waiting, world.rate_Hz);
     for (std::uint64_t number = 0; number < last;) {
       watch(static_cast<double>(number) / static_cast<double>(last),
-            "loop of the " + setup.name + " scene against an empty one");
+            "loop of the " + scene.name + " scene against an empty one");
       const std::uint64_t ticks = std::min(turn, last - number);
       take_turn(world.rate_Hz, ticks, wait, empty, [] {});
       take_turn(world.rate_Hz, ticks, wait, with, [&] { recorder.on_row(hand.tick(device, number++)); });
@@ -69,7 +69,7 @@ LoopAccount compare_with_empty_loop(const scene::Scene& setup, const haptics::Si
   });
   thread.join();
   LoopAccount account;
-  account.scene = setup.name;
+  account.scene = scene.name;
   account.rate_Hz = world.rate_Hz;
   account.ticks = last;
   account.missed = with.missed;

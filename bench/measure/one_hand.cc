@@ -9,9 +9,9 @@
 
 namespace palpate::bench {
 
-ScratchRecorder::ScratchRecorder(const scene::Scene& setup)
+ScratchRecorder::ScratchRecorder(const scene::Scene& scene)
     : folder_("palpate-bench-" + std::to_string(getpid()) + "-"),
-      recorder_(folder_.path() / "ticks.h5", setup, false) {
+      recorder_(folder_.path() / "ticks.h5", scene, false) {
   recorder_.on_start(unix_ns());
 }
 

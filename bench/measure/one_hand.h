@@ -39,7 +39,7 @@ class OneHand final {
 class ScratchRecorder final {
  public:
   /// [setup] @throws InputError when the file cannot be made.
-  explicit ScratchRecorder(const scene::Scene& setup);
+  explicit ScratchRecorder(const scene::Scene& scene);
   ~ScratchRecorder();
   ScratchRecorder(const ScratchRecorder&) = delete;
   ScratchRecorder& operator=(const ScratchRecorder&) = delete;

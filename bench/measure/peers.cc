@@ -42,8 +42,8 @@ struct PlainMesh {
 class LoadedPeer final {
  public:
   LoadedPeer(const PalpatePeer& peer, const PeerComparison& question)
-      : peer_(&peer), setup_(&question.setup), tips_(tip_points(question.setup, question.way)) {
-    const PlainMesh organ(question.setup.organ);
+      : peer_(&peer), scene_(&question.scene), tips_(tip_points(question.scene, question.way)) {
+    const PlainMesh organ(question.scene.organ);
     std::vector<PlainMesh> parts;
     for (const geometry::ToolPart& part : tool().parts) parts.emplace_back(part.mesh);
     std::vector<PalpatePeerMesh> views;
@@ -52,7 +52,7 @@ class LoadedPeer final {
     opened_ = peer.open(&view, views.data(), views.size());
     if (opened_ == nullptr)
       throw std::runtime_error(std::string("bench: ") + peer.name + " refused the organ");
-    const Pose to_organ = question.setup.organ_pose.inverse();
+    const Pose to_organ = question.scene.organ_pose.inverse();
     for (const PathPoint& at : question.way) {
       for (const geometry::ToolPart& part : tool().parts) {
         const Pose pose = to_organ * at.handle_W * geometry::part_pose(part, at.gripper);
@@ -72,10 +72,10 @@ class LoadedPeer final {
   [[nodiscard]] const Vec3& tip(std::size_t i) const { return tips_[i]; }
 
  private:
-  [[nodiscard]] const geometry::Tool& tool() const { return setup_->tools[0]; }
+  [[nodiscard]] const geometry::Tool& tool() const { return scene_->tools[0]; }
 
   const PalpatePeer* peer_;
-  const scene::Scene* setup_;
+  const scene::Scene* scene_;
   std::vector<Vec3> tips_;
   std::vector<std::array<double, 7>> poses_;  // of all parts, per point of the path
   void* opened_ = nullptr;
@@ -95,7 +95,7 @@ std::size_t stride_for(LoadedPeer& loaded, const PalpatePeer& peer, const PeerCo
 /// Compares with Palpate's distance: of the tool's tip, or of the whole tool.
 void check_answers(LoadedPeer& loaded, const PalpatePeer& peer, const PeerComparison& question) {
   if (peer.in_order != 0) return;  // it returns no distance
-  const geometry::SignedDistance surface(question.setup.organ);
+  const geometry::SignedDistance surface(question.scene.organ);
   const std::size_t step = std::max<std::size_t>(1, question.way.size() / kChecks);
   for (std::size_t i = 0; i < question.way.size(); i += step) {
     const double own =
@@ -167,9 +167,9 @@ PeerAccount measure_peer(const PalpatePeer& peer, const PeerComparison& question
   PeerAccount account;
   account.name = peer.name;
   account.does = peer.does;
-  account.scene = question.setup.name;
-  account.organ_triangles = question.setup.organ.triangles.size();
-  account.tool_triangles = peer.one_point != 0 ? 0 : triangle_count(question.setup.tools[0]);
+  account.scene = question.scene.name;
+  account.organ_triangles = question.scene.organ.triangles.size();
+  account.tool_triangles = peer.one_point != 0 ? 0 : triangle_count(question.scene.tools[0]);
   account.contact = figures_of(std::move(contact_us));
   account.approach = figures_of(std::move(approach_us));
   return account;

@@ -40,7 +40,7 @@ class Peers final {
 
 /// A comparison of one peer along a path.
 struct PeerComparison {
-  const scene::Scene& setup;
+  const scene::Scene& scene;
   const std::vector<PathPoint>& way;
   double seconds = 0.0;  // time limit: beyond it only every n-th point of the path is used
 };

@@ -18,7 +18,7 @@ namespace {
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures per second
-constexpr std::size_t kMostFrames = 240;
+constexpr std::size_t kMaxFrames = 240;
 constexpr std::size_t kPictureWarmUp = 3;  // frames: shaders are compiled at their first use
 
 std::int64_t process_cpu_ns() {
@@ -28,13 +28,13 @@ std::int64_t process_cpu_ns() {
 }
 
 // Snapshots from first contact on, one every kTicksAFrame ticks.
-std::vector<haptics::Snapshot> moments_of(const scene::Scene& setup) {
-  const Prepared prepared = prepare(setup);
+std::vector<haptics::Snapshot> moments_of(const scene::Scene& scene) {
+  const Prepared prepared = prepare(scene);
   OneHand hand(prepared.world);
-  devices::ScriptedDevice device(scene::default_path(setup, 0));
+  devices::ScriptedDevice device(scene::default_path(scene, 0));
   std::vector<haptics::Snapshot> moments;
   const std::uint64_t last = device.last_tick(prepared.world.rate_Hz);
-  for (std::uint64_t number = 0; number < last && moments.size() < kMostFrames; ++number) {
+  for (std::uint64_t number = 0; number < last && moments.size() < kMaxFrames; ++number) {
     hand.tick(device, number);
     if (number % kTicksAFrame != 0 || hand.tick_state().state.results[0].view_count == 0) continue;
     haptics::make_snapshot(hand.tick_state(), moments.emplace_back());
@@ -45,13 +45,13 @@ std::vector<haptics::Snapshot> moments_of(const scene::Scene& setup) {
 }  // namespace
 
 PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
-  const scene::Scene setup = bench_scene(task, 0, 0);
-  const std::vector<haptics::Snapshot> moments = moments_of(setup);
-  render::Subject drawn{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  const scene::Scene scene = bench_scene(task, 0, 0);
+  const std::vector<haptics::Snapshot> moments = moments_of(scene);
+  render::Subject drawn{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name};
   if (organ_triangles > 0) drawn.organ = bench_scene(task, organ_triangles, 0).organ;
 
   PictureAccount account;
-  account.scene = setup.name;
+  account.scene = scene.name;
   account.organ_triangles = drawn.organ.triangles.size();
   render::OffscreenRenderer renderer(drawn, kWidth, kHeight, render::Quality::kBalanced);
   renderer.adapt_to_time();

@@ -15,7 +15,7 @@ std::size_t bytes_in_use() {
   return held.uordblks + held.hblkhd;
 }
 
-Prepared prepare(const scene::Scene& setup) {
+Prepared prepare(const scene::Scene& scene) {
   constexpr std::size_t kTimes = 5;
   constexpr double kLongest = 1.0;  // s, for all runs but the first
   std::vector<double> seconds;
@@ -26,13 +26,13 @@ Prepared prepare(const scene::Scene& setup) {
     world.reset();
     const std::size_t before = bytes_in_use();
     const std::int64_t begun = monotonic_ns();
-    world.emplace(scene::make_world(setup));
+    world.emplace(scene::make_world(scene));
     seconds.push_back(static_cast<double>(monotonic_ns() - begun) * 1e-9);
     all += seconds.back();
     const std::size_t after = bytes_in_use();
     bytes = after > before ? after - before : 0;
   }
-  return {std::move(*world), {setup.organ_name, setup.organ.triangles.size(), median(seconds), bytes}};
+  return {std::move(*world), {scene.organ_name, scene.organ.triangles.size(), median(seconds), bytes}};
 }
 
 }  // namespace palpate::bench

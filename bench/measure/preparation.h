@@ -19,6 +19,6 @@ struct Prepared {
 
 /// [setup] Prepares a scene: median time of up to five runs within a second, and the memory that one keeps.
 /// @throws InputError as scene::make_world.
-[[nodiscard]] Prepared prepare(const scene::Scene& setup);
+[[nodiscard]] Prepared prepare(const scene::Scene& scene);
 
 }  // namespace palpate::bench

@@ -41,18 +41,18 @@ scene::ToolPath press_and_let_go(double lowest) {
 }
 
 scene::Scene block_of(const model::TissueParameters& tissue, double rate_Hz) {
-  scene::Scene setup;
-  setup.name = "stability";
-  setup.rate_Hz = rate_Hz;
-  setup.organ_name = "box";
-  setup.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.03);
-  setup.tissue = tissue;
-  setup.tools.push_back(
+  scene::Scene scene;
+  scene.name = "stability";
+  scene.rate_Hz = rate_Hz;
+  scene.organ_name = "box";
+  scene.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.03);
+  scene.tissue = tissue;
+  scene.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 320)}}, kBallRadius});
-  setup.devices.emplace_back().kind = "emulated";
-  setup.noise.enabled = false;
-  return setup;
+  scene.devices.emplace_back().kind = "emulated";
+  scene.noise.enabled = false;
+  return scene;
 }
 
 /// Observes the rows and the hand model.
@@ -111,16 +111,16 @@ model::TissueParameters linear_tissue(double stiffness) {
 }
 
 StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
-    : setup_(block_of(tissue, rate_Hz)), world_(scene::make_world(setup_)) {
+    : scene_(block_of(tissue, rate_Hz)), world_(scene::make_world(scene_)) {
   const model::SpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
-  depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMostHoldForce).depth);
+  depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMaxHoldForce).depth);
   const model::ContactResponse there = law.force_at(depth_at_hold_);
   force_at_hold_ = there.force;
   stiffness_at_hold_ = there.stiffness;
 }
 
 StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
-  scene::DeviceSetup device_setup = setup_.devices.front();
+  scene::DeviceSetup device_setup = scene_.devices.front();
   device_setup.dynamics = {the_case.device.damping, the_case.device.friction, the_case.device.resolution};
   device_setup.emulated.grip = the_case.grip;
   const double lowest = depth_at_hold_ + force_at_hold_ / the_case.grip.stiffness;
@@ -135,7 +135,7 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   StabilityResult result = watch.result();
   result.stiffness = stiffness_at_hold_;
   result.check = haptics::check_stability(
-      setup_.tissue, {.period = 1.0 / world_.rate_Hz, .max_force = setup_.safety.max_force}, the_case.device);
+      scene_.tissue, {.period = 1.0 / world_.rate_Hz, .max_force = scene_.safety.max_force}, the_case.device);
   return result;
 }
 

@@ -21,7 +21,7 @@ struct StabilityCase {
 };
 
 /// Result of a case: press to the equilibrium of hand and tissue, hold for 2 s, release. The equilibrium is
-/// at kDepthWithinReach, or at the force kMostHoldForce if that comes first.
+/// at kDepthWithinReach, or at the force kMaxHoldForce if that comes first.
 struct StabilityResult {
   double stiffness = 0.0;     // N/m, tangent stiffness at the equilibrium
   double force = 0.0;         // N, mean commanded force in the last second of the hold
@@ -45,7 +45,7 @@ struct StabilityResult {
 /// A hold is still when the hand's position stays within this range in its last second.
 inline constexpr double kStillHold = 0.05e-3;  // m
 
-inline constexpr double kMostHoldForce =
+inline constexpr double kMaxHoldForce =
     4.0;  // N: reaches 15 mm in every built-in tissue, and is a moderate force for a hand
 
 /// [setup] A flat block of tissue under a 5 mm ball in an emulated hand, without touch noise, so that any
@@ -60,7 +60,7 @@ class StabilityBlock final {
   [[nodiscard]] StabilityResult run(const StabilityCase& the_case) const;
 
  private:
-  scene::Scene setup_;
+  scene::Scene scene_;
   haptics::SimulationWorld world_;
   double depth_at_hold_;      // m
   double force_at_hold_;      // N

@@ -50,8 +50,8 @@ class RepeatedTimes final {
 /// Runs the path repeatedly.
 class Passes final {
  public:
-  Passes(const haptics::SimulationWorld& world, const scene::Scene& setup, const scene::ToolPath& path)
-      : world_(world), device_(path), recorder_(setup) {}
+  Passes(const haptics::SimulationWorld& world, const scene::Scene& scene, const scene::ToolPath& path)
+      : world_(world), device_(path), recorder_(scene) {}
 
   void run(int passes) {
     for (int pass = 0; pass < passes; ++pass)
@@ -96,7 +96,7 @@ class Passes final {
 
 }  // namespace
 
-std::vector<PathPoint> run_path(const scene::Scene& setup, const haptics::SimulationWorld& world,
+std::vector<PathPoint> run_path(const scene::Scene& scene, const haptics::SimulationWorld& world,
                                 const scene::ToolPath& path) {
   OneHand hand(world);
   devices::ScriptedDevice device(path);
@@ -109,43 +109,43 @@ std::vector<PathPoint> run_path(const scene::Scene& setup, const haptics::Simula
     way.push_back({world.mappings[0].apply(sample.position_D, sample.orientation_D), sample.gripper,
                    static_cast<contact::Phase>(row.phase), row.distance});
   }
-  if (way.empty()) throw std::runtime_error("bench: the path of the " + setup.name + " scene is empty");
+  if (way.empty()) throw std::runtime_error("bench: the path of the " + scene.name + " scene is empty");
   return way;
 }
 
-TickAccount time_ticks(const scene::Scene& setup, const haptics::SimulationWorld& world,
+TickAccount time_ticks(const scene::Scene& scene, const haptics::SimulationWorld& world,
                        const scene::ToolPath& path, int passes) {
-  Passes times(world, setup, path);
+  Passes times(world, scene, path);
   times.run(passes);
   TickAccount account;
-  account.scene = setup.name;
-  account.phase = scene::to_string(setup.task);
-  account.organ_triangles = setup.organ.triangles.size();
-  account.tool_triangles = triangle_count(setup.tools[0]);
+  account.scene = scene.name;
+  account.phase = scene::to_string(scene.task);
+  account.organ_triangles = scene.organ.triangles.size();
+  account.tool_triangles = triangle_count(scene.tools[0]);
   account.repeats = passes;
   times.report(account);
   if (account.contact.samples == 0)
-    throw std::runtime_error("bench: the " + setup.name + " scene never came into contact");
+    throw std::runtime_error("bench: the " + scene.name + " scene never came into contact");
   return account;
 }
 
-std::vector<Vec3> tip_points(const scene::Scene& setup, const std::vector<PathPoint>& way) {
+std::vector<Vec3> tip_points(const scene::Scene& scene, const std::vector<PathPoint>& way) {
   Vec3 tip = Vec3::Zero();
-  for (const geometry::ToolPart& part : setup.tools[0].parts) {
+  for (const geometry::ToolPart& part : scene.tools[0].parts) {
     for (const Vec3& vertex : part.mesh.vertices) {
       if (vertex.z() > tip.z()) tip = vertex;
     }
   }
-  const Pose to_organ = setup.organ_pose.inverse();
+  const Pose to_organ = scene.organ_pose.inverse();
   std::vector<Vec3> points;
   points.reserve(way.size());
   for (const PathPoint& at : way) points.push_back(to_organ * (at.handle_W * tip));
   return points;
 }
 
-NearestAccount time_nearest(const scene::Scene& setup, const std::vector<PathPoint>& way) {
-  const geometry::SignedDistance surface(setup.organ);
-  const std::vector<Vec3> points = tip_points(setup, way);
+NearestAccount time_nearest(const scene::Scene& scene, const std::vector<PathPoint>& way) {
+  const geometry::SignedDistance surface(scene.organ);
+  const std::vector<Vec3> points = tip_points(scene, way);
   std::vector<double> times_us;
   std::int32_t guess = -1;
   double sum = 0.0;
@@ -161,7 +161,7 @@ NearestAccount time_nearest(const scene::Scene& setup, const std::vector<PathPoi
   }
   volatile double kept = sum;
   static_cast<void>(kept);
-  return {setup.organ.triangles.size(), figures_of(std::move(times_us))};
+  return {scene.organ.triangles.size(), figures_of(std::move(times_us))};
 }
 
 }  // namespace palpate::bench

@@ -42,13 +42,13 @@ contact::Preparation preparation_of(const palpate_options& options) {
 }
 
 /// Source of palpate_scripted_sample(): a replay, the scene's path, or the default path.
-std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& setup, std::size_t hand) {
-  const scene::DeviceSetup& device = setup.devices[hand];
-  if (device.kind == "replay") return devices::open_device(setup, hand);
+std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& scene, std::size_t hand) {
+  const scene::DeviceSetup& device = scene.devices[hand];
+  if (device.kind == "replay") return devices::open_device(scene, hand);
   const bool has_path =
       !device.path.empty() && scene::find_device_kind(device.kind)->path == scene::DevicePath::kToolPath;
   const scene::ToolPath path = has_path ? scene::read_tool_path(to_path(device.path), device.interpolation)
-                                        : scene::default_path(setup, hand);
+                                        : scene::default_path(scene, hand);
   return std::make_unique<devices::ScriptedDevice>(path.faster(device.path_speed));
 }
 
@@ -64,21 +64,21 @@ Loaded load(const palpate_options& options) {
   return load(scene::load(request_of(options)), preparation_of(options), options.no_hand != 0);
 }
 
-Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand) {
+Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand) {
   std::vector<std::unique_ptr<haptics::Device>> scripted;
-  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
-    scripted.push_back(scripted_device(setup, hand));
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    scripted.push_back(scripted_device(scene, hand));
   }
   // The tick, the recording and its replay depend on whether a hand holds the device.
-  for (scene::DeviceSetup& device : setup.devices) {
+  for (scene::DeviceSetup& device : scene.devices) {
     if (!no_hand && !scene::find_device_kind(device.kind)->held) device.kind = "host";
   }
-  for (std::string& remark : scene::overlap_remarks(setup)) setup.remarks.push_back(std::move(remark));
-  haptics::SimulationWorld world = scene::make_world(setup, how);
-  for (std::string& remark : scene::stability_remarks(setup, world)) {
-    setup.remarks.push_back(std::move(remark));
+  for (std::string& remark : scene::overlap_remarks(scene)) scene.remarks.push_back(std::move(remark));
+  haptics::SimulationWorld world = scene::make_world(scene, how);
+  for (std::string& remark : scene::stability_remarks(scene, world)) {
+    scene.remarks.push_back(std::move(remark));
   }
-  return {std::move(setup), std::move(scripted), std::move(world)};
+  return {std::move(scene), std::move(scripted), std::move(world)};
 }
 
 }  // namespace palpate::c_interface

@@ -19,7 +19,7 @@ using palpate::c_interface::UseError;
 namespace {
 
 void require_inclusion(const palpate_simulation& simulation, std::size_t index) {
-  if (index >= simulation.setup().inclusions.size()) {
+  if (index >= simulation.scene().inclusions.size()) {
     throw UseError("index: must be less than palpate_inclusion_count()");
   }
 }
@@ -29,7 +29,7 @@ void require_inclusion(const palpate_simulation& simulation, std::size_t index) 
 extern "C" {
 
 size_t palpate_inclusion_count(const palpate_simulation* simulation) {
-  return simulation == nullptr ? 0 : simulation->setup().inclusions.size();
+  return simulation == nullptr ? 0 : simulation->scene().inclusions.size();
 }
 
 palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_t index,
@@ -39,15 +39,15 @@ palpate_status palpate_get_inclusion(const palpate_simulation* simulation, size_
     require_given(inclusion, "inclusion");
     require_size(inclusion->struct_size, sizeof *inclusion, "palpate_inclusion");
     require_inclusion(*simulation, index);
-    const palpate::scene::InclusionSetup& setup = simulation->setup().inclusions[index];
+    const palpate::scene::InclusionSetup& of_scene = simulation->scene().inclusions[index];
     const palpate::model::Inclusion now = simulation->updates().inclusions()[index];
     palpate_inclusion found{};
     found.struct_size = sizeof found;
     for (int axis = 0; axis < 3; ++axis) found.position[axis] = now.centre_S[axis];
     found.radius = now.radius;
     found.stiffness_ratio = now.ratio;
-    found.name = setup.name.c_str();
-    found.visible = setup.visible ? 1 : 0;
+    found.name = of_scene.name.c_str();
+    found.visible = of_scene.visible ? 1 : 0;
     *inclusion = found;
   });
 }

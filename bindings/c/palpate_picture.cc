@@ -46,7 +46,7 @@ void copy_triangles(std::span<const palpate::geometry::Triangle> triangles, std:
 const palpate::geometry::ToolPart& part_of(const palpate_simulation* simulation, std::uint32_t hand,
                                            std::uint32_t part) {
   require_usable(simulation);
-  const auto& tools = simulation->setup().tools;
+  const auto& tools = simulation->scene().tools;
   if (hand >= tools.size()) {
     throw UseError("hand = " + std::to_string(hand) + ": must be less than the " +
                    std::to_string(tools.size()) + " hands");

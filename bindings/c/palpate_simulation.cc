@@ -67,15 +67,15 @@ palpate_status palpate_get_info(const palpate_simulation* simulation, palpate_in
 }
 
 const char* palpate_name(const palpate_simulation* simulation) {
-  return simulation == nullptr ? "" : simulation->setup().name.c_str();
+  return simulation == nullptr ? "" : simulation->scene().name.c_str();
 }
 
 const char* palpate_remark(const palpate_simulation* simulation, size_t index) {
   if (simulation == nullptr) return nullptr;
-  const palpate::scene::Scene& setup = simulation->setup();
-  if (index < setup.repairs.size()) return setup.repairs[index].c_str();
-  const std::size_t after = index - setup.repairs.size();
-  return after < setup.remarks.size() ? setup.remarks[after].c_str() : nullptr;
+  const palpate::scene::Scene& scene = simulation->scene();
+  if (index < scene.repairs.size()) return scene.repairs[index].c_str();
+  const std::size_t after = index - scene.repairs.size();
+  return after < scene.remarks.size() ? scene.remarks[after].c_str() : nullptr;
 }
 
 palpate_status palpate_tick(palpate_simulation* simulation, const palpate_sample* samples,

@@ -59,8 +59,8 @@ haptics::DeviceState state_of(const palpate_sample& sample) noexcept {
   return state;
 }
 
-geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge) {
-  return longest_edge > 0.0 ? geometry::refine(setup.organ, longest_edge) : setup.organ;
+geometry::TriangleMesh visible_surface(const scene::Scene& scene, double longest_edge) {
+  return longest_edge > 0.0 ? geometry::refine(scene.organ, longest_edge) : scene.organ;
 }
 
 }  // namespace
@@ -79,17 +79,17 @@ using palpate::c_interface::put;
 }  // namespace
 
 palpate_simulation::palpate_simulation(palpate::c_interface::Loaded loaded, const palpate_options& options)
-    : setup_(std::move(loaded.setup)),
+    : scene_(std::move(loaded.scene)),
       scripted_(std::move(loaded.scripted)),
       world_(std::move(loaded.world)),
       state_(world_),
       samples_(world_.hands()),
       commands_(world_.hands()),
       rows_(world_.hands()),
-      deformer_(palpate::c_interface::visible_surface(setup_, options.surface_edge)) {
-  updates_.emplace(world_, setup_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
+      deformer_(palpate::c_interface::visible_surface(scene_, options.surface_edge)) {
+  updates_.emplace(world_, scene_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   if (options.record_file != nullptr) {
-    recorder_ = palpate::record::make_recorder(palpate::to_path(options.record_file), setup_,
+    recorder_ = palpate::record::make_recorder(palpate::to_path(options.record_file), scene_,
                                                options.record_waits != 0);
   }
   publish();
@@ -190,7 +190,7 @@ void palpate_simulation::scripted_sample(std::size_t hand, std::uint64_t tick_nu
 
 void palpate_simulation::restart() {
   state_ = palpate::haptics::SimulationState(world_);
-  updates_.emplace(world_, setup_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
+  updates_.emplace(world_, scene_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   std::fill(commands_.begin(), commands_.end(), palpate::haptics::ForceCommand{});
   next_tick_ = 0;
   resets_.store(0);
@@ -215,9 +215,9 @@ palpate_info palpate_simulation::info() const noexcept {
     info.held |= std::uint32_t{1} << hand;
   }
   info.rate = world_.rate_Hz;
-  info.max_force = setup_.safety.max_force;
-  info.max_torque = setup_.safety.max_torque;
-  info.seed = setup_.seed;
+  info.max_force = scene_.safety.max_force;
+  info.max_torque = scene_.safety.max_torque;
+  info.seed = scene_.seed;
   for (const auto& device : scripted_) {
     info.scripted_ticks = std::max(info.scripted_ticks, device->last_tick(world_.rate_Hz));
   }
@@ -226,9 +226,9 @@ palpate_info palpate_simulation::info() const noexcept {
   }
   info.vertices = rest_surface().vertices.size();
   info.triangles = rest_surface().triangles.size();
-  info.remarks = setup_.repairs.size() + setup_.remarks.size();
+  info.remarks = scene_.repairs.size() + scene_.remarks.size();
   for (std::size_t hand = 0; hand < hands(); ++hand) {
-    info.tool_parts[hand] = static_cast<std::uint32_t>(setup_.tools[hand].parts.size());
+    info.tool_parts[hand] = static_cast<std::uint32_t>(scene_.tools[hand].parts.size());
   }
   return info;
 }

@@ -23,7 +23,7 @@ namespace palpate::c_interface {
 
 /// Scene, prepared for a simulation.
 struct Loaded {
-  scene::Scene setup;
+  scene::Scene scene;
   std::vector<std::unique_ptr<haptics::Device>> scripted;  // per hand, source of palpate_scripted_sample()
   haptics::SimulationWorld world;
 };
@@ -32,7 +32,7 @@ struct Loaded {
 [[nodiscard]] Loaded load(const palpate_options& options);
 
 /// [setup] Prepares a scene that has been read. @param no_hand as palpate_options.no_hand
-[[nodiscard]] Loaded load(scene::Scene setup, const contact::Preparation& how, bool no_hand);
+[[nodiscard]] Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand);
 
 /// Error of a call in a child process for a simulation of its parent.
 inline constexpr const char* kForked =
@@ -79,7 +79,7 @@ struct palpate_simulation {
   [[nodiscard]] bool is_own() const noexcept { return process_.is_current(); }
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
-  [[nodiscard]] const palpate::scene::Scene& setup() const noexcept { return setup_; }
+  [[nodiscard]] const palpate::scene::Scene& scene() const noexcept { return scene_; }
   /// [picture] Vertices of the last update_surface().
   [[nodiscard]] const std::vector<palpate::Vec3>& vertices() const noexcept { return vertices_; }
   [[nodiscard]] const palpate::geometry::TriangleMesh& rest_surface() const noexcept {
@@ -93,7 +93,7 @@ struct palpate_simulation {
   void publish() noexcept;
 
   palpate::OwnProcess process_;
-  palpate::scene::Scene setup_;
+  palpate::scene::Scene scene_;
   std::vector<std::unique_ptr<palpate::haptics::Device>> scripted_;
   palpate::haptics::SimulationWorld world_;
   palpate::haptics::SimulationState state_;

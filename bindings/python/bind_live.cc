@@ -149,7 +149,7 @@ std::vector<std::string> set_inclusion(LiveSimulation& live,
                                        const std::variant<std::size_t, std::string>& which,
                                        const std::optional<Numbers>& position, std::optional<double> ratio,
                                        std::uint64_t not_before_tick) {
-  const std::size_t index = inclusion_index(live.setup(), which);
+  const std::size_t index = inclusion_index(live.scene(), which);
   const model::Inclusion now = live.changes().inclusions()[index];
   return live.changes().offer(live_inclusion(index, now, position, ratio), not_before_tick).warnings;
 }
@@ -201,8 +201,8 @@ py::dict report_of(LiveSimulation& live) {
 }
 
 std::vector<std::string> remarks_of(const LiveSimulation& live) {
-  std::vector<std::string> remarks = live.setup().repairs;
-  remarks.insert(remarks.end(), live.setup().remarks.begin(), live.setup().remarks.end());
+  std::vector<std::string> remarks = live.scene().repairs;
+  remarks.insert(remarks.end(), live.scene().remarks.begin(), live.scene().remarks.end());
   return remarks;
 }
 
@@ -367,12 +367,12 @@ void bind_live(py::module_& module) {
           "The touch noise of the last set_noise(), or of the scene: enabled, gain (N m), threshold (m).")
       .def_property_readonly(
           "inclusions",
-          [](LiveSimulation& live) { return inclusion_tables(live.setup(), live.changes().inclusions()); },
+          [](LiveSimulation& live) { return inclusion_tables(live.scene(), live.changes().inclusions()); },
           "The inclusions of the last set_inclusion(), or of the scene: a list of Inclusion.")
-      .def_property_readonly("name", [](const LiveSimulation& live) { return live.setup().name; })
-      .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.setup().rate_Hz; })
+      .def_property_readonly("name", [](const LiveSimulation& live) { return live.scene().name; })
+      .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.scene().rate_Hz; })
       .def_property_readonly("hand_count", &LiveSimulation::hands)
-      .def_property_readonly("organ", [](const LiveSimulation& live) { return live.setup().organ; })
+      .def_property_readonly("organ", [](const LiveSimulation& live) { return live.scene().organ; })
       .def_property_readonly("remarks", &remarks_of,
                              "Remarks on the scene for the user: mesh repairs and warnings.");
 }

@@ -31,8 +31,8 @@ class RowKeeper final : public haptics::TickObserver {
 };
 
 /// @throws InputError for a real device, because this loop does not run in real time.
-void require_no_real_device(const scene::Scene& setup) {
-  for (const scene::DeviceSetup& device : setup.devices) {
+void require_no_real_device(const scene::Scene& scene) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     if (device.kind == "scripted" || device.kind == "replay" || device.kind == "emulated") continue;
     throw InputError("device kind = \"" + device.kind +
                      "\": must be scripted, replay or emulated, as the run is offline");
@@ -43,13 +43,13 @@ void require_no_real_device(const scene::Scene& setup) {
 std::vector<TickRow> run(const SceneArguments& arguments, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
   constexpr double kMaxTicks = 1e9;  // 1e6 s at 1 kHz; memory ends long before
-  scene::Scene setup = arguments.load();
-  require_no_real_device(setup);
-  if (duration_s) (void)session::ticks_in(*duration_s, setup.rate_Hz, "duration_s", kMaxTicks);
+  scene::Scene scene = arguments.load();
+  require_no_real_device(scene);
+  if (duration_s) (void)session::ticks_in(*duration_s, scene.rate_Hz, "duration_s", kMaxTicks);
   session::SessionOptions options;
   options.duration_s = duration_s;
   options.preparation = preparation_of(cache);
-  session::Session session(std::move(setup), std::move(options));
+  session::Session session(std::move(scene), std::move(options));
   RowKeeper keeper(session.ticks() * session.hands());
   (void)session.run({.recording = recording.value_or(fs::path()), .offline = true, .keep_fault = false},
                     {&keeper});
@@ -79,7 +79,7 @@ std::string replay_difference(const Recording& recording) {
 /// A pandas table with the names of phases and faults.
 py::object frame_of(const py::object& rows) {
   const py::module_ pandas = py::module_::import("pandas");
-  const auto words = [&](const char* column, const std::vector<std::string>& names) {
+  const auto categories = [&](const char* column, const std::vector<std::string>& names) {
     return pandas.attr("Categorical").attr("from_codes")(rows[column], py::arg("categories") = names);
   };
   std::vector<std::string> faults;
@@ -87,8 +87,8 @@ py::object frame_of(const py::object& rows) {
     faults.emplace_back(haptics::name_of(static_cast<haptics::Fault>(fault)));
   }
   const py::object frame = pandas.attr("DataFrame")(rows);
-  frame["phase"] = words("phase", {contact::kPhaseNames.begin(), contact::kPhaseNames.end()});
-  frame["fault"] = words("fault", faults);
+  frame["phase"] = categories("phase", {contact::kPhaseNames.begin(), contact::kPhaseNames.end()});
+  frame["fault"] = categories("fault", faults);
   return frame;
 }
 
@@ -103,12 +103,12 @@ void bind_recording(py::module_& module) {
           },
           "One row per tick and hand, in a structured array with the columns of `palpate export`; phase and "
           "fault are numbers.")
-      .def_property_readonly("name", [](const Recording& recording) { return recording.setup.name; })
-      .def_property_readonly("rate_Hz", [](const Recording& recording) { return recording.setup.rate_Hz; })
-      .def_property_readonly("seed", [](const Recording& recording) { return recording.setup.seed; })
-      .def_property_readonly("organ", [](const Recording& recording) { return recording.setup.organ; })
-      .def_property_readonly("tissue", [](const Recording& recording) { return recording.setup.tissue; })
-      .def_property_readonly("remarks", [](const Recording& recording) { return recording.setup.remarks; })
+      .def_property_readonly("name", [](const Recording& recording) { return recording.scene.name; })
+      .def_property_readonly("rate_Hz", [](const Recording& recording) { return recording.scene.rate_Hz; })
+      .def_property_readonly("seed", [](const Recording& recording) { return recording.scene.seed; })
+      .def_property_readonly("organ", [](const Recording& recording) { return recording.scene.organ; })
+      .def_property_readonly("tissue", [](const Recording& recording) { return recording.scene.tissue; })
+      .def_property_readonly("remarks", [](const Recording& recording) { return recording.scene.remarks; })
       .def_property_readonly(
           "version", [](const Recording& recording) { return recording.facts.version; },
           doc("RunFacts::version"))

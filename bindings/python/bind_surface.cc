@@ -57,7 +57,7 @@ geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
 }  // namespace
 
 Surface surface_of(const record::Recording& recording, std::uint64_t tick, double surface_edge, bool cache) {
-  deform::SurfaceDeformer deformer(visible_surface(recording.setup, surface_edge));
+  deform::SurfaceDeformer deformer(visible_surface(recording.scene, surface_edge));
   return surface_at(record::snapshots_at(recording, {tick}, preparation_of(cache)).front(), deformer);
 }
 

@@ -138,7 +138,7 @@ std::vector<std::string> ticked_set_inclusion(TickedSimulation& ticked,
                                               const std::optional<Numbers>& position,
                                               std::optional<double> ratio) {
   return ticked.with([&](palpate_simulation& simulation) {
-    const std::size_t index = inclusion_index(simulation.setup(), which);
+    const std::size_t index = inclusion_index(simulation.scene(), which);
     const model::Inclusion now = simulation.updates().inclusions()[index];
     return simulation.updates().offer(live_inclusion(index, now, position, ratio)).warnings;
   });
@@ -146,7 +146,7 @@ std::vector<std::string> ticked_set_inclusion(TickedSimulation& ticked,
 
 std::vector<scene::InclusionTable> ticked_inclusions(TickedSimulation& ticked) {
   return ticked.with([](palpate_simulation& simulation) {
-    return inclusion_tables(simulation.setup(), simulation.updates().inclusions());
+    return inclusion_tables(simulation.scene(), simulation.updates().inclusions());
   });
 }
 
@@ -180,8 +180,8 @@ Surface surface_now(TickedSimulation& ticked) {
 
 std::vector<std::string> ticked_remarks_of(TickedSimulation& ticked) {
   return ticked.with([](palpate_simulation& simulation) {
-    std::vector<std::string> remarks = simulation.setup().repairs;
-    const std::vector<std::string>& more = simulation.setup().remarks;
+    std::vector<std::string> remarks = simulation.scene().repairs;
+    const std::vector<std::string>& more = simulation.scene().remarks;
     remarks.insert(remarks.end(), more.begin(), more.end());
     return remarks;
   });

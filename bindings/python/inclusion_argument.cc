@@ -14,7 +14,7 @@ scene::InclusionTable inclusion_preset(const std::string& name) {
   throw InputError("inclusion = \"" + name + "\": must be " + scene::inclusion_preset_names());
 }
 
-void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& setup) {
+void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& scene) {
   if (arguments.size() > model::kMaxInclusions) {
     throw InputError("inclusions: " + std::to_string(arguments.size()) + " are given, must be at most " +
                      std::to_string(model::kMaxInclusions));
@@ -26,8 +26,8 @@ void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scen
     tables.back().where = "inclusions[" + std::to_string(tables.size() - 1) + "]";
     model::validate(tables.back().setup.inclusion);
   }
-  setup.inclusions.clear();
-  scene::place_inclusions(tables, setup);
+  scene.inclusions.clear();
+  scene::place_inclusions(tables, scene);
 }
 
 scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument) {
@@ -49,12 +49,12 @@ scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument) {
   return map;
 }
 
-std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,
+std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& scene,
                                                     const std::vector<model::Inclusion>& now) {
   std::vector<scene::InclusionTable> tables;
   for (std::size_t i = 0; i < now.size(); ++i) {
     scene::InclusionTable table;
-    table.setup = setup.inclusions[i];
+    table.setup = scene.inclusions[i];
     table.setup.inclusion = now[i];
     table.has_centre = true;
     tables.push_back(std::move(table));
@@ -62,8 +62,8 @@ std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,
   return tables;
 }
 
-std::size_t inclusion_index(const scene::Scene& setup, const std::variant<std::size_t, std::string>& which) {
-  const std::size_t count = setup.inclusions.size();
+std::size_t inclusion_index(const scene::Scene& scene, const std::variant<std::size_t, std::string>& which) {
+  const std::size_t count = scene.inclusions.size();
   if (const auto* index = std::get_if<std::size_t>(&which)) {
     if (*index < count) return *index;
     throw InputError("inclusion = " + std::to_string(*index) + ": must be less than the " +
@@ -74,7 +74,7 @@ std::size_t inclusion_index(const scene::Scene& setup, const std::variant<std::s
   std::size_t found = count;
   std::size_t matches = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    names.push_back(setup.inclusions[i].name);
+    names.push_back(scene.inclusions[i].name);
     if (names.back() != name) continue;
     found = i;
     ++matches;

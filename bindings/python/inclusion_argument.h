@@ -26,17 +26,17 @@ using StiffnessArgument = std::variant<std::filesystem::path, Numbers>;
 
 /// [setup] Replaces the inclusions of a loaded scene. @throws InputError for an inclusion that is not inside
 /// the organ, ParameterError for an invalid number
-void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& setup);
+void set_inclusions(const std::vector<InclusionArgument>& arguments, scene::Scene& scene);
 
 /// [setup] Points of a stiffness map. @throws InputError, ParameterError for an invalid factor
 [[nodiscard]] scene::StiffnessMapFile stiffness_of(const StiffnessArgument& argument);
 
 /// [setup] The inclusions of a scene with the numbers of a run.
-[[nodiscard]] std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& setup,
+[[nodiscard]] std::vector<scene::InclusionTable> inclusion_tables(const scene::Scene& scene,
                                                                   const std::vector<model::Inclusion>& now);
 
 /// [setup] The number of an inclusion, from 0, by its name or number. @throws InputError that lists the names
-[[nodiscard]] std::size_t inclusion_index(const scene::Scene& setup,
+[[nodiscard]] std::size_t inclusion_index(const scene::Scene& scene,
                                           const std::variant<std::size_t, std::string>& which);
 
 /// [setup] The update that moves an inclusion and sets its ratio; values that are not given stay.

@@ -13,23 +13,23 @@ namespace palpate::python {
 namespace {
 
 /// Number of rows in a time span.
-std::size_t rows_in(double seconds, const scene::Scene& setup) {
-  const double rows = seconds * setup.rate_Hz * static_cast<double>(setup.tools.size());
+std::size_t rows_in(double seconds, const scene::Scene& scene) {
+  const double rows = seconds * scene.rate_Hz * static_cast<double>(scene.tools.size());
   if (!(seconds >= 0.0) || rows > 1e10) throw ParameterError("keep_s", seconds, ">= 0 and not endless");
   return static_cast<std::size_t>(rows);
 }
 
 /// Checks the options before the organ is prepared, which takes longer. @return the scene
-scene::Scene checked(scene::Scene setup, const LiveSimulation::Options& options) {
+scene::Scene checked(scene::Scene scene, const LiveSimulation::Options& options) {
   session::require_usable_core(options.thread.core, "core");
-  (void)rows_in(options.keep_s, setup);
+  (void)rows_in(options.keep_s, scene);
   check_surface_edge(options.surface_edge);
-  for (const scene::DeviceSetup& device : setup.devices) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     const scene::DeviceKind* known = scene::find_device_kind(device.kind);
     if (known == nullptr || !known->window) continue;
     throw InputError("device " + device.kind + ": needs the window of a run; Python has no window");
   }
-  return setup;
+  return scene;
 }
 
 session::SessionOptions session_options(const LiveSimulation::Options& options) {
@@ -92,10 +92,10 @@ void RowCollector::collect(const std::stop_token& stop) {
   }
 }
 
-LiveSimulation::LiveSimulation(scene::Scene setup, Options options)
+LiveSimulation::LiveSimulation(scene::Scene scene, Options options)
     : options_(std::move(options)),
-      session_(checked(std::move(setup), options_), session_options(options_)),
-      rows_(hands(), rows_in(options_.keep_s, session_.setup())) {}
+      session_(checked(std::move(scene), options_), session_options(options_)),
+      rows_(hands(), rows_in(options_.keep_s, session_.scene())) {}
 
 LiveSimulation::~LiveSimulation() { stop(); }
 
@@ -154,8 +154,8 @@ std::vector<haptics::TickRow> LiveSimulation::newest() {
 std::string LiveSimulation::describe_fault(const haptics::TickRow& row) const {
   const auto fault = static_cast<haptics::Fault>(row.fault);
   if (fault == haptics::Fault::kNone) return {};
-  const std::string trouble = session_.devices()[row.hand]->last_error();
-  return haptics::describe(fault) + (trouble.empty() ? std::string() : " (" + trouble + ")");
+  const std::string last_error = session_.devices()[row.hand]->last_error();
+  return haptics::describe(fault) + (last_error.empty() ? std::string() : " (" + last_error + ")");
 }
 
 std::uint64_t LiveSimulation::change() {
@@ -169,11 +169,11 @@ Surface LiveSimulation::surface() {
   require_own();
   const std::lock_guard lock(looking_);
   if (!deformer_) {
-    deformer_ = std::make_unique<deform::SurfaceDeformer>(visible_surface(setup(), options_.surface_edge));
+    deformer_ = std::make_unique<deform::SurfaceDeformer>(visible_surface(scene(), options_.surface_edge));
   }
   (void)snapshots_.cell().refresh();
   haptics::Snapshot snapshot = snapshots_.cell().value();
-  if (snapshot.hands == 0) snapshot.organ_W = setup().organ_pose;  // before the first tick
+  if (snapshot.hands == 0) snapshot.organ_W = scene().organ_pose;  // before the first tick
   return surface_at(snapshot, *deformer_);
 }
 

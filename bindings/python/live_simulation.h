@@ -80,7 +80,7 @@ class LiveSimulation final {
   };
 
   /// [setup] Opens the devices and prepares the organ. @throws InputError, ParameterError
-  LiveSimulation(scene::Scene setup, Options options);
+  LiveSimulation(scene::Scene scene, Options options);
   /// Stops the run.
   ~LiveSimulation();
   LiveSimulation(const LiveSimulation&) = delete;
@@ -126,7 +126,7 @@ class LiveSimulation final {
     return session_.updates();
   }
 
-  [[nodiscard]] const scene::Scene& setup() const noexcept { return session_.setup(); }
+  [[nodiscard]] const scene::Scene& scene() const noexcept { return session_.scene(); }
   [[nodiscard]] std::size_t hands() const noexcept { return session_.hands(); }
   /// [any] Result of the ended run; default values if it failed. @throws std::logic_error before the end
   [[nodiscard]] session::RunResult result();

@@ -11,14 +11,14 @@ namespace palpate::python {
 namespace fs = std::filesystem;
 
 scene::Scene SceneArguments::load() const {
-  scene::Scene setup = scene::load(request);
-  if (tissue) setup.tissue = *tissue;
-  if (inclusions) set_inclusions(*inclusions, setup);
+  scene::Scene scene = scene::load(request);
+  if (tissue) scene.tissue = *tissue;
+  if (inclusions) set_inclusions(*inclusions, scene);
   if (stiffness) {
-    setup.stiffness = stiffness->points;
-    setup.remarks.insert(setup.remarks.end(), stiffness->remarks.begin(), stiffness->remarks.end());
+    scene.stiffness = stiffness->points;
+    scene.remarks.insert(scene.remarks.end(), stiffness->remarks.begin(), stiffness->remarks.end());
   }
-  return setup;
+  return scene;
 }
 
 model::TissueParameters tissue_of(const TissueArgument& arguments) {

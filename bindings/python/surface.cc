@@ -10,10 +10,10 @@ void check_surface_edge(double longest_edge) {
   throw ParameterError("surface_edge", longest_edge, "0, or 1e-4 to 1 (m)");
 }
 
-geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge) {
+geometry::TriangleMesh visible_surface(const scene::Scene& scene, double longest_edge) {
   check_surface_edge(longest_edge);
-  if (longest_edge == 0.0) return setup.organ;
-  return geometry::refine(setup.organ, longest_edge);
+  if (longest_edge == 0.0) return scene.organ;
+  return geometry::refine(scene.organ, longest_edge);
 }
 
 Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& deformer) {

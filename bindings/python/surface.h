@@ -24,7 +24,7 @@ void check_surface_edge(double longest_edge);
 
 /// [setup] The organ's rest surface, subdivided until no edge is longer than `longest_edge`.
 /// @param longest_edge m; 0: no subdivision @throws ParameterError as check_surface_edge() does
-[[nodiscard]] geometry::TriangleMesh visible_surface(const scene::Scene& setup, double longest_edge);
+[[nodiscard]] geometry::TriangleMesh visible_surface(const scene::Scene& scene, double longest_edge);
 
 /// [setup] The surface at the tick of a snapshot.
 [[nodiscard]] Surface surface_at(const haptics::Snapshot& snapshot, deform::SurfaceDeformer& deformer);

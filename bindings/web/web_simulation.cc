@@ -158,9 +158,9 @@ palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_
     start.orientation =
         palpate::Quat(first.orientation[0], first.orientation[1], first.orientation[2], first.orientation[3]);
     start.gripper = first.gripper;
-    const palpate::scene::Scene& setup = simulation->setup();
+    const palpate::scene::Scene& scene = simulation->scene();
     *follower =
-        std::make_unique<palpate_web_follower>(setup.devices[hand], start, 1.0 / setup.rate_Hz).release();
+        std::make_unique<palpate_web_follower>(scene.devices[hand], start, 1.0 / scene.rate_Hz).release();
   });
 }
 

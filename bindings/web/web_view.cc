@@ -29,9 +29,9 @@ using palpate::render::Quality;
 
 namespace {
 
-palpate::render::Subject subject_of(const palpate::scene::Scene& setup) {
-  return {setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
-          palpate::scene::visible_inclusions(setup.inclusions)};
+palpate::render::Subject subject_of(const palpate::scene::Scene& scene) {
+  return {scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
+          palpate::scene::visible_inclusions(scene.inclusions)};
 }
 
 /// Copies a snapshot that came from another instance. @throws UseError for other bytes
@@ -158,7 +158,7 @@ struct palpate_web_view {
       : simulation(shown_simulation),
         width(wide),
         height(high),
-        renderer(subject_of(simulation.setup()), kFirstWidth, kFirstHeight,
+        renderer(subject_of(simulation.scene()), kFirstWidth, kFirstHeight,
                  palpate::render::OffscreenRenderer::InCurrentContext{}),
         driver(renderer.driver()),
         shown(simulation.newest_snapshot()) {
@@ -168,10 +168,10 @@ struct palpate_web_view {
   [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 
   void frame(bool close_up) {
-    const palpate::render::Subject subject = subject_of(simulation.setup());
+    const palpate::render::Subject subject = subject_of(simulation.scene());
     const palpate::contact::ToolResult& result = shown.results[0];
     const bool contact = result.view_count > 0;
-    if (!close_up && simulation.setup().task == palpate::scene::Task::kPalpate) {
+    if (!close_up && simulation.scene().task == palpate::scene::Task::kPalpate) {
       camera.look_as(palpate::app::tilted(palpate::render::frame_from_above(subject, shown, aspect())),
                      aspect());
     } else {
@@ -251,7 +251,7 @@ palpate_status palpate_web_view_draw_state(palpate_web_view* view, const double*
     StateReader reader({numbers, count});
     snapshot.organ_W = reader.pose();
     for (std::uint32_t hand = 0; hand < snapshot.hands; ++hand) {
-      read_hand(reader, snapshot.organ_W, view->simulation.setup().organ, snapshot.tools[hand],
+      read_hand(reader, snapshot.organ_W, view->simulation.scene().organ, snapshot.tools[hand],
                 snapshot.results[hand]);
     }
     if (!reader.at_end()) throw UseError("state: must have one hand per instrument of the scene");
@@ -321,7 +321,7 @@ int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, 
   const Ray ray_W = ray_through(view->camera.camera(), view->aspect(), x, y);
   const Pose to_organ = view->shown.organ_W.inverse();
   const Ray ray_S{to_organ * ray_W.origin, to_organ.rotation * ray_W.direction};
-  const palpate::geometry::TriangleMesh& organ = view->simulation.setup().organ;
+  const palpate::geometry::TriangleMesh& organ = view->simulation.scene().organ;
   double nearest = std::numeric_limits<double>::infinity();
   for (const palpate::geometry::Triangle& triangle : organ.triangles) {
     const auto corner = [&](int i) { return organ.vertices[static_cast<std::size_t>(triangle[i])]; };

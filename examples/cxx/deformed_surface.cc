@@ -15,9 +15,9 @@ namespace {
 using palpate::Vec3;
 
 /// Runs the first 3 s of the scripted hand and returns the last snapshot.
-palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
+palpate::haptics::Snapshot press(const palpate::scene::Scene& scene) {
   palpate::haptics::SnapshotPublisher newest;
-  palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&newest});
+  palpate::session::Session(scene, {.duration_s = 3.0}).run({.offline = true}, {&newest});
   newest.cell().refresh();
   return newest.cell().value();
 }
@@ -32,15 +32,15 @@ void write_obj(const char* file, const std::vector<Vec3>& vertices,
 }  // namespace
 
 int main(int argc, char** argv) {
-  const palpate::scene::Scene setup = palpate::scene::load({});
+  const palpate::scene::Scene scene = palpate::scene::load({});
   // An indentation per contact: point, direction, depth, and width of the tool.
-  const palpate::haptics::Snapshot snapshot = press(setup);
+  const palpate::haptics::Snapshot snapshot = press(scene);
   const auto indentations = palpate::deform::indentations_of({snapshot.results.data(), snapshot.hands});
 
   // Forces need no fine mesh, but a smooth picture does. Refining to edges of 2 mm does not change the shape.
-  palpate::deform::SurfaceDeformer deformer(palpate::geometry::refine(setup.organ, 2e-3));
+  palpate::deform::SurfaceDeformer deformer(palpate::geometry::refine(scene.organ, 2e-3));
   std::vector<Vec3> vertices;
-  deformer.deform(setup.tissue.reach, indentations, vertices);
+  deformer.deform(scene.tissue.reach, indentations, vertices);
 
   const std::vector<Vec3>& rest = deformer.rest().vertices;
   double largest = 0.0;

@@ -10,17 +10,17 @@
 namespace {
 
 /// Runs the first 3 s of the scripted hand and returns the last snapshot.
-palpate::haptics::Snapshot press(const palpate::scene::Scene& setup) {
+palpate::haptics::Snapshot press(const palpate::scene::Scene& scene) {
   // Publishes snapshots without blocking the loop.
   palpate::haptics::SnapshotPublisher publisher;
-  palpate::session::Session(setup, {.duration_s = 3.0}).run({.offline = true}, {&publisher});
+  palpate::session::Session(scene, {.duration_s = 3.0}).run({.offline = true}, {&publisher});
   publisher.cell().refresh();
   return publisher.cell().value();
 }
 
-void draw(const palpate::scene::Scene& setup, const char* file) {
-  const palpate::haptics::Snapshot snapshot = press(setup);
-  const palpate::render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+void draw(const palpate::scene::Scene& scene, const char* file) {
+  const palpate::haptics::Snapshot snapshot = press(scene);
+  const palpate::render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name};
   palpate::render::OffscreenRenderer renderer(subject, 960, 720);
   std::cout << "drawn by " << renderer.driver() << '\n';
 
@@ -35,9 +35,9 @@ void draw(const palpate::scene::Scene& setup, const char* file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const palpate::scene::Scene setup = palpate::scene::load({});
+  const palpate::scene::Scene scene = palpate::scene::load({});
   try {
-    draw(setup, argc > 1 ? argv[1] : nullptr);
+    draw(scene, argc > 1 ? argv[1] : nullptr);
   } catch (const std::runtime_error& error) {
     std::cout << "no picture: " << error.what() << '\n';
   }

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     // The first run of this program prepares the gallbladder, later ones read it.
     for (int i = 0; i < 2; ++i) {
       const palpate::session::Session session(palpate::scene::load({}), {.preparation = options.preparation});
-      std::cout << "session " << i + 1 << ": " << session.setup().organ_name << " is ready\n";
+      std::cout << "session " << i + 1 << ": " << session.scene().organ_name << " is ready\n";
     }
   } catch (const palpate::InputError& error) {
     std::cerr << "organ_cache: " << error.what() << '\n';

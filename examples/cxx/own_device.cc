@@ -101,16 +101,16 @@ class Diary final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  palpate::scene::Scene setup = palpate::scene::load({});
+  palpate::scene::Scene scene = palpate::scene::load({});
   // A device of the kind "host" is held by a hand. The force starts by a ramp after the hand was still
   // outside the tissue, and the passivity controller acts. Never use a kind without a hand for a device that
   // can push.
-  setup.devices[0].kind = "host";
-  auto toy = std::make_unique<ToyDevice>(palpate::scene::default_path(setup, 0).at(0.0), 1.0 / setup.rate_Hz);
+  scene.devices[0].kind = "host";
+  auto toy = std::make_unique<ToyDevice>(palpate::scene::default_path(scene, 0).at(0.0), 1.0 / scene.rate_Hz);
   const ToyDevice& device = *toy;
   palpate::session::SessionOptions options{.duration_s = 5.0};
   options.devices.push_back(std::move(toy));
-  palpate::session::Session session(std::move(setup), std::move(options));
+  palpate::session::Session session(std::move(scene), std::move(options));
   Diary diary;
   // A toy does not need real time. For hardware leave `offline` false.
   const auto result = session.run({.offline = true, .keep_fault = false}, {&diary});

@@ -29,11 +29,11 @@ int press(const std::string& file, const std::string& unit, const std::string& t
   request.organ_unit = unit;
   request.tissue = tissue;
   request.tools = {"sphere:5"};
-  palpate::scene::Scene setup = palpate::scene::load(request);  // repairs the mesh, or throws an InputError
-  for (const std::string& repair : setup.repairs) std::cout << "  repaired: " << repair << '\n';
+  palpate::scene::Scene scene = palpate::scene::load(request);  // repairs the mesh, or throws an InputError
+  for (const std::string& repair : scene.repairs) std::cout << "  repaired: " << repair << '\n';
 
   // The hand is scripted: it presses 12 mm deep and goes back.
-  const auto result = palpate::session::Session::open(std::move(setup)).run({.offline = true});
+  const auto result = palpate::session::Session::open(std::move(scene)).run({.offline = true});
   std::cout << result.loop.ticks << " ticks, deepest " << 1e3 * result.statistics.peak_depth
             << " mm, largest force " << result.statistics.peak_tissue << " N\n";
   return 0;

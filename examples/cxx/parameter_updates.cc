@@ -20,8 +20,8 @@ namespace {
 using namespace std::chrono_literals;
 
 /// A hand that moves 8 mm into the organ within half a second and stays there.
-palpate::scene::ToolPath press_and_hold(const palpate::scene::Scene& setup) {
-  palpate::scene::PathRow above = palpate::scene::default_path(setup, 0).at(0.0);  // 10 mm above the organ
+palpate::scene::ToolPath press_and_hold(const palpate::scene::Scene& scene) {
+  palpate::scene::PathRow above = palpate::scene::default_path(scene, 0).at(0.0);  // 10 mm above the organ
   palpate::scene::PathRow inside = above;
   inside.position.z() -= 18e-3;
   inside.time = 0.5;
@@ -64,11 +64,11 @@ class Watch final : public palpate::haptics::TickObserver {
 }  // namespace
 
 int main() {
-  palpate::scene::Scene setup = palpate::scene::load({});
-  palpate::model::TissueParameters stiffer = setup.tissue;
+  palpate::scene::Scene scene = palpate::scene::load({});
+  palpate::model::TissueParameters stiffer = scene.tissue;
   palpate::session::SessionOptions options{.duration_s = 2.0};
-  options.devices.push_back(std::make_unique<palpate::devices::ScriptedDevice>(press_and_hold(setup)));
-  palpate::session::Session session(std::move(setup), std::move(options));
+  options.devices.push_back(std::make_unique<palpate::devices::ScriptedDevice>(press_and_hold(scene)));
+  palpate::session::Session session(std::move(scene), std::move(options));
 
   Watch watch;
   const auto run = session.run_in_background({}, {&watch});

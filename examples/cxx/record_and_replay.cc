@@ -23,7 +23,7 @@ void record_a_press(const fs::path& file) {
 
 int replay_and_compare(const fs::path& file) {
   const palpate::record::Recording recording = palpate::record::read_recording(file);
-  std::cout << recording.rows.size() << " rows of \"" << recording.setup.name << "\", "
+  std::cout << recording.rows.size() << " rows of \"" << recording.scene.name << "\", "
             << (recording.facts.complete ? "complete" : "cut off") << '\n';
 
   // The recording contains the scene and the device's samples, so a replay needs no other file.

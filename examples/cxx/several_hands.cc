@@ -46,7 +46,7 @@ void press_with_both() {
   const auto result = session.run({.offline = true}, {&largest});
   std::cout << result.scene << ": " << result.loop.ticks << " ticks\n";
   for (std::size_t hand = 0; hand < session.hands(); ++hand) {
-    std::cout << "hand " << hand << ", " << session.setup().tools[hand].name << ": largest force "
+    std::cout << "hand " << hand << ", " << session.scene().tools[hand].name << ": largest force "
               << largest.of_hand[hand] << " N\n";
   }
 }

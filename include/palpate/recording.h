@@ -62,7 +62,7 @@ struct RunFacts {
 
 /// A complete recording in memory.
 struct Recording {
-  scene::Scene setup;
+  scene::Scene scene;
   RunFacts facts;
   std::vector<haptics::TickRow> rows;               // by tick, then hand
   std::vector<haptics::ParameterUpdate> changes{};  // of tissue and noise, by tick; at most one per tick

@@ -138,11 +138,11 @@ class Session final {
   /// [setup] Prepares the organ and opens the devices. It adds warnings to the scene's remarks: a tool tip
   /// whose size differs from the indenter that the tissue was fitted with, or a device that may be unstable.
   /// @throws InputError, ParameterError.
-  explicit Session(scene::Scene setup, SessionOptions options = {});
+  explicit Session(scene::Scene scene, SessionOptions options = {});
   /// [setup] Returns a session: `Session::open(scene::load(request)).run({.recording = "press.h5"})` records
   /// a scene. @throws InputError, ParameterError.
-  [[nodiscard]] static Session open(scene::Scene setup, SessionOptions options = {}) {
-    return Session(std::move(setup), std::move(options));
+  [[nodiscard]] static Session open(scene::Scene scene, SessionOptions options = {}) {
+    return Session(std::move(scene), std::move(options));
   }
   ~Session();
   Session(const Session&) = delete;
@@ -164,10 +164,10 @@ class Session final {
   /// [any] Whether the run may be paused: no hand holds one of its devices.
   [[nodiscard]] bool may_pause() const noexcept;
 
-  [[nodiscard]] const scene::Scene& setup() const noexcept { return setup_; }
+  [[nodiscard]] const scene::Scene& scene() const noexcept { return scene_; }
   /// [any] The prepared world, for palpate's own windows; the public headers do not define its type.
   [[nodiscard]] const haptics::SimulationWorld& world() const noexcept { return *world_; }
-  [[nodiscard]] std::size_t hands() const noexcept { return setup_.tools.size(); }
+  [[nodiscard]] std::size_t hands() const noexcept { return scene_.tools.size(); }
   /// [any] Number of ticks of the run; 2^64-1: it runs until it is stopped.
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
   /// [any] One device per hand; empty after close_devices().
@@ -180,7 +180,7 @@ class Session final {
  private:
   [[nodiscard]] std::unique_ptr<const haptics::SimulationWorld> prepare(const contact::Preparation& how);
 
-  scene::Scene setup_;
+  scene::Scene scene_;
   std::vector<std::unique_ptr<haptics::Device>> devices_;
   std::unique_ptr<const haptics::SimulationWorld> world_;
   std::uint64_t ticks_ = 0;

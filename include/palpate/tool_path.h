@@ -62,6 +62,6 @@ class ToolPath final {
 /// single tool would slide off there, or start inside the organ, it presses along the normal of a flat region
 /// instead (docs/model.md, section 4). Several hands are side by side, at most 30 mm apart. @throws
 /// InputError when the organ's mesh is not closed.
-[[nodiscard]] ToolPath default_path(const Scene& setup, std::size_t hand);
+[[nodiscard]] ToolPath default_path(const Scene& scene, std::size_t hand);
 
 }  // namespace palpate::scene

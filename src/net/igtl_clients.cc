@@ -14,7 +14,7 @@ namespace {
 /// Size of each client's send buffer in the system. A larger buffer would only make the data older that a
 /// slow client receives.
 constexpr int kSendBuffer = 128 * 1024;  // bytes
-constexpr std::size_t kMostReadAtOnce = std::size_t{64} * 1024;
+constexpr std::size_t kMaxReadAtOnce = std::size_t{64} * 1024;
 
 }  // namespace
 
@@ -38,9 +38,9 @@ void IgtlClients::let_in() {
   }
 }
 
-/// Reads and discards at most kMostReadAtOnce bytes. TCP flow control slows a client that sends without end.
+/// Reads and discards at most kMaxReadAtOnce bytes. TCP flow control slows a client that sends without end.
 void IgtlClients::discard_input(Client& client) {
-  std::array<unsigned char, kMostReadAtOnce> received;
+  std::array<unsigned char, kMaxReadAtOnce> received;
   if (!client.talks) return;
   const ssize_t got = recv(client.socket.number(), received.data(), received.size(), MSG_DONTWAIT);
   if (got > 0) recognise(client, std::span(received).first(static_cast<std::size_t>(got)));

@@ -121,12 +121,12 @@ void IgtlMessages::add_string(const std::string& name, const std::string& text) 
 }
 
 void IgtlMessages::add_status(const std::string& name, StatusCode code, std::int64_t number,
-                              const std::string& error, const std::string& words) {
+                              const std::string& error, const std::string& text) {
   igtl::StatusMessage::Pointer message = igtl::StatusMessage::New();
   message->SetCode(static_cast<int>(code));
   message->SetSubCode(number);
   message->SetErrorName(error.c_str());
-  message->SetStatusString(words.c_str());
+  message->SetStatusString(text.c_str());
   add(*message, name);
 }
 

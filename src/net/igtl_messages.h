@@ -43,7 +43,7 @@ class IgtlMessages final {
   void add_string(const std::string& name, const std::string& text);
   /// STATUS. @param number subcode @param error its name, at most 20 characters
   void add_status(const std::string& name, StatusCode code, std::int64_t number, const std::string& error,
-                  const std::string& words);
+                  const std::string& text);
 
   [[nodiscard]] const Bytes& bytes() const noexcept { return bytes_; }
 

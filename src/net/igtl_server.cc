@@ -106,7 +106,7 @@ void IgtlServer::begin_stream(std::unique_ptr<IgtlStream> stream) {
   seen_ = false;
   state_stale_ = false;
   surface_stale_ = false;
-  faults_told_ = {};
+  sent_faults_ = {};
   for (IgtlChannel& channel : channels_) channel.bytes.clear();
   status_due_ = 0;
   surface_due_ = 0;
@@ -133,8 +133,8 @@ std::int64_t IgtlServer::stamp() const noexcept {
 }
 
 bool IgtlServer::faults_changed() noexcept {
-  const bool changed = published_.cell().value().faults != faults_told_;
-  faults_told_ = published_.cell().value().faults;
+  const bool changed = published_.cell().value().faults != sent_faults_;
+  sent_faults_ = published_.cell().value().faults;
   return changed;
 }
 
@@ -177,8 +177,8 @@ void IgtlServer::send_goodbye() {
   }
 }
 
-IgtlRun::IgtlRun(IgtlServer* server, const scene::Scene& setup) : server_(server) {
-  if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(setup));
+IgtlRun::IgtlRun(IgtlServer* server, const scene::Scene& scene) : server_(server) {
+  if (server_ != nullptr) server_->begin(std::make_unique<IgtlStream>(scene));
 }
 
 IgtlRun::~IgtlRun() {

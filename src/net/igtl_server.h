@@ -76,7 +76,7 @@ class IgtlServer final : public haptics::TickObserver {
   bool seen_ = false;           // a state of this run was received
   bool state_stale_ = false;    // a newer state than the packed one was received
   bool surface_stale_ = false;  // a newer state than the packed surface was received
-  std::array<haptics::Fault, kMaxHands> faults_told_{};
+  std::array<haptics::Fault, kMaxHands> sent_faults_{};
   std::int64_t status_due_ = 0;
   std::int64_t surface_due_ = 0;
   std::string failure_;
@@ -87,7 +87,7 @@ class IgtlServer final : public haptics::TickObserver {
 class IgtlRun final {
  public:
   /// @param server null: nothing is sent
-  IgtlRun(IgtlServer* server, const scene::Scene& setup);
+  IgtlRun(IgtlServer* server, const scene::Scene& scene);
   ~IgtlRun();
   IgtlRun(const IgtlRun&) = delete;
   IgtlRun& operator=(const IgtlRun&) = delete;

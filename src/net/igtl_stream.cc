@@ -84,9 +84,9 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
   return hand == 0 ? name : name + std::to_string(hand + 1);
 }
 
-IgtlStream::IgtlStream(const scene::Scene& setup)
-    : rate_Hz_(setup.rate_Hz),
-      deformer_(finely_divided(setup.organ)),
+IgtlStream::IgtlStream(const scene::Scene& scene)
+    : rate_Hz_(scene.rate_Hz),
+      deformer_(finely_divided(scene.organ)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}
 
 Bytes IgtlStream::poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {

@@ -21,8 +21,8 @@ class IgtlStream final {
   /// vertices keep their indices.
   static constexpr std::size_t kFewestTriangles = 6000;
 
-  /// @param setup not kept
-  explicit IgtlStream(const scene::Scene& setup);
+  /// @param scene not kept
+  explicit IgtlStream(const scene::Scene& scene);
 
   /// Pose and contact of every hand.
   [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);

@@ -108,7 +108,7 @@ void LiveConnection::on_message(const error_code& error) {
   excess_ = excess ? excess_ + 1 : 0;
   const auto data = incoming_.data();
   if (!closing_) {
-    if (excess_ > kMostExcess) {
+    if (excess_ > kMaxExcess) {
       close(websocket::close_code::policy_error, "too many messages");
     } else {
       handler_.received(*this, {static_cast<const char*>(data.data()), data.size()}, socket_.got_text(),
@@ -123,7 +123,7 @@ void LiveConnection::on_message(const error_code& error) {
 /// Counts a control frame towards the message limit. The answer to a ping costs the same as the answer to a
 /// message.
 void LiveConnection::count_control() {
-  if (limit_.allows(monotonic_ns()) || ++excess_ != kMostExcess + 1) return;
+  if (limit_.allows(monotonic_ns()) || ++excess_ != kMaxExcess + 1) return;
   ++under_way_;
   asio::post(socket_.get_executor(), [this] {  // the library calls this function during a read
     --under_way_;

@@ -66,11 +66,11 @@ class LiveConnection final {
 
   static constexpr double kMessagesPerSecond = 100.0;
   static constexpr double kMessagesAtOnce = 200.0;
-  static constexpr int kMostExcess = 100;          // more in a row above the rate limit end the connection
+  static constexpr int kMaxExcess = 100;           // more in a row above the rate limit end the connection
   static constexpr std::size_t kMaxWaiting = 256;  // answers and events; more end the connection
   static constexpr std::size_t kReadOnBelow = 32;  // nothing is read while more answers wait
   // Network bytes of one message, at most. The largest message in fragments of one byte takes 114,688.
-  static constexpr std::uint64_t kMostOfMessage = 131'072;
+  static constexpr std::uint64_t kMaxMessageBytes = 131'072;
   static constexpr std::chrono::seconds kOpening{5};   // for the request, and for the handshakes
   static constexpr std::chrono::seconds kSilence{30};  // without data from the client, pings included
   static constexpr int kSendBuffer = 65536;            // bytes that the system keeps for a slow client
@@ -100,9 +100,9 @@ class LiveConnection final {
   /// When the connection was accepted, and when it began to close (0: open).
   [[nodiscard]] std::int64_t begun_ns() const noexcept { return begun_ns_; }
   [[nodiscard]] std::int64_t closing_ns() const noexcept { return closing_ns_; }
-  /// Whether the current message exceeds kMostOfMessage network bytes, as endless empty fragments do.
+  /// Whether the current message exceeds kMaxMessageBytes network bytes, as endless empty fragments do.
   [[nodiscard]] bool is_endless() const noexcept {
-    return open_ && boost::beast::get_lowest_layer(socket_).rate_policy().bytes > kMostOfMessage;
+    return open_ && boost::beast::get_lowest_layer(socket_).rate_policy().bytes > kMaxMessageBytes;
   }
   /// Number of frames dropped because the client had not yet received the previous frame.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }

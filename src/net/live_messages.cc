@@ -35,11 +35,11 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 11> kStatus{{
 }};
 
 Json status_json(std::uint32_t status) {
-  Json words = Json::array();
+  Json names = Json::array();
   for (const auto& [bit, name] : kStatus) {
-    if ((status & bit) != 0) words.push_back(name);
+    if ((status & bit) != 0) names.push_back(name);
   }
-  return words;
+  return names;
 }
 
 Json value_json(const haptics::TickRow& row, const haptics::TickField& field) {
@@ -96,25 +96,25 @@ Json noise_json(const haptics::LiveNoise& noise) {
       {"enabled", noise.enabled}, {"gain_N_m", noise.gain}, {"threshold_mm", noise.threshold / kMillimetre}};
 }
 
-Json scene_json(const scene::Scene& setup) {
+Json scene_json(const scene::Scene& scene) {
   Json hands = Json::array();
-  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
-    hands.push_back({{"tool", setup.tools[hand].name}, {"device", setup.devices[hand].kind}});
+  for (std::size_t hand = 0; hand < scene.tools.size(); ++hand) {
+    hands.push_back({{"tool", scene.tools[hand].name}, {"device", scene.devices[hand].kind}});
   }
   Json motion = Json::array();
-  for (const auto& one : setup.organ_motion) motion.push_back(model::to_string(one.kind));
-  return {{"name", setup.name},
-          {"task", scene::to_string(setup.task)},
-          {"rate_Hz", setup.rate_Hz},
-          {"seed", setup.seed},
-          {"organ", setup.organ_name},
-          {"organ_triangles", setup.organ.triangles.size()},
+  for (const auto& one : scene.organ_motion) motion.push_back(model::to_string(one.kind));
+  return {{"name", scene.name},
+          {"task", scene::to_string(scene.task)},
+          {"rate_Hz", scene.rate_Hz},
+          {"seed", scene.seed},
+          {"organ", scene.organ_name},
+          {"organ_triangles", scene.organ.triangles.size()},
           {"organ_motion", motion},
-          {"stiffness_map", !setup.stiffness.empty()},
+          {"stiffness_map", !scene.stiffness.empty()},
           {"hands", hands},
-          {"max_force_N", setup.safety.max_force},
-          {"repairs", setup.repairs},
-          {"remarks", setup.remarks}};
+          {"max_force_N", scene.safety.max_force},
+          {"repairs", scene.repairs},
+          {"remarks", scene.remarks}};
 }
 
 Json state_json(const LiveState& state) {

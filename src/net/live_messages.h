@@ -26,7 +26,7 @@ struct LiveState {
 [[nodiscard]] nlohmann::ordered_json noise_json(const haptics::LiveNoise& noise);
 
 /// A scene without its meshes.
-[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Scene& setup);
+[[nodiscard]] nlohmann::ordered_json scene_json(const scene::Scene& scene);
 
 /// One tick: SI, world frame.
 [[nodiscard]] nlohmann::ordered_json state_json(const LiveState& state);

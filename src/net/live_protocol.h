@@ -25,8 +25,8 @@ inline constexpr double kFastestStream = 1000.0;       // Hz
 /// Why a command failed: a code for programs, a message for users, and the invalid field if there is one.
 class LiveError final : public InputError {
  public:
-  LiveError(std::string code, const std::string& words, std::string field = "")
-      : InputError(words), code_(std::move(code)), field_(std::move(field)) {}
+  LiveError(std::string code, const std::string& message, std::string field = "")
+      : InputError(message), code_(std::move(code)), field_(std::move(field)) {}
   /// json, command, field, hello, version, token, full, rate, state or refused (docs/live-interface.md).
   [[nodiscard]] const std::string& code() const noexcept { return code_; }
   [[nodiscard]] const std::string& field() const noexcept { return field_; }

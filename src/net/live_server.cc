@@ -56,10 +56,10 @@ asio::ip::address address_of(const LiveOptions& options) {
   return address;
 }
 
-HttpResponse plain_answer(http::status status, const std::string& words) {
+HttpResponse plain_answer(http::status status, const std::string& text) {
   HttpResponse response(status, 11);
   response.set(http::field::content_type, "text/plain; charset=utf-8");
-  response.body() = words + "\n";
+  response.body() = text + "\n";
   return response;
 }
 
@@ -220,7 +220,7 @@ class LiveServer::Server final : public ConnectionHandler {
     const auto clients = std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
       return entry.second->greeted && entry.second->is_open();
     });
-    return static_cast<std::size_t>(clients) >= kMostClients;
+    return static_cast<std::size_t>(clients) >= kMaxClients;
   }
 
   std::optional<HttpResponse> refusal_for(const LiveConnection& from, const HttpRequest& request) const {
@@ -247,7 +247,7 @@ class LiveServer::Server final : public ConnectionHandler {
     }
     if (is_full()) {
       return plain_answer(http::status::service_unavailable,
-                          fmt::format("There are {} clients already.", kMostClients));
+                          fmt::format("There are {} clients already.", kMaxClients));
     }
     return std::nullopt;
   }
@@ -284,7 +284,7 @@ class LiveServer::Server final : public ConnectionHandler {
     }
     if (is_full()) {
       throw LiveError(
-          "full", fmt::format("do = \"hello\": there are {} clients already, try again later", kMostClients));
+          "full", fmt::format("do = \"hello\": there are {} clients already, try again later", kMaxClients));
     }
     from.greeted = true;
     someone_came_ = true;
@@ -293,7 +293,7 @@ class LiveServer::Server final : public ConnectionHandler {
     members["limits"] = {{"message_bytes", kLargestRequest},
                          {"messages_per_s", LiveConnection::kMessagesPerSecond},
                          {"stream_Hz", kFastestStream},
-                         {"clients", kMostClients}};
+                         {"clients", kMaxClients}};
     from.send(answer_text(reference, members));
   }
 

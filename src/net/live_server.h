@@ -78,7 +78,7 @@ struct LiveStatistics {
 /// the haptic loop's.
 class LiveServer final {
  public:
-  static constexpr std::size_t kMostClients = 16;  // clients after their "hello"
+  static constexpr std::size_t kMaxClients = 16;  // clients after their "hello"
   // Limits of connections without a "hello", per address and in total. One more drops the oldest, so that
   // silent connections block nobody.
   static constexpr std::size_t kMaxPendingPerAddress = 16;

@@ -105,7 +105,7 @@ TEST_F(PanelsTest, AVisibleInclusionHasASliderThatChangesWhatIsFeltAndAHiddenOne
   const record::Recording read = record::read_recording(recording);
   ASSERT_GE(read.changes.size(), 1U);
   EXPECT_EQ(read.changes.back().inclusion.index, 1U);
-  EXPECT_GT(read.changes.back().inclusion.ratio, read.setup.inclusions[1].inclusion.ratio);
+  EXPECT_GT(read.changes.back().inclusion.ratio, read.scene.inclusions[1].inclusion.ratio);
   EXPECT_EQ(record::replay(read).rows_different, 0U);
 }
 
@@ -199,7 +199,7 @@ TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {
                 ImHashStr("entries", 0, ImHashStr("Choose a file")));
   ASSERT_TRUE(driven.press({entries.data(), "other.toml"}));
   ASSERT_TRUE(driven.press({"Choose a file", "Open"}));
-  const auto tissue = [&] { return driven.window().run().session().setup().tissue.name; };
+  const auto tissue = [&] { return driven.window().run().session().scene().tissue.name; };
   ASSERT_TRUE(driven.until([&] { return tissue() == "kidney"; })) << driven.window().message();
   driven.key(SDLK_o, KMOD_CTRL);
   driven.frames(2);

@@ -181,7 +181,7 @@ TEST_F(ViewerTest, AnotherRecordingIsDroppedOntoItAndABadOneIsRefused) {
   Driven::drop(second.string());
   ASSERT_TRUE(driven.until([&] { return viewer.view().file() == second; }));
   ASSERT_TRUE(driven.until_there());
-  EXPECT_EQ(viewer.view().recording().setup.tissue.name, "heart");
+  EXPECT_EQ(viewer.view().recording().scene.tissue.name, "heart");
   std::ofstream(file("bad.h5")) << "no recording";
   Driven::drop(file("bad.h5").string());
   ASSERT_TRUE(driven.until([&] { return viewer.message().find("bad.h5") != std::string::npos; }));

@@ -273,7 +273,7 @@ TEST_F(WindowTest, ADroppedMeshIsAskedForItsUnitAndThenTouched) {
   driven.window().panels().files.choose_unit("mm");
   driven.key(SDLK_RETURN);
   ASSERT_TRUE(
-      driven.until([&] { return driven.window().run().session().setup().organ_name == mesh.string(); }));
+      driven.until([&] { return driven.window().run().session().scene().organ_name == mesh.string(); }));
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.2; }));
   Driven::drop(file("holiday.jpg").string());
   driven.frames(2);

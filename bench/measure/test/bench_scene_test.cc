@@ -65,9 +65,9 @@ TEST(Subjects, PartsComeNearestToTheWantedCount) {
 }
 
 TEST(Subjects, TheWayEndsAsItBeginsAndPassesTheScenesOwn) {
-  const scene::Scene setup = sample_scene();
-  const scene::ToolPath own = scene::default_path(setup, 0);
-  const scene::ToolPath way = hand_path(setup);
+  const scene::Scene scene = sample_scene();
+  const scene::ToolPath own = scene::default_path(scene, 0);
+  const scene::ToolPath way = hand_path(scene);
   const scene::PathRow& first = way.rows().front();
   const scene::PathRow& last = way.rows().back();
   EXPECT_LT((first.position - last.position).norm(), 1e-9);

@@ -72,30 +72,30 @@ scene::ToolPath way_of(const Attack& attack) {
 }
 
 scene::Scene setup_of(const Attack& attack) {
-  scene::Scene setup;
-  setup.name = "attack";
-  setup.rate_Hz = attack.rate_Hz;
-  setup.organ_name = "box";
-  setup.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.03);
-  setup.tissue = attack.tissue;
-  setup.tools.push_back(
+  scene::Scene scene;
+  scene.name = "attack";
+  scene.rate_Hz = attack.rate_Hz;
+  scene.organ_name = "box";
+  scene.organ = geometry::make_box(Vec3(0.08, 0.08, 0.06), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.03);
+  scene.tissue = attack.tissue;
+  scene.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kTipRadius, 320)}}, kTipRadius});
-  scene::DeviceSetup& device = setup.devices.emplace_back();
+  scene::DeviceSetup& device = scene.devices.emplace_back();
   device.kind = "emulated";
   device.workspace_scale = attack.scale;
   device.dynamics = {attack.device.damping, attack.device.friction, attack.device.resolution};
   device.emulated.grip = attack.grip;
-  setup.noise.enabled = false;
-  setup.safety.max_force = attack.max_force;
-  for (const model::Inclusion& one : attack.inclusions) setup.inclusions.push_back({"lump", true, one});
+  scene.noise.enabled = false;
+  scene.safety.max_force = attack.max_force;
+  for (const model::Inclusion& one : attack.inclusions) scene.inclusions.push_back({"lump", true, one});
   if (attack.breathing > 0.0) {
     model::OrganMotionParameters motion = model::organ_motion_preset(model::OrganMotionKind::kBreathing);
     motion.amplitude = attack.breathing;
     motion.period = attack.breath;
-    setup.organ_motion.push_back(motion);
+    scene.organ_motion.push_back(motion);
   }
-  return setup;
+  return scene;
 }
 
 /// Integrates energy from the hand model, and the organ's part from its own motion.
@@ -144,14 +144,14 @@ class EnergyWatch final : public haptics::TickObserver {
 };
 
 Outcome outcome_of(const Attack& attack, const scene::ToolPath& path) {
-  const scene::Scene setup = setup_of(attack);
-  const haptics::SimulationWorld world = scene::make_world(setup);
-  if (!scene::stability_remarks(setup, world).empty()) return {.warned = true};
-  devices::EmulatedDevice device(path, setup.devices.front(), attack.rate_Hz);
+  const scene::Scene scene = setup_of(attack);
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  if (!scene::stability_remarks(scene, world).empty()) return {.warned = true};
+  devices::EmulatedDevice device(path, scene.devices.front(), attack.rate_Hz);
   haptics::SimulationState state(world);
   const haptics::StabilityCheck check = haptics::check_stability(
       attack.tissue,
-      {.period = 1.0 / attack.rate_Hz, .max_force = setup.safety.max_force, .scale = attack.scale},
+      {.period = 1.0 / attack.rate_Hz, .max_force = scene.safety.max_force, .scale = attack.scale},
       attack.device);
   EnergyWatch watch(attack, world, device, check.stiffness * attack.device.resolution);
   haptics::LoopOptions options;

@@ -11,13 +11,13 @@
 namespace palpate::bench {
 namespace {
 
-const scene::Scene& setup() {
-  static const scene::Scene setup = sample_scene();
-  return setup;
+const scene::Scene& scene() {
+  static const scene::Scene scene = sample_scene();
+  return scene;
 }
 
 const std::vector<PathPoint>& way() {
-  static const std::vector<PathPoint> way = run_path(setup(), scene::make_world(setup()), hand_path(setup()));
+  static const std::vector<PathPoint> way = run_path(scene(), scene::make_world(scene()), hand_path(scene()));
   return way;
 }
 
@@ -47,7 +47,7 @@ TEST(Peers, EveryKnownOneIsBuiltInOrSaidToBeMissing) {
 TEST(Peers, ThoseBuiltInAgreeWithPalpateOnEveryDistance) {
   const Peers built(PALPATE_PEERS);
   for (const PalpatePeer& peer : built.all()) {
-    const PeerAccount account = measure_peer(peer, {setup(), way(), 1.0});
+    const PeerAccount account = measure_peer(peer, {scene(), way(), 1.0});
     EXPECT_EQ(account.name, peer.name);
     EXPECT_GT(account.contact.samples, 0U) << peer.name;
     EXPECT_GT(account.approach.samples, 0U) << peer.name;
@@ -57,18 +57,18 @@ TEST(Peers, ThoseBuiltInAgreeWithPalpateOnEveryDistance) {
 
 TEST(Peers, OneThatRefusesTheOrganThrows) {
   const PalpatePeer peer{"none", "nothing", 0, 0, open_none, report_touch, close_one};
-  EXPECT_THROW(static_cast<void>(measure_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(measure_peer(peer, {scene(), way(), 1.0})), std::runtime_error);
 }
 
 TEST(Peers, OneThatAnswersAnotherQuestionThrowsAndIsClosed) {
   const PalpatePeer peer{"far", "nothing", 0, 0, open_one, report_a_metre, close_one};
-  EXPECT_THROW(static_cast<void>(measure_peer(peer, {setup(), way(), 1.0})), std::runtime_error);
+  EXPECT_THROW(static_cast<void>(measure_peer(peer, {scene(), way(), 1.0})), std::runtime_error);
   EXPECT_EQ(opened, 0);
 }
 
 TEST(Peers, OneThatNeverTouchesHasNoFiguresInContact) {
   const PalpatePeer peer{"ghost", "nothing", 0, 1, open_one, report_nothing, close_one};
-  const PeerAccount account = measure_peer(peer, {setup(), way(), 1.0});
+  const PeerAccount account = measure_peer(peer, {scene(), way(), 1.0});
   EXPECT_EQ(account.contact.samples, 0U);
   EXPECT_GT(account.approach.samples, 0U);
 }
@@ -77,7 +77,7 @@ TEST(Peers, AllTicksAreAskedWhereThereIsTime) {
   const PalpatePeer peer{"quick", "nothing", 0, 1, open_one, report_touch, close_one};
   std::size_t contact = 0;
   for (const PathPoint& at : way()) contact += at.phase != contact::Phase::kApproach ? 1 : 0;
-  const PeerAccount account = measure_peer(peer, {setup(), way(), 1e6});
+  const PeerAccount account = measure_peer(peer, {scene(), way(), 1e6});
   EXPECT_EQ(account.contact.samples, contact);
   EXPECT_EQ(opened, 0);
 }

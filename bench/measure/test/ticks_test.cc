@@ -19,8 +19,8 @@ namespace {
 constexpr haptics::Waiting kSleep = haptics::Waiting::kSleep;
 
 const scene::Scene& ticks_setup() {
-  static const scene::Scene setup = sample_scene();
-  return setup;
+  static const scene::Scene scene = sample_scene();
+  return scene;
 }
 
 const haptics::SimulationWorld& world() {

@@ -81,14 +81,14 @@ TEST(Surface, IsThatOfTheDeformModuleBitForBit) {
 
   const record::Recording recording = record::read_recording(file);
   const haptics::Snapshot snapshot = record::snapshots_at(recording, {kTick}).front();
-  deform::SurfaceDeformer deformer(recording.setup.organ);
+  deform::SurfaceDeformer deformer(recording.scene.organ);
   std::vector<Vec3> wanted;
-  deformer.deform(recording.setup.tissue.reach, deform::indentations_of(snapshot.hand_results()), wanted);
+  deformer.deform(recording.scene.tissue.reach, deform::indentations_of(snapshot.hand_results()), wanted);
   double most = 0.0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const Vec3 got(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
     ASSERT_EQ(got, wanted[i]) << i;
-    most = std::max(most, (got - recording.setup.organ.vertices[i]).norm());
+    most = std::max(most, (got - recording.scene.organ.vertices[i]).norm());
   }
   EXPECT_GT(most, 2e-3) << "it is pressed";
   EXPECT_EQ(picture.tool_position[0][2], snapshot.tools[0].pose_W.position.z());
@@ -196,7 +196,7 @@ TEST(Noise, IsTheProgramsLineByLine) {
   }
 }
 
-TEST(BadScene, IsToldInTheProgramsOwnWords) {
+TEST(BadScene, IsReportedInTheProgramsOwnWords) {
   const Folder folder;
   const std::string file = folder / "bad.toml";
   std::ofstream(file) << "[organ]\nmesh = \"gallbladder\"\n[tool]\nmash = \"sphere:3\"\n";
@@ -208,7 +208,7 @@ TEST(BadScene, IsToldInTheProgramsOwnWords) {
   EXPECT_THAT(outcome.err, HasSubstr(message.substr(message.find("bad.toml"))));
 }
 
-TEST(BadScene, AsATextIsToldWithItsLine) {
+TEST(BadScene, AsATextIsReportedWithItsLine) {
   palpate_options options = unheld();
   options.scene_text = "[organ]\nmesh = \"gallblader\"\n[tool]\nmesh = \"sphere:3\"\n";
   EXPECT_THAT(open_refusal(options), HasSubstr("scene text:2: organ.mesh = \"gallblader\""));
@@ -239,7 +239,7 @@ TEST(Remarks, SayThatAHeldDevicesStabilityIsNotKnown) {
   EXPECT_EQ(palpate_remark(session.get(), 1), nullptr);
 }
 
-TEST(Progress, IsToldWhileTheOrganIsPrepared) {
+TEST(Progress, IsReportedWhileTheOrganIsPrepared) {
   palpate_options options = unheld();
   double last = -1.0;
   options.progress = [](double share, const char* /*what*/, void* user) {

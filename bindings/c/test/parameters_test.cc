@@ -47,16 +47,16 @@ class Rows final : public haptics::TickObserver {
 
 /// Rows of the built-in press by the program's loop, with updates at kTouched, + 300 and + 600.
 std::vector<haptics::TickRow> rows_of_the_loop() {
-  const scene::Scene setup = scene::load({});
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const scene::Scene scene = scene::load({});
+  const haptics::SimulationWorld world = scene::make_world(scene);
   haptics::SimulationState state(world);
-  haptics::ParameterUpdates updates(world, setup.tissue, {});
+  haptics::ParameterUpdates updates(world, scene.tissue, {});
   model::TissueParameters liver = model::tissue_preset("liver");
   (void)updates.offer(liver, kTouched);
   liver.rest_length = 10.25e-3;
   (void)updates.offer(liver, kTouched + 300);
   (void)updates.offer(haptics::LiveNoise{true, 2e-5, 4e-3}, kTouched + 600);
-  devices::ScriptedDevice device(scene::default_path(setup, 0));
+  devices::ScriptedDevice device(scene::default_path(scene, 0));
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(&updates);
   Rows rows(kEnd);

@@ -20,10 +20,10 @@ TEST(TickedSnapshot, CarriesTheLatchedFault) {
 }
 
 TEST(TickedSnapshot, CarriesTheReachOfTheTissueInForceAlsoBeforeTheFirstTick) {
-  scene::Scene setup = scene::load({});
-  setup.tissue.reach.bar_ratio += 0.5;
-  palpate_simulation simulation(c_interface::load(setup, {}, true), fresh<palpate_options>());
-  EXPECT_EQ(simulation.newest_snapshot().reach, setup.tissue.reach);
+  scene::Scene scene = scene::load({});
+  scene.tissue.reach.bar_ratio += 0.5;
+  palpate_simulation simulation(c_interface::load(scene, {}, true), fresh<palpate_options>());
+  EXPECT_EQ(simulation.newest_snapshot().reach, scene.tissue.reach);
   EXPECT_EQ(simulation.newest_snapshot().change, 0U) << "the interface has no parameter updates";
 }
 

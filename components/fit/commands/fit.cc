@@ -53,7 +53,7 @@ struct FitFlags {
 };
 
 identify::Settings settings_of(const FitFlags& flags) {
-  constexpr std::uint64_t kMostResamples = 100'000;
+  constexpr std::uint64_t kMaxResamples = 100'000;
   identify::Settings settings;
   if (flags.law != "layered" && flags.law != "smooth") {
     throw InputError("--law " + flags.law + ": must be layered or smooth");
@@ -68,8 +68,8 @@ identify::Settings settings_of(const FitFlags& flags) {
   if (settings.period > 1e300) throw InputError("--rate-Hz " + flags.rate + ": must be > 1e-300");
   settings.t1 = parse_positive("--t1-us", flags.t1) * kMicrosecond;
   const std::uint64_t resamples = parse_whole("--bootstrap", flags.bootstrap);
-  if (resamples > kMostResamples) {
-    throw InputError(fmt::format("--bootstrap {}: must be at most {}", flags.bootstrap, kMostResamples));
+  if (resamples > kMaxResamples) {
+    throw InputError(fmt::format("--bootstrap {}: must be at most {}", flags.bootstrap, kMaxResamples));
   }
   settings.bootstrap = static_cast<int>(resamples);
   settings.seed = parse_whole("--seed", flags.seed);

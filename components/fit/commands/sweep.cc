@@ -76,11 +76,11 @@ void refuse_overridden(const std::vector<sweep::Axis>& axes, const CLI::App& com
 void check_files_and_duration(const SweepFlags& flags) {
   const sweep::SweepRequest& request = flags.request;
   require_writable_folder(flags.out, "--out");
-  const scene::Scene setup = scene::load(request.scene);
-  if (request.duration_s) (void)session::ticks_in(*request.duration_s, setup.rate_Hz, "--duration-s");
+  const scene::Scene scene = scene::load(request.scene);
+  if (request.duration_s) (void)session::ticks_in(*request.duration_s, scene.rate_Hz, "--duration-s");
   std::vector<NamedFile> outputs;
   for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
-  std::vector<NamedFile> inputs = sources_of(setup);
+  std::vector<NamedFile> inputs = sources_of(scene);
   for (const sweep::Axis& axis : request.axes) {
     for (const std::string& value : axis.values) {
       for (const fs::path& file : sweep::files_of(request, axis, value))

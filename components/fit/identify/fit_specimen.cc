@@ -104,7 +104,7 @@ Curve curve_of(const LocalOptima& optima, const std::vector<Point>& points) {
 /// one and the profiles are computed again from it.
 std::vector<Point> search_along_profiles(LocalOptima& optima, std::size_t points,
                                          const std::function<void(double)>& progress) {
-  constexpr int kMostRounds = 3;
+  constexpr int kMaxRounds = 3;
   double furthest = 0.0;  // progress never decreases
   const auto shown = [&](double share) {
     furthest = std::max(furthest, share);
@@ -119,7 +119,7 @@ std::vector<Point> search_along_profiles(LocalOptima& optima, std::size_t points
       Solution solution = solution_at(optima.problem, point);
       if (solution.cost < closest.cost || closest.shared.empty()) closest = std::move(solution);
     }
-    if (round == kMostRounds || !try_more_starts(optima, {closest})) return profiles;
+    if (round == kMaxRounds || !try_more_starts(optima, {closest})) return profiles;
   }
 }
 

@@ -123,10 +123,10 @@ double sigma_of(const Problem& problem, const Solution& solution) {
 /// Refines an optimum to convergence, and sets the loss scale and sigma from its residuals. Sigma weights the
 /// priors, and many outliers widen the loss, so this repeats until both are constant.
 void refine_optimum(Problem& problem, Solution& best) {
-  constexpr int kMostRounds = 10;
+  constexpr int kMaxRounds = 10;
   constexpr int kSteps = 400;  // many, for a narrow optimum where parameters are hardly determined
   constexpr double kSame = 0.8;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     best = solve(problem, best, kSteps);
     const double sigma = sigma_of(problem, best);
     const double loss_scale = kLoss * residual_mad(problem, best);
@@ -141,11 +141,11 @@ void refine_optimum(Problem& problem, Solution& best) {
 /// corners the cost has a kink wherever a corner passes a data point, hence many local optima close together;
 /// a descent finds only the nearest.
 Solution best_nearby(const Problem& problem, const Solution& from) {
-  constexpr int kMostRounds = 6;
+  constexpr int kMaxRounds = 6;
   constexpr double kStep = 0.05;                 // logarithm: about the spacing of data points
   const int steps = problem.terms == 0 ? 4 : 1;  // with relaxation each step is expensive
   Solution best = from;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const Solution centre = best;
     for (std::size_t index = 0; index < kLawParameters; ++index) {
       for (const double step : {-kStep, kStep}) {
@@ -177,8 +177,8 @@ std::vector<Solution> search(const Problem& problem, const std::vector<Solution>
 /// Sets the loss from the best optimum, refines all optima with it, and searches near the best one, until
 /// that does not change.
 void settle(Problem& problem, std::vector<Solution>& found) {
-  constexpr int kMostRounds = 3;
-  for (int round = 0; round < kMostRounds; ++round) {
+  constexpr int kMaxRounds = 3;
+  for (int round = 0; round < kMaxRounds; ++round) {
     refine_optimum(problem, found.front());
     const double polished = found.front().cost;
     if (!std::isfinite(polished) || problem.parts.size() > 1) return;  // only for one specimen

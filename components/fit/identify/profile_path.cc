@@ -125,7 +125,7 @@ Solution profile_at(const Problem& problem, Solution at, std::size_t index, doub
 void follow_profile_path(const Problem& problem, const Solution& from, std::size_t index, double direction,
                          const std::function<double(const Solution&)>& excess,
                          const std::function<void(const Solution&)>& visit) {
-  constexpr int kMostSteps = 40;
+  constexpr int kMaxSteps = 40;
   constexpr double kFirst = 0.1;
   constexpr double kLongest = 0.6;
   constexpr double kShortest = 1e-5;
@@ -137,7 +137,7 @@ void follow_profile_path(const Problem& problem, const Solution& from, std::size
   double here = excess(at);
   double step = kFirst;
   double gone = 0.0;
-  for (int n = 0; n < kMostSteps && step >= std::clamp(kEnd * gone, kShortest, 0.03); ++n) {
+  for (int n = 0; n < kMaxSteps && step >= std::clamp(kEnd * gone, kShortest, 0.03); ++n) {
     const Solution start =
         moved_by(problem, at, profile_tangent(problem, at, index), direction * step * unit);
     if (parameter_of(start, index) == parameter_of(at, index)) return;

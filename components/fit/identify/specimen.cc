@@ -46,17 +46,17 @@ std::vector<double> means(const std::vector<double>& values, std::size_t block) 
   return out;
 }
 
-constexpr std::size_t kMostUntimedPoints = 1000;  // per specimen, without relaxation
-constexpr std::size_t kMostTimedPoints = 2000;    // per specimen, with relaxation, whose fast terms need
-                                                  // dense samples
-constexpr std::size_t kMostPooledPoints = 400;    // per specimen, in the pooled fit
+constexpr std::size_t kMaxUntimedPoints = 1000;  // per specimen, without relaxation
+constexpr std::size_t kMaxTimedPoints = 2000;    // per specimen, with relaxation, whose fast terms need
+                                                 // dense samples
+constexpr std::size_t kMaxPooledPoints = 400;    // per specimen, in the pooled fit
 
 enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen };
 
 const std::vector<CsvColumn> kColumns = {
     {"time_s", false}, {"displacement_mm"}, {"force_N"}, {"specimen", false, true}};
 constexpr double kLargest = 1e9;  // mm, N or s: larger values would overflow the precision of sums of squares
-constexpr std::size_t kMostSpecimens = 10'000;  // per file; more indicates a wrong column
+constexpr std::size_t kMaxSpecimens = 10'000;  // per file; more indicates a wrong column
 
 void add_row(Specimen& specimen, const CsvTable& table) {
   const double displacement = table.number(kDisplacement) * kMillimetre;
@@ -132,12 +132,12 @@ Specimen thinned(const Specimen& specimen, std::size_t most) {
 }
 
 Specimen as_fitted(const Specimen& specimen, const Settings& settings) {
-  return thinned(specimen, settings.relaxation ? kMostTimedPoints : kMostUntimedPoints);
+  return thinned(specimen, settings.relaxation ? kMaxTimedPoints : kMaxUntimedPoints);
 }
 
 std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens) {
   std::vector<Specimen> pooled;
-  for (const Specimen& specimen : specimens) pooled.push_back(thinned(specimen, kMostPooledPoints));
+  for (const Specimen& specimen : specimens) pooled.push_back(thinned(specimen, kMaxPooledPoints));
   return pooled;
 }
 
@@ -162,9 +162,9 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
     const std::string_view cell = table.text(kSpecimen);
     auto found = indices.find(cell);
     if (found == indices.end()) {
-      if (all.size() == kMostSpecimens) {
+      if (all.size() == kMaxSpecimens) {
         table.fail(fmt::format("specimen = {}: more than {} specimens, is this the right column?",
-                               excerpt(cell), kMostSpecimens));
+                               excerpt(cell), kMaxSpecimens));
       }
       found = indices.emplace(cell, all.size()).first;
       all.emplace_back().name = excerpt(cell.empty() ? std::string_view(stem) : cell);

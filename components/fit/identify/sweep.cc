@@ -58,7 +58,7 @@ bool read_range(std::string_view text, double unit, ParameterSweep& request) {
   request.low = low * unit;
   request.high = high * unit;
   return *request.low > 0.0 && *request.low < *request.high && std::isfinite(*request.high) &&
-         request.values >= kFewestSweepValues && request.values <= kMostSweepValues;
+         request.values >= kFewestSweepValues && request.values <= kMaxSweepValues;
 }
 
 /// A request as unambiguous text, for keys.

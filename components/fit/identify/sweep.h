@@ -13,7 +13,7 @@
 namespace palpate::identify {
 
 inline constexpr std::size_t kFewestSweepValues = 3;
-inline constexpr std::size_t kMostSweepValues = 1000;
+inline constexpr std::size_t kMaxSweepValues = 1000;
 
 /// A parameter of the law that is fixed at a series of values; all others are fitted again at each.
 struct ParameterSweep {

@@ -24,11 +24,11 @@ void add_undetermined(const std::vector<Identifiability>& determined, const Spec
 
 void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenFit& fit,
                     std::vector<std::string>& out) {
-  constexpr double kToldFrom = 0.99;
+  constexpr double kReportedFrom = 0.99;
   const std::vector<ParameterLabel> names = labels(fit.terms);
   for (std::size_t i = 0; i < all.size(); ++i) {
     for (std::size_t k = i + 1; k < all.size(); ++k) {
-      if (!(std::abs(all[i][k]) > kToldFrom)) continue;
+      if (!(std::abs(all[i][k]) > kReportedFrom)) continue;
       out.push_back(fmt::format("{} and {} are only determined together (correlation {}): read neither alone",
                                 names[i].name, names[k].name, brief(all[i][k], 3)));
     }

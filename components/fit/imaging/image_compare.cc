@@ -53,11 +53,11 @@ validate::Deformation deformation_of(const ImageMeasurement& measured, const std
 double nearest_depth(const validate::Deformation& deformation, const model::FalloffRatios& reach,
                      double tip_radius) {
   constexpr int kSteps = 100;
-  constexpr double kMost = 10.0;  // a tool may hide most of the depth
+  constexpr double kMax = 10.0;  // a tool may hide most of the depth
   const double largest = *std::max_element(deformation.displacement.begin(), deformation.displacement.end());
   double best = largest;
   double low = 0.7 * largest;
-  double high = kMost * largest;
+  double high = kMax * largest;
   for (int round = 0; round < 4; ++round) {  // each round is a grid around the optimum of the previous one
     const double step = (high - low) / kSteps;
     double least = 1e300;

@@ -29,8 +29,8 @@ void check_size(const std::filesystem::path& file, std::int64_t width, std::int6
     throw InputError(
         fmt::format("{}: is {}, must be at least {} either way", file.string(), size, kSmallestPicture));
   }
-  if (width > kMostPixels / height) {
-    throw InputError(fmt::format("{}: is {}, must have at most {} pixels", file.string(), size, kMostPixels));
+  if (width > kMaxPixels / height) {
+    throw InputError(fmt::format("{}: is {}, must have at most {} pixels", file.string(), size, kMaxPixels));
   }
 }
 

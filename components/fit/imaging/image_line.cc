@@ -132,8 +132,8 @@ void close_around(cv::Mat& reward, const Path& path, int half) {
   }
 }
 
-constexpr int kMostColumns = 1600;  // wider pictures are scaled down
-constexpr int kApart = 14;          // px: closer lines are the two sides of one edge
+constexpr int kMaxColumns = 1600;  // wider pictures are scaled down
+constexpr int kApart = 14;         // px: closer lines are the two sides of one edge
 
 /// A candidate line: its path, the edge in each column and its contrast.
 struct Candidate {
@@ -395,7 +395,7 @@ void refuse_unless_sure(const SurfaceLine& surface, const std::string& name) {
 SurfaceLine find_surface_line(const Picture& picture, const std::string& name) {
   // OpenCV has no const view of external memory; the data are only read
   const cv::Mat whole(picture.height, picture.width, CV_32F, const_cast<float*>(picture.gray.data()));
-  const int factor = (picture.width + kMostColumns - 1) / kMostColumns;
+  const int factor = (picture.width + kMaxColumns - 1) / kMaxColumns;
   cv::Mat gray = whole;
   if (factor > 1) {
     const cv::Mat even =

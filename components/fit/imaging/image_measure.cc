@@ -99,7 +99,7 @@ void refuse_unless_moved(const IndentationExtent& indentation, std::span<const S
   std::vector<double> spreads;
   for (const Shifted& shifted : shifts) spreads.push_back(shifted.spread);
   const double least = std::max(1.0, 6.0 * median(spreads));
-  constexpr double kMostOpposite = 0.2;  // bulging beside an indentation is smaller
+  constexpr double kMaxOpposite = 0.2;  // bulging beside an indentation is smaller
   const char* way = settings.direction == model::Direction::kPress ? "into" : "out of";
   const char* other = settings.direction == model::Direction::kPress ? "pull" : "press";
   if (indentation.opposite > 2.0 * indentation.peak && indentation.opposite > least) {
@@ -108,7 +108,7 @@ void refuse_unless_moved(const IndentationExtent& indentation, std::span<const S
         "their order (before, after), or an instrument that does not look like the tissue",
         name, way, other));
   }
-  if (indentation.opposite > kMostOpposite * indentation.peak && indentation.opposite > least) {
+  if (indentation.opposite > kMaxOpposite * indentation.peak && indentation.opposite > least) {
     throw InputError(
         fmt::format("{}: parts of the line moved {} the tissue, others by {} % of that the other way; must "
                     "be one indentation, and the instrument must not look like the tissue",
@@ -362,7 +362,7 @@ double asymmetry_of(const ImageMeasurement& measured) {
 void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   struct Link {
     double loss;
-    std::string words;
+    std::string text;
   };
   const double share = measured.uncertainty / measured.depth;
   const double coverage = std::min(measured.before.coverage, measured.after.coverage);
@@ -385,7 +385,7 @@ void rate(const ImageSettings& settings, ImageMeasurement& measured) {
   }
   measured.confidence = static_cast<int>(std::lround(100.0 * left));
   const char* word = measured.confidence >= 70 ? "good" : measured.confidence >= 40 ? "fair" : "poor";
-  measured.confidence_text = std::string(word) + ": " + weakest->words;
+  measured.confidence_text = std::string(word) + ": " + weakest->text;
 }
 
 void refuse_unless_alike(const SurfaceLine& before, const SurfaceLine& after, const std::string& name) {
@@ -400,23 +400,23 @@ void refuse_unless_alike(const SurfaceLine& before, const SurfaceLine& after, co
 }
 
 void refuse_unless_certain(const ImageMeasurement& measured, const std::string& name) {
-  constexpr double kMostUncertain = 0.15;  // of the depth
-  constexpr double kMostAsymmetry = 0.12;
-  constexpr double kMostRise = 0.1;
+  constexpr double kMaxUncertain = 0.15;  // of the depth
+  constexpr double kMaxAsymmetry = 0.12;
+  constexpr double kMaxRise = 0.1;
   const double rise = rise_of(measured);
-  if (rise > kMostRise) {
+  if (rise > kMaxRise) {
     throw InputError(fmt::format(
         "{}: beside the indentation the line becomes deeper again by {} % of the depth; must be one "
         "indentation, and no object in front may look like the background",
         name, rounded(100.0 * rise)));
   }
-  if (measured.asymmetry > kMostAsymmetry) {
+  if (measured.asymmetry > kMaxAsymmetry) {
     throw InputError(fmt::format(
         "{}: left and right side of the indentation differ by {} % of the depth, must differ by at most "
         "12 %: the model is symmetric; check that no object hides part of the indentation",
         name, rounded(100.0 * measured.asymmetry)));
   }
-  if (measured.uncertainty > kMostUncertain * measured.depth) {
+  if (measured.uncertainty > kMaxUncertain * measured.depth) {
     throw InputError(fmt::format(
         "{}: the displacement is uncertain by {} % of the largest, must be at most 15 %: show more of the "
         "undisturbed surface, press deeper, or hold the camera still and give --fixed-camera",

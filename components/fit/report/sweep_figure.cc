@@ -19,16 +19,16 @@ using session::kRunQuantities;
 
 constexpr std::array<std::string_view, 4> kShown = {"peak_tissue_force_N", "depth_at_peak_mm",
                                                     "loading_work_mJ", "dissipated_energy_mJ"};
-constexpr std::size_t kMostTraces = 8;
-constexpr std::array<const char*, kMostTraces> kColours = {kBlue,     kOrange,   kGreen,    "#CC79A7",
-                                                           "#E69F00", "#56B4E9", "#000000", kGrey};
+constexpr std::size_t kMaxTraces = 8;
+constexpr std::array<const char*, kMaxTraces> kColours = {kBlue,     kOrange,   kGreen,    "#CC79A7",
+                                                          "#E69F00", "#56B4E9", "#000000", kGrey};
 constexpr std::size_t kNoAxis = static_cast<std::size_t>(-1);
 
 /// What the figure shows of a sweep.
 struct View {
   std::size_t x_axis = 0;
   std::size_t trace_axis = kNoAxis;
-  std::vector<std::string> trace_values = {""};  // at most kMostTraces values of its axis, evenly chosen
+  std::vector<std::string> trace_values = {""};  // at most kMaxTraces values of its axis, evenly chosen
   std::string held;                              // the other axes with their fixed values
 };
 
@@ -42,7 +42,7 @@ View view_of(const sweep::SweepResult& sweep) {
   if (several.size() > 1) {
     view.trace_axis = several[1];
     const std::vector<std::string>& values = sweep.axes[view.trace_axis].values;
-    const std::size_t shown = std::min(values.size(), kMostTraces);
+    const std::size_t shown = std::min(values.size(), kMaxTraces);
     view.trace_values.clear();
     for (std::size_t k = 0; k < shown; ++k) {
       view.trace_values.push_back(values[k * (values.size() - 1) / (shown - 1)]);

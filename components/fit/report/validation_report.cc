@@ -58,7 +58,7 @@ struct Curves {
 
 Figure draw(const Curves& curves, bool sorted, const std::string& caption, const Axes& axes,
             const std::filesystem::path& file) {
-  constexpr std::size_t kMostRows = 2000;  // limits the size of the picture
+  constexpr std::size_t kMaxRows = 2000;  // limits the size of the picture
   std::vector<std::vector<double>> all;
   for (std::size_t i = 0; i < curves.x.size(); ++i) {
     all.push_back(
@@ -67,7 +67,7 @@ Figure draw(const Curves& curves, bool sorted, const std::string& caption, const
   if (sorted) sort_by_x(all);
   std::vector<std::vector<double>> rows;
   double largest = 0.0;  // largest value in the lower panel
-  for (std::size_t i = 0; i < all.size(); i += all.size() / kMostRows + 1) {
+  for (std::size_t i = 0; i < all.size(); i += all.size() / kMaxRows + 1) {
     rows.push_back(all[i]);
     largest = std::max({largest, std::abs(all[i][2] - all[i][1]), validate::kForceJnd * std::abs(all[i][1])});
   }
@@ -105,12 +105,12 @@ std::string zeros_of(const validate::ZeroedErrors& with) {
                      percent(with.errors.nrmse));
 }
 
-TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& words,
+TableRows error_table(const validate::Errors& ours, double cost_ns, const std::string& label,
                       const std::vector<BaselineResult>& baselines, double unit,
                       const std::string& unit_name) {
   TableRows rows = {{"law", "parameters", "RMS, " + unit_name, "largest, " + unit_name, "RMS, relative",
                      "one evaluation, ns"}};
-  rows.push_back({"ours", escaped(words), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
+  rows.push_back({"ours", escaped(label), brief(ours.rms / unit, 3), brief(ours.max / unit, 3),
                   percent(ours.nrmse), cost_ns > 0.0 ? brief(cost_ns, 3) : "not measured"});
   for (const BaselineResult& baseline : baselines) {
     const validate::Errors& errors = baseline.fit.errors;

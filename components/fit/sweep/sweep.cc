@@ -39,8 +39,8 @@ std::size_t count_of(const std::vector<Axis>& axes) {
   std::size_t runs = 1;
   for (const Axis& axis : axes) {
     runs *= axis.values.size();
-    if (runs <= kMostRuns) continue;
-    throw InputError(fmt::format("--set: more than {} runs; give fewer values", kMostRuns));
+    if (runs <= kMaxRuns) continue;
+    throw InputError(fmt::format("--set: more than {} runs; give fewer values", kMaxRuns));
   }
   return runs;
 }
@@ -57,12 +57,12 @@ std::vector<std::string> values_of(const std::vector<Axis>& axes, std::size_t ru
 
 /// @throws InputError for a device that moves in real time: a sweep runs offline.
 scene::Scene load_offline(const scene::Overrides& request) {
-  scene::Scene setup = scene::load(request);
-  for (const scene::DeviceSetup& device : setup.devices) {
+  scene::Scene scene = scene::load(request);
+  for (const scene::DeviceSetup& device : scene.devices) {
     if (device.kind == "scripted" || device.kind == "emulated" || device.kind == "replay") continue;
     throw InputError("device " + device.kind + ": a sweep needs a scripted, emulated or replay device");
   }
-  return setup;
+  return scene;
 }
 
 void add(ContentHasher& hasher, const std::string& text) {
@@ -75,14 +75,14 @@ void add_file(ContentHasher& hasher, const std::filesystem::path& file) {
 
 /// Hash of all common inputs: program, scene, the files that it names, and the axes. @param scene receives
 /// the scene's name
-std::string fingerprint_of(const SweepRequest& request, std::string& scene) {
-  const scene::Scene setup = load_offline(request.scene);
-  scene = setup.name;
+std::string fingerprint_of(const SweepRequest& request, std::string& name) {
+  const scene::Scene scene = load_offline(request.scene);
+  name = scene.name;
   ContentHasher hasher;
   add(hasher, kVersion);
-  add(hasher, record::setup_to_json(setup));
+  add(hasher, record::setup_to_json(scene));
   hasher.add(request.duration_s.value_or(-1.0)).add(request.scene.fit_device ? 1 : 0);
-  for (const scene::SourceFile& file : setup.files) add_file(hasher, file.path);
+  for (const scene::SourceFile& file : scene.files) add_file(hasher, file.path);
   for (const Axis& axis : request.axes) {
     add(hasher, axis.key);
     for (const std::string& value : axis.values) add(hasher, value);
@@ -144,11 +144,11 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
   SweepRow row;
   row.settings = values_of(request.axes, run);
   try {
-    scene::Overrides scene = request.scene;
+    scene::Overrides overrides = request.scene;
     for (std::size_t i = 0; i < request.axes.size(); ++i) {
-      scene.settings.push_back({request.axes[i].key, row.settings[i]});
+      overrides.settings.push_back({request.axes[i].key, row.settings[i]});
     }
-    session::Session session(load_offline(scene),
+    session::Session session(load_offline(overrides),
                              {.duration_s = request.duration_s, .preparation = request.preparation});
     const session::RunResult result = session.run({.offline = true, .keep_fault = false});
     for (const RunQuantity& quantity : kRunQuantities) row.quantities.push_back(quantity.of(result));
@@ -194,7 +194,7 @@ std::vector<std::string> spaced(const std::vector<std::string>& parts) {
   const bool logarithmic = parts.size() == 4;
   if (!low || !high || !count || (logarithmic && (parts[3] != "log" || !(*low > 0.0)))) return {};
   if (!(*low < *high) || !std::isfinite(*high - *low)) return {};
-  if (!(*count >= 2.0 && *count <= kMostRuns) || *count != std::floor(*count)) return {};
+  if (!(*count >= 2.0 && *count <= kMaxRuns) || *count != std::floor(*count)) return {};
   std::vector<std::string> values;
   for (double i = 0.0; i < *count; ++i) {
     const double share = i / (*count - 1.0);
@@ -285,7 +285,7 @@ Axis parse_axis(const std::string& flag, const std::string& text) {
         fmt::format("{} {}: must be KEY=LOW:HIGH:N with LOW < HIGH and N from 2 to {}, :log after it for "
                     "even steps of the "
                     "logarithm, or KEY=VALUE,VALUE,...",
-                    flag, text, kMostRuns));
+                    flag, text, kMaxRuns));
   }
   for (const std::string& value : axis.values) key.check(flag, value);
   for (auto value = axis.values.begin(); value != axis.values.end(); ++value) {

@@ -18,7 +18,7 @@ enum class KeyType;  // scene_keys.h
 
 namespace palpate::sweep {
 
-inline constexpr std::size_t kMostRuns = 100'000;
+inline constexpr std::size_t kMaxRuns = 100'000;
 
 /// A scene key that a sweep varies.
 struct Axis {

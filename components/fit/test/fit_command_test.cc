@@ -89,7 +89,7 @@ TEST(FitCommand, SweepsAParameterIntoJsonCsvAndReport) {
   EXPECT_TRUE(fs::exists(folder / "page/sweep-1.svg"));
 }
 
-TEST(FitCommand, SaysNothingOfItsLibrariesTroubleFarFromTheBest) {
+TEST(FitCommand, SaysNothingOfItsLibrariesErrorsFarFromTheBest) {
   const Folder folder;
   std::ofstream bent(folder / "bent.csv");  // two springs, 20 and then 100 N/m
   bent << "displacement_mm,force_N\n";

@@ -118,11 +118,11 @@ ForceCurve measured_curve(const ForceComparison& comparison) {
 }
 
 BaselineFit scaled_force(BaselineKind kind, const ForceCurve& curve, const Function& shape,
-                         const char* words) {
+                         const char* text) {
   const double factor = scaled(mapped(curve.depth, shape), curve.force).factor;
   BaselineFit fit;
   fit.kind = kind;
-  fit.parameters = worded(words, factor);
+  fit.parameters = worded(text, factor);
   fit.evaluate = [factor, shape](double depth) { return factor * shape(depth); };
   fit.computed = mapped(curve.depth, fit.evaluate);
   return fit;

@@ -20,7 +20,7 @@ enum DeformationColumn : std::size_t { kDistance, kShift, kDepth };
 
 const std::vector<CsvColumn> kDeformationColumns = {{"r_mm"}, {"u_mm"}, {"depth_mm", false}};
 constexpr double kLargestDeformation = 1e6;  // mm
-constexpr std::size_t kMostDepths = 1000;    // per file; more indicates a wrong column
+constexpr std::size_t kMaxDepths = 1000;     // per file; more indicates a wrong column
 
 void sort_by_distance(Deformation& deformation) {
   std::vector<std::size_t> order(deformation.size());
@@ -91,8 +91,8 @@ std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
     if (table.has(kDepth) && !(depth_mm > 0.0)) table.fail(kDepth, "must be > 0");
     const auto [entry, is_new] = indices.try_emplace(depth_mm, all.size());
     if (is_new) {
-      if (all.size() == kMostDepths) {
-        table.fail(kDepth, fmt::format("more than {} depths, is this the right column?", kMostDepths));
+      if (all.size() == kMaxDepths) {
+        table.fail(kDepth, fmt::format("more than {} depths, is this the right column?", kMaxDepths));
       }
       Deformation& made = all.emplace_back();
       made.name = file.stem().string() + (table.has(kDepth) ? " at " + shortest(depth_mm) + " mm" : "");

@@ -93,7 +93,7 @@ double spread_of(const Search& search, const identify::Point& own) {
 
 ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
   constexpr double kLoss = 4.0;  // in standard deviations, as for a fit
-  constexpr int kMostRounds = 10;
+  constexpr int kMaxRounds = 10;
   constexpr double kSame = 0.8;
   Search search;
   search.specimen = identify::thinned(specimen, kSearched);
@@ -103,7 +103,7 @@ ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
   identify::Point own = {search.prior.first_contact, search.prior.offset};
   search_from_everywhere(search, own);
   // Many outliers widen the loss, which should exclude them: each round narrows it.
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const double before = search.loss_scale;
     search.sigma = spread_of(search, own);
     search.loss_scale = kLoss * search.sigma;

@@ -55,8 +55,8 @@ void check_generate_files(const GenerateRequest& request) {
   } else {
     require_regular_file(request.out, "--out");
   }
-  const scene::Scene setup = scene::load(learning::with_defaults(request.settings.task, request.scene));
-  require_no_overwrite(std::vector<NamedFile>{{"--out", request.out}}, sources_of(setup));
+  const scene::Scene scene = scene::load(learning::with_defaults(request.settings.task, request.scene));
+  require_no_overwrite(std::vector<NamedFile>{{"--out", request.out}}, sources_of(scene));
 }
 
 int generate_episodes(GenerateFlags& flags) {

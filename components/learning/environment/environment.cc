@@ -37,37 +37,37 @@ void require_range(const char* name, const Range& range, double least, double mo
 }
 
 const Settings& checked(const Settings& settings) {
-  constexpr double kMostNoise = 1.0;  // N m; the scene's own limit of sigma is lower
+  constexpr double kMaxNoise = 1.0;  // N m; the scene's own limit of sigma is lower
   require_count("ticks", settings.ticks, 1000);
   require_count("steps", settings.steps, 1'000'000);
   require_count("surface_points", settings.surface_points, 10'000, 0);
   require_range("tolerance", {settings.tolerance, settings.tolerance}, 1e-4, 1.0, " m");
   require_range("stiffness_factor", settings.stiffness_factor, 0.01, 100.0, "");
-  if (settings.noise_gain) require_range("noise_gain", *settings.noise_gain, 0.0, kMostNoise, " N m");
+  if (settings.noise_gain) require_range("noise_gain", *settings.noise_gain, 0.0, kMaxNoise, " N m");
   require_range("start_offset", {settings.start_offset, settings.start_offset}, 0.0, 1.0, " m");
   return settings;
 }
 
 /// The part of the scene that the task uses: it presses, and a search has one lump.
-scene::Scene adapted(scene::Scene setup, Task task) {
-  setup.task = scene::Task::kPress;
-  if (task != Task::kSearch) return setup;
-  if (setup.inclusions.empty()) {
+scene::Scene adapted(scene::Scene scene, Task task) {
+  scene.task = scene::Task::kPress;
+  if (task != Task::kSearch) return scene;
+  if (scene.inclusions.empty()) {
     throw InputError("search: the scene has no inclusion to find, must have one (such as nodule)");
   }
-  setup.inclusions.resize(1);
-  return setup;
+  scene.inclusions.resize(1);
+  return scene;
 }
 
 /// Puts the hands where their paths start and replaces the devices by ones in the world frame. @param
 /// approach receives the direction in which the first tool meets the organ
-std::vector<haptics::DeviceState> take_hands(scene::Scene& setup, Vec3& approach) {
+std::vector<haptics::DeviceState> take_hands(scene::Scene& scene, Vec3& approach) {
   std::vector<haptics::DeviceState> start;
-  for (std::size_t hand = 0; hand < setup.devices.size(); ++hand) {
-    scene::DeviceSetup& device = setup.devices[hand];
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    scene::DeviceSetup& device = scene.devices[hand];
     const bool has_path = device.kind == "scripted" && !device.path.empty();
     const scene::PathRow row =
-        (has_path ? scene::read_tool_path(device.path) : scene::default_path(setup, hand)).rows().front();
+        (has_path ? scene::read_tool_path(device.path) : scene::default_path(scene, hand)).rows().front();
     const Pose pose_W =
         haptics::WorkspaceMapping{device.workspace_scale, device.base}.apply(row.position, row.orientation);
     haptics::DeviceState& state = start.emplace_back();
@@ -76,22 +76,22 @@ std::vector<haptics::DeviceState> take_hands(scene::Scene& setup, Vec3& approach
     state.gripper = row.gripper;
     if (hand == 0 && !has_path) approach = pose_W.rotation * Vec3::UnitZ();  // a default path moves along +z
   }
-  setup.devices.assign(setup.devices.size(), {});
+  scene.devices.assign(scene.devices.size(), {});
   return start;
 }
 
 /// Centres for the lump, as deep below the upper side as the scene's. @throws InputError when the organ has
 /// no place
-std::vector<Vec3> lump_places_of(const scene::Scene& setup) {
-  const geometry::SignedDistance surface = scene::organ_distance_of(setup);
-  const scene::SearchArea area(setup.organ, surface, setup.organ_pose);
-  const model::Inclusion& lump = setup.inclusions.front().inclusion;
+std::vector<Vec3> lump_places_of(const scene::Scene& scene) {
+  const geometry::SignedDistance surface = scene::organ_distance_of(scene);
+  const scene::SearchArea area(scene.organ, surface, scene.organ_pose);
+  const model::Inclusion& lump = scene.inclusions.front().inclusion;
   const double depth = -surface.nearest(lump.centre_S).distance;
   std::vector<Vec3> places;
   for (const std::int32_t t : area.triangles()) {
-    const geometry::Triangle& corners = setup.organ.triangles[static_cast<std::size_t>(t)];
-    Vec3 centre = -depth * geometry::area_vector_doubled(setup.organ, corners).normalized();
-    for (const std::int32_t v : corners) centre += setup.organ.vertices[static_cast<std::size_t>(v)] / 3.0;
+    const geometry::Triangle& corners = scene.organ.triangles[static_cast<std::size_t>(t)];
+    Vec3 centre = -depth * geometry::area_vector_doubled(scene.organ, corners).normalized();
+    for (const std::int32_t v : corners) centre += scene.organ.vertices[static_cast<std::size_t>(v)] / 3.0;
     const geometry::NearestPoint above = surface.nearest(centre);
     if (-above.distance >= lump.radius + lump.pulse && area.contains(above.triangle))
       places.push_back(centre);
@@ -122,9 +122,9 @@ scene::Overrides with_defaults(Task task, scene::Overrides request) {
   return request;
 }
 
-Environment::Environment(scene::Scene setup, const Settings& settings, const contact::Preparation& how)
+Environment::Environment(scene::Scene scene, const Settings& settings, const contact::Preparation& how)
     : settings_(checked(settings)),
-      scene_(adapted(std::move(setup), settings.task)),
+      scene_(adapted(std::move(scene), settings.task)),
       start_(take_hands(scene_, approach_)),
       world_(scene::make_world(scene_, how)),
       state_(world_),

@@ -75,7 +75,7 @@ struct StepResult {
 class Environment final {
  public:
   /// [setup] @throws InputError, ParameterError that name the setting or the part of the scene
-  Environment(scene::Scene setup, const Settings& settings, const contact::Preparation& how = {});
+  Environment(scene::Scene scene, const Settings& settings, const contact::Preparation& how = {});
 
   /// [setup] Starts an episode. @param seed empty: the random numbers go on
   StepResult reset(std::optional<std::uint64_t> seed);

@@ -29,7 +29,7 @@ struct ArraySpec {
 class EpisodeFile final {
  public:
   /// Most bytes that an .npz file may have: NumPy's archive is written without the 64-bit extension of ZIP.
-  static constexpr std::uint64_t kMostOfNpz = 0xffff'ffffU;
+  static constexpr std::uint64_t kMaxNpzBytes = 0xffff'ffffU;
 
   /// @throws InputError when the name ends in neither .h5 nor .npz, or the folder cannot be written
   EpisodeFile(std::filesystem::path file, std::vector<ArraySpec> arrays);

@@ -167,12 +167,12 @@ std::uint64_t largest_episode(const Settings& settings) {
 }
 
 void check(const GenerateRequest& request) {
-  constexpr std::uint64_t kMostEpisodes = 10'000'000;
-  if (request.episodes < 1 || request.episodes > kMostEpisodes) {
-    throw InputError(fmt::format("episodes = {}: must be 1 to {}", request.episodes, kMostEpisodes));
+  constexpr std::uint64_t kMaxEpisodes = 10'000'000;
+  if (request.episodes < 1 || request.episodes > kMaxEpisodes) {
+    throw InputError(fmt::format("episodes = {}: must be 1 to {}", request.episodes, kMaxEpisodes));
   }
   if (!EpisodeFile::is_npz(request.out)) return;
-  const std::uint64_t most = EpisodeFile::kMostOfNpz / 2 / largest_episode(request.settings);
+  const std::uint64_t most = EpisodeFile::kMaxNpzBytes / 2 / largest_episode(request.settings);
   if (request.episodes > most) {
     throw InputError(
         fmt::format("{}: may get more than the 4 GiB of an .npz file: write a .h5 file, or at most "

@@ -26,8 +26,8 @@ using Pair = std::pair<double, double>;
 /// Serializes all calls, so that several Python threads may use one environment.
 class SharedEnvironment final {
  public:
-  SharedEnvironment(scene::Scene setup, const learning::Settings& settings, const contact::Preparation& how)
-      : environment_(std::move(setup), settings, how) {}
+  SharedEnvironment(scene::Scene scene, const learning::Settings& settings, const contact::Preparation& how)
+      : environment_(std::move(scene), settings, how) {}
 
   [[nodiscard]] const Environment& get() const noexcept { return environment_; }
 
@@ -61,12 +61,12 @@ std::unique_ptr<SharedEnvironment> open_environment(SceneArguments arguments, co
   if (noise) settings.noise_gain = {noise->first, noise->second};
   settings.start_offset = offset;
   arguments.request = learning::with_defaults(settings.task, std::move(arguments.request));
-  scene::Scene setup = arguments.load();
+  scene::Scene scene = arguments.load();
   const double steps =
-      std::round(seconds * setup.rate_Hz / static_cast<double>(std::max<std::uint64_t>(ticks, 1)));
+      std::round(seconds * scene.rate_Hz / static_cast<double>(std::max<std::uint64_t>(ticks, 1)));
   if (!(steps >= 1.0 && steps <= 1e6)) throw ParameterError("seconds", seconds, "1 to 1000000 steps");
   settings.steps = static_cast<std::uint64_t>(steps);
-  return std::make_unique<SharedEnvironment>(std::move(setup), settings, preparation_of(cache));
+  return std::make_unique<SharedEnvironment>(std::move(scene), settings, preparation_of(cache));
 }
 
 /// A space as plain data.

@@ -55,8 +55,8 @@ void check(const RosFlags& flags) {
 
 /// Rejects a mouse or a gamepad, because they need the window of `palpate run`, and names that are no topics.
 /// @throws InputError
-void check_devices(const scene::Scene& setup) {
-  for (const scene::DeviceSetup& device : setup.devices) {
+void check_devices(const scene::Scene& scene) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
     if (kind != nullptr && kind->window) {
       throw InputError("device " + device.kind + ": needs the window of `palpate run`; ros has no window");
@@ -78,16 +78,16 @@ void report_network(const ros::NodeOptions& options) {
   }
 }
 
-void report_topics(const scene::Scene& setup, double publish_Hz) {
+void report_topics(const scene::Scene& scene, double publish_Hz) {
   const std::string live = fmt::format("{} Hz, reliable, keep last 10, volatile", shortest(publish_Hz));
   const auto report = [](const std::string& name, const char* type, const std::string& how) {
     report_message(fmt::format("  {:<30} {:<32} {}", name, type, how));
   };
-  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+  for (std::size_t hand = 0; hand < scene.tools.size(); ++hand) {
     const std::string prefix = ros::topic_prefix(hand);
     report(prefix + "/pose", "geometry_msgs/msg/PoseStamped", live);
     report(prefix + "/wrench", "geometry_msgs/msg/WrenchStamped", live);
-    if (!ros::joint_names(setup.tools[hand], hand).empty()) {
+    if (!ros::joint_names(scene.tools[hand], hand).empty()) {
       report(prefix + "/joint_states", "sensor_msgs/msg/JointState", live);
     }
     report(prefix + "/fault", "std_msgs/msg/String",
@@ -106,15 +106,15 @@ int play_on_ros(const RosFlags& flags) {
   const StopOnSignal signals;
   check(flags);
   const ros::NodeOptions options = ros::options_of_environment(flags.network_interface);
-  scene::Scene setup = scene::load(flags.request);
-  check_devices(setup);
-  require_no_overwrite(std::vector<NamedFile>{{"--record", flags.recording}}, sources_of(setup));
+  scene::Scene scene = scene::load(flags.request);
+  check_devices(scene);
+  require_no_overwrite(std::vector<NamedFile>{{"--record", flags.recording}}, sources_of(scene));
   const std::unique_ptr<ros::Node> node = ros::open_node(options);
   report_network(options);
   const std::unique_ptr<Session> session =
-      prepare(std::move(setup), flags.duration_s, flags.no_cache, &signals.flag());
-  ros::RosPublisher publisher(*node, session->setup().tools, session->setup().rate_Hz, flags.publish_Hz);
-  report_topics(session->setup(), session->setup().rate_Hz / static_cast<double>(publisher.every()));
+      prepare(std::move(scene), flags.duration_s, flags.no_cache, &signals.flag());
+  ros::RosPublisher publisher(*node, session->scene().tools, session->scene().rate_Hz, flags.publish_Hz);
+  report_topics(session->scene(), session->scene().rate_Hz / static_cast<double>(publisher.every()));
   PlayOptions how;
   how.run = {flags.recording, false, flags.thread};
   how.observers = {&publisher};

@@ -19,7 +19,7 @@ class PublishedTickPurity : public testing::TestWithParam<const char*> {};
 TEST_P(PublishedTickPurity, NoHeapUseAndNoLockWhileEveryTickIsPublishedToRos2) {
   Rig rig = built_in(GetParam());
   ros::test::FakeNode node;
-  ros::RosPublisher publisher(node, rig.setup.tools, rig.world.rate_Hz, ros::RosPublisher::kFastestRate);
+  ros::RosPublisher publisher(node, rig.scene.tools, rig.world.rate_Hz, ros::RosPublisher::kFastestRate);
   Bracket bracket(kTicks, arm_guard, disarm_guard);
   const std::uint64_t heap_before = heap_uses();
   const std::uint64_t locks_before = lock_uses();

@@ -25,8 +25,8 @@ struct StudyPrepareFlags {
 };
 
 int prepare(const StudyPrepareFlags& flags) {
-  constexpr auto kMost = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
-  study::prepare_study(flags.file, flags.folder, static_cast<int>(std::min(flags.participants, kMost)));
+  constexpr auto kMax = static_cast<std::uint64_t>(std::numeric_limits<int>::max());
+  study::prepare_study(flags.file, flags.folder, static_cast<int>(std::min(flags.participants, kMax)));
   const study::StudyFolder made = study::open_study(flags.folder);
   std::cout << fmt::format("{}: {} of study {}\n", flags.folder,
                            counted(made.ids.size(), "participant", "participants"), made.study.name);

@@ -60,11 +60,11 @@ Population population_of(double effect, const double* rest) {
 }
 
 double negative_log_likelihood(const Tables& tables, const Population& at) {
-  constexpr double kMostSd = 3.0;  // of ln s
+  constexpr double kMaxSd = 3.0;  // of ln s
   const double change_limit = kStep * static_cast<double>(kHalf);
   const double last_base = tables.first_base + kStep * kBaseSteps * static_cast<double>(tables.bases - 1);
   const bool inside = std::abs(at.effect) <= change_limit && at.mean >= tables.first_base - 1.0 &&
-                      at.mean <= last_base + 1.0 && at.sd <= kMostSd && at.effect_sd <= kMostSd;
+                      at.mean <= last_base + 1.0 && at.sd <= kMaxSd && at.effect_sd <= kMaxSd;
   if (!inside) return std::numeric_limits<double>::infinity();
   const Weights bases = normal_weights(tables.first_base, kStep * kBaseSteps, tables.bases, at.mean, at.sd);
   const Weights changes = normal_weights(-change_limit, kStep, kChanges, at.effect, at.effect_sd);

@@ -52,7 +52,7 @@ void step_simplex(const Cost& cost, std::vector<Minimum>& simplex) {
 
 Minimum search(const Cost& cost, const std::vector<double>& start, const std::vector<double>& steps,
                double tolerance) {
-  constexpr int kMostSteps = 2000;
+  constexpr int kMaxSteps = 2000;
   std::vector<Minimum> simplex{{start, cost(start)}};
   for (std::size_t i = 0; i < start.size(); ++i) {
     std::vector<double> vertex = start;
@@ -61,7 +61,7 @@ Minimum search(const Cost& cost, const std::vector<double>& start, const std::ve
     simplex.push_back({std::move(vertex), value});
   }
   const auto by_cost = [](const Minimum& a, const Minimum& b) { return a.value < b.value; };
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     std::stable_sort(simplex.begin(), simplex.end(), by_cost);
     if (simplex.back().value - simplex.front().value <= tolerance) break;
     step_simplex(cost, simplex);

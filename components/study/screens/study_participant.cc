@@ -127,9 +127,9 @@ void draw_force_bar(const ParticipantView::ForceBar& bar, const Page& page) {
                        ImVec2(at(edge) + 0.06F * page.text, bottom + 0.3F * page.text),
                        packed(colour::kText));
   }
-  const char* words = inside ? "good" : bar.force < bar.low ? "press more" : "press less";
+  const char* advice = inside ? "good" : bar.force < bar.low ? "press more" : "press less";
   (void)draw_text(list, StudyFont::kText, ImVec2(right + 0.6F * page.text, middle - 0.55F * page.text),
-                  Align::kLeft, page.size.x, packed(colour::kText), words);
+                  Align::kLeft, page.size.x, packed(colour::kText), advice);
 }
 
 void draw_break(double left, const std::string& heading, const Page& page) {

@@ -19,7 +19,7 @@ using study::ScreenInput;
 
 constexpr double kFrameTime = 0.012;            // s, least: for windows that do not wait for their display
 constexpr double kStatusPeriod = 0.5;           // s
-constexpr std::size_t kMostInputs = 64;         // waiting
+constexpr std::size_t kMaxInputs = 64;          // waiting
 constexpr Display::Size kUsualSize{1280, 720};  // of a window alone
 
 double seconds_now() { return 1e-9 * static_cast<double>(monotonic_ns()); }
@@ -298,7 +298,7 @@ void StudyScreens::write_status(double now) {
 
 void StudyScreens::press(ScreenInput input) {
   if (input == ScreenInput::kPause) controls_.pausing = true;
-  if (inputs_.size() < kMostInputs) inputs_.push_back(input);
+  if (inputs_.size() < kMaxInputs) inputs_.push_back(input);
 }
 
 void StudyScreens::leave() {

@@ -12,12 +12,12 @@ constexpr std::uint32_t kNoisePart = 0x7400'0000;  // of the random numbers: see
 constexpr int kLumpPlaces = 16;
 
 /// Places of the inclusion of an inclusion task, below the upper side of the organ.
-std::vector<model::Inclusion> lump_places(const scene::Scene& setup, const StudyTask& task) {
+std::vector<model::Inclusion> lump_places(const scene::Scene& scene, const StudyTask& task) {
   std::vector<model::Inclusion> places;
   for (int i = 0; i < kLumpPlaces; ++i) {
-    scene::Scene copy = setup;
+    scene::Scene copy = scene;
     copy.inclusions.clear();
-    copy.seed = setup.seed + static_cast<std::uint64_t>(i);
+    copy.seed = scene.seed + static_cast<std::uint64_t>(i);
     scene::SearchTable table;
     table.lumps = 1;
     table.lump.radius = task.radius;
@@ -35,29 +35,29 @@ std::vector<model::Inclusion> lump_places(const scene::Scene& setup, const Study
 scene::Scene study_scene(const Study& study, const std::string& device) {
   scene::Overrides request = scene_of(study);
   if (!device.empty()) request.device = device;
-  scene::Scene setup = scene::load(request);
-  setup.safety.max_force = std::min(setup.safety.max_force, study.max_force);
-  setup.noise.enabled = false;
-  return setup;
+  scene::Scene scene = scene::load(request);
+  scene.safety.max_force = std::min(scene.safety.max_force, study.max_force);
+  scene.noise.enabled = false;
+  return scene;
 }
 
 scene::Scene block_scene(const Study& study, const StudyTask& task, const BlockNumber& block,
                          const std::string& device, std::vector<model::Inclusion>& lumps) {
-  scene::Scene setup = study_scene(study, device);
+  scene::Scene scene = study_scene(study, device);
   const auto part =
       static_cast<std::uint32_t>(block.session) << 12U | static_cast<std::uint32_t>(block.block);
-  setup.seed = Random(study.seed, block.participant, kNoisePart + part).below(std::size_t{1} << 52U);
-  setup.noise.seed = setup.seed;
+  scene.seed = Random(study.seed, block.participant, kNoisePart + part).below(std::size_t{1} << 52U);
+  scene.noise.seed = scene.seed;
   const TissueChange tissue = stimulus_of(task, 0.0, false).tissue;
-  if (tissue.k1) setup.tissue.k1 = *tissue.k1;
+  if (tissue.k1) scene.tissue.k1 = *tissue.k1;
   if (tissue.inclusion) {
-    scene::Scene places = setup;
+    scene::Scene places = scene;
     places.seed = study.seed;  // all participants have the same places
     lumps = lump_places(places, task);
-    setup.inclusions.clear();
-    setup.inclusions.push_back({"lump", false, lumps.front()});
+    scene.inclusions.clear();
+    scene.inclusions.push_back({"lump", false, lumps.front()});
   }
-  return setup;
+  return scene;
 }
 
 }  // namespace palpate::study

@@ -47,7 +47,7 @@ class BlockComparison final {
     return fmt::format("the recording has a stimulus at tick {}", stimulus->tick);
   }
   [[nodiscard]] std::uint64_t ticks(double seconds) const {
-    return static_cast<std::uint64_t>(std::llround(seconds * recording_.setup.rate_Hz));
+    return static_cast<std::uint64_t>(std::llround(seconds * recording_.scene.rate_Hz));
   }
   [[nodiscard]] const StudyTask& task() const { return study_.tasks[trial_->planned.task]; }
   [[nodiscard]] bool signal_in(std::size_t interval) const {
@@ -65,7 +65,7 @@ class BlockComparison final {
     const std::size_t last = task().two_intervals() ? 1 : 0;
     if (trial_->logged.intervals[last].to_tick == 0) return "has no ticks";
     if (!trial_->logged.observer.empty()) return "";  // its response time is drawn
-    const double answered = trial_->logged.response_time * recording_.setup.rate_Hz;
+    const double answered = trial_->logged.response_time * recording_.scene.rate_Hz;
     if (answered > static_cast<double>(recording_.rows.size() - trial_->logged.intervals[last].to_tick)) {
       return "was answered after the end of the recording";
     }
@@ -77,10 +77,10 @@ class BlockComparison final {
     if (cues.from_tick < last_tick_) return "begins before the interval in the line before it ends";
     // A fault may end the run before the interval begins.
     if (next_ == stimuli_.size() && spoiled && last_trial_) return "";
-    constexpr std::uint64_t kMostWaiting = 4;  // ticks: one update is taken a tick
+    constexpr std::uint64_t kMaxWaiting = 4;  // ticks: one update is taken a tick
     const std::uint64_t due = cues.from_tick - std::min(cues.from_tick, ticks(kFade));
     const bool found = next_ < stimuli_.size() && stimuli_[next_]->stimulus.interval == interval + 1 &&
-                       stimuli_[next_]->tick >= due && stimuli_[next_]->tick <= due + kMostWaiting;
+                       stimuli_[next_]->tick >= due && stimuli_[next_]->tick <= due + kMaxWaiting;
     if (!found) {
       return fmt::format("must have a stimulus at tick {}, {}", due,
                          next_ < stimuli_.size() ? at(stimuli_[next_]) : "the recording has no more");
@@ -101,8 +101,8 @@ class BlockComparison final {
     const Trial& planned = trial_->planned;
     const IntervalStimulus must = stimulus_of(task(), planned.level, signal_in(interval));
     haptics::LiveNoise noise;
-    noise.enabled = recording_.setup.noise.enabled;
-    double k1 = recording_.setup.tissue.k1;
+    noise.enabled = recording_.scene.noise.enabled;
+    double k1 = recording_.scene.tissue.k1;
     double ratio = 1.0;
     for (const ParameterUpdate& change : recording_.changes) {
       if (change.tick > tick) break;

@@ -31,10 +31,10 @@ double log10_of(double value) { return std::log10(value); }
 
 /// The number of the session that begins with this event. @throws InputError when it is no whole number
 int session_of(const EventRecord& event) {
-  constexpr double kMost = 1e6;
+  constexpr double kMax = 1e6;
   const std::string text = event.value("session");
   const double number = parse_number(text).value_or(0.0);
-  if (number >= 1.0 && number <= kMost && number == std::floor(number)) return static_cast<int>(number);
+  if (number >= 1.0 && number <= kMax && number == std::floor(number)) return static_cast<int>(number);
   throw InputError("a session of the log: session = \"" + excerpt(text) +
                    "\": must be a whole number from 1");
 }
@@ -359,7 +359,7 @@ void Course::add(const TrialRecord& trial) {
   if (!spoiled) {
     count(trial, *expected);
     ++done_;
-  } else if (++slot.attempt > kMostAttempts) {
+  } else if (++slot.attempt > kMaxAttempts) {
     ++lost_;
     ++done_;
   } else {

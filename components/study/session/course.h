@@ -44,7 +44,7 @@ struct CoursePosition {
 /// trial follows from the finished trials alone, so a session goes on after a crash as without it.
 class Course final {
  public:
-  static constexpr int kMostAttempts = 3;   // of a trial; then it is lost
+  static constexpr int kMaxAttempts = 3;    // of a trial; then it is lost
   static constexpr int kPracticeAgain = 5;  // practice trials after an interruption
 
   /// [setup] @throws InputError when the plan does not fit

@@ -38,8 +38,8 @@ int above_threshold(const SimulatedPerson& person, const std::vector<double>& sa
 
 }  // namespace
 
-ObserverHand::ObserverHand(const scene::Scene& setup)
-    : ObserverHand(scene::default_path(setup, 0), 1.0 / setup.rate_Hz) {}
+ObserverHand::ObserverHand(const scene::Scene& scene)
+    : ObserverHand(scene::default_path(scene, 0), 1.0 / scene.rate_Hz) {}
 
 ObserverHand::ObserverHand(const scene::ToolPath& path, double period)
     : start_(path.rows().front().position),

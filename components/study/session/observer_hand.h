@@ -22,7 +22,7 @@ namespace palpate::study {
 class ObserverHand final : public haptics::Device {
  public:
   /// [setup] @throws InputError when the organ's mesh is not closed
-  explicit ObserverHand(const scene::Scene& setup);
+  explicit ObserverHand(const scene::Scene& scene);
 
   /// [rt]
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;

@@ -12,9 +12,9 @@ namespace palpate::study {
 namespace {
 
 constexpr double kSecondsPerMinute = 60.0;
-constexpr double kSetUp = 90.0;             // s, at the start of a session
-constexpr double kAudible = 80.0;           // s, 20 trials of 4 s at the start of the first session
-constexpr std::size_t kMostSessions = 500;  // of the message about too few sessions
+constexpr double kSetUp = 90.0;            // s, at the start of a session
+constexpr double kAudible = 80.0;          // s, 20 trials of 4 s at the start of the first session
+constexpr std::size_t kMaxSessions = 500;  // of the message about too few sessions
 
 /// Time of one session, which fills with trials and the breaks between them.
 class SessionClock final {
@@ -108,7 +108,7 @@ class Planner final {
       if (done == trials_of(task)) break;
       if (added == 0 && sessions_.back().parts.empty()) fail_round(task);
       end_session();
-      if (sessions_.size() == kMostSessions) return;
+      if (sessions_.size() == kMaxSessions) return;
       begin_session();
     }
     if (!task.repeat_at_end) return;
@@ -169,8 +169,8 @@ double trial_seconds(const Study& study, const StudyTask& task) noexcept {
 std::vector<PlannedSession> plan_sessions(const Study& study) {
   std::vector<PlannedSession> sessions = Planner(study).plan();
   if (sessions.size() > static_cast<std::size_t>(study.sessions)) {
-    const std::string enough = sessions.size() == kMostSessions ? fmt::format("more than {}", kMostSessions)
-                                                                : fmt::format("{}", sessions.size());
+    const std::string enough = sessions.size() == kMaxSessions ? fmt::format("more than {}", kMaxSessions)
+                                                               : fmt::format("{}", sessions.size());
     throw InputError(
         fmt::format("{}: study.sessions = {}: the tasks need {} sessions of at most {} min, or longer ones",
                     study.file.string(), study.sessions, enough, shortest(study.max_minutes)));

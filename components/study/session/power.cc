@@ -27,8 +27,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kUsualRatio = 0.85;
 constexpr double kUsualNoise = 0.4;
-constexpr int kMostPeople = 500;
-constexpr int kMostGroups = 10'000;
+constexpr int kMaxPeople = 500;
+constexpr int kMaxGroups = 10'000;
 
 // The analysis of one simulated group.
 struct Outcome {
@@ -43,12 +43,12 @@ bool has_jnd(const Study& study) { return study.primary && study.primary->measur
 
 void check(const Study& study, const PowerRequest& request) {
   const auto fail = [](const std::string& what) { throw InputError(what); };
-  if (request.groups < 2 || request.groups > kMostGroups) {
-    fail(fmt::format("--groups = {}, must be 2 to {}", request.groups, kMostGroups));
+  if (request.groups < 2 || request.groups > kMaxGroups) {
+    fail(fmt::format("--groups = {}, must be 2 to {}", request.groups, kMaxGroups));
   }
   for (const int people : request.participants) {
-    if (people >= 2 && people <= kMostPeople) continue;
-    fail(fmt::format("--participants = {}, must be 2 to {}", people, kMostPeople));
+    if (people >= 2 && people <= kMaxPeople) continue;
+    fail(fmt::format("--participants = {}, must be 2 to {}", people, kMaxPeople));
   }
   if (request.participants.empty()) fail("--participants: missing, must be numbers such as 12,16,24");
   if (request.jnd_ratio) {

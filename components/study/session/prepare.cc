@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using FolderJson = nlohmann::ordered_json;
 
-constexpr int kMostParticipants = 999;
+constexpr int kMaxParticipants = 999;
 
 void fill_randomly(std::span<unsigned char> bytes) {
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
@@ -252,9 +252,9 @@ class PreparationFolder final {
 }  // namespace
 
 void prepare_study(const fs::path& study_file, const fs::path& folder, int participants) {
-  if (participants < 1 || participants > kMostParticipants) {
+  if (participants < 1 || participants > kMaxParticipants) {
     throw InputError(fmt::format("--participants {}: must be a whole number from 1 to {}", participants,
-                                 kMostParticipants));
+                                 kMaxParticipants));
   }
   if (!is_free_folder(folder)) {
     throw InputError(folder.string() + ": is in use, must be a new or an empty folder");

@@ -88,7 +88,7 @@ class RunningSession::Block final : public haptics::TickObserver {
         run_(run),
         task_(task),
         loop_(session.study_.study, std::move(scene), run.updates()),
-        rate_Hz_(run.setup().rate_Hz) {
+        rate_Hz_(run.scene().rate_Hz) {
     if (hand != nullptr) agent_.emplace(*hand, rate_Hz_);
   }
 
@@ -308,22 +308,22 @@ void RunningSession::run_block() {
   } while (file_exists(study_.recording_of(options_.participant, outcome_.session, block_)));
   const std::filesystem::path file = study_.recording_of(options_.participant, outcome_.session, block_);
   TrialScene trial_scene;
-  scene::Scene setup = block_scene(study_.study, task, {number_, outcome_.session, block_}, options_.device,
+  scene::Scene scene = block_scene(study_.study, task, {number_, outcome_.session, block_}, options_.device,
                                    trial_scene.lumps);
-  trial_scene.rate_Hz = setup.rate_Hz;
-  trial_scene.tissue = setup.tissue;
+  trial_scene.rate_Hz = scene.rate_Hz;
+  trial_scene.tissue = scene.tissue;
   session::SessionOptions session_options;
   session_options.preparation = options_.preparation;
   session_options.duration_s = 60.0 * (study_.study.break_minutes + 5.0);
   ObserverHand* hand = nullptr;
   if (person_) {
-    auto owned = std::make_unique<ObserverHand>(setup);
+    auto owned = std::make_unique<ObserverHand>(scene);
     hand = owned.get();
     session_options.devices.push_back(std::move(owned));
   } else {
-    trial_scene.lead = static_cast<std::uint64_t>(kLead * setup.rate_Hz);
+    trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   }
-  session::Session run(std::move(setup), std::move(session_options));
+  session::Session run(std::move(scene), std::move(session_options));
   Block block(*this, run, task, trial_scene, hand);
   session::RunOptions run_options;
   run_options.recording = file;

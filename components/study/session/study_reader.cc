@@ -17,7 +17,7 @@ namespace {
 using scene::Range;
 using scene::TomlTable;
 
-constexpr std::size_t kMostTables = 50;  // tasks or conditions
+constexpr std::size_t kMaxTables = 50;  // tasks or conditions
 constexpr std::size_t kLongestName = 40;
 
 /// The table of a key, after a check of its keys; an empty one when the file lacks it.
@@ -38,9 +38,9 @@ void read_study_table(const TomlTable& root, Study& study) {
   if (!scene) table->fail_missing("scene", "must be a scene file or a built-in organ");
   study.scene = *scene;
   study.seed = table->whole_number("seed").value_or(study.seed);
-  constexpr int kMostSessions = 50;
+  constexpr int kMaxSessions = 50;
   constexpr Range kMinutes{5.0, 480.0};
-  study.sessions = count(*table, "sessions", 1, kMostSessions, study.sessions);
+  study.sessions = count(*table, "sessions", 1, kMaxSessions, study.sessions);
   study.max_minutes = table->number("max_minutes", kMinutes).value_or(study.max_minutes);
 }
 
@@ -104,20 +104,20 @@ void read_pace(const TomlTable& root, Study& study) {
   constexpr Range kStillTimes{0.0, 10.0};    // s
   constexpr Range kMinutes{0.5, 120.0};      // min
   constexpr Range kBreakTimes{0.0, 1800.0};  // s
-  constexpr int kMostTrials = 1000;          // between breaks
+  constexpr int kMaxTrials = 1000;           // between breaks
   const TomlTable homing = table_or_empty(root, "homing", {"place", "radius_mm", "still_s"});
   static_cast<void>(choice(homing, "place", {"rest"}, "rest"));
   study.homing_radius = homing.number("radius_mm", kRadii).value_or(study.homing_radius / kMilli) * kMilli;
   study.homing_still = homing.number("still_s", kStillTimes).value_or(study.homing_still);
   const TomlTable breaks = table_or_empty(root, "breaks", {"every_trials", "every_minutes", "least_s"});
-  study.break_trials = count(breaks, "every_trials", 1, kMostTrials, study.break_trials);
+  study.break_trials = count(breaks, "every_trials", 1, kMaxTrials, study.break_trials);
   study.break_minutes = breaks.number("every_minutes", kMinutes).value_or(study.break_minutes);
   study.break_least = breaks.number("least_s", kBreakTimes).value_or(study.break_least);
 }
 
 std::vector<TomlTable> tables_of(const TomlTable& root, std::string_view key) {
   std::vector<TomlTable> tables = root.tables(key);
-  if (tables.size() > kMostTables) root.fail(key, fmt::format("must be at most {} tables", kMostTables));
+  if (tables.size() > kMaxTables) root.fail(key, fmt::format("must be at most {} tables", kMaxTables));
   return tables;
 }
 

@@ -19,8 +19,8 @@ using scene::Range;
 using scene::TomlTable;
 
 constexpr double kMilli = 1e-3;              // m/mm, N/mN
-constexpr int kMostTrials = 10'000;          // of an arm
-constexpr std::size_t kMostArms = 26;        // labels A to Z
+constexpr int kMaxTrials = 10'000;           // of an arm
+constexpr std::size_t kMaxArms = 26;         // labels A to Z
 constexpr Range kLengths{0.0, 200.0, true};  // mm
 constexpr double kRoundingMargin = 1e-9;     // of sums and products of numbers in the file
 
@@ -59,10 +59,10 @@ void read_amplitudes(const TomlTable& table, std::string_view key, StudyTask& ta
   if (!range) table.fail_missing(key, "must be { from = ..., to = ..., per_decade = ... }");
   range->allow_only({"from", "to", "per_decade"});
   constexpr Range kAmplitudes{0.01, 50e3};  // mN
-  constexpr int kMostPerDecade = 100;
+  constexpr int kMaxPerDecade = 100;
   task.least = range->required_number("from", kAmplitudes) * kMilli;
   task.largest = range->required_number("to", kAmplitudes) * kMilli;
-  task.steps = count(*range, "per_decade", 1, kMostPerDecade, 20);
+  task.steps = count(*range, "per_decade", 1, kMaxPerDecade, 20);
 }
 
 /// A table {least, largest, steps} of ratios of stiffness.
@@ -71,10 +71,10 @@ void read_ratios(const TomlTable& table, StudyTask& task) {
   if (!range) table.fail_missing("ratio", "must be { least = ..., largest = ..., steps = ... }");
   range->allow_only({"least", "largest", "steps"});
   constexpr Range kRatios{1.001, 100.0};
-  constexpr int kMostSteps = 100;
+  constexpr int kMaxSteps = 100;
   task.least = range->required_number("least", kRatios);
   task.largest = range->required_number("largest", kRatios);
-  task.steps = count(*range, "steps", 2, kMostSteps, 14);
+  task.steps = count(*range, "steps", 2, kMaxSteps, 14);
 }
 
 void read_signal(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
@@ -121,14 +121,14 @@ void read_inclusion(const TomlTable& table, const Study& /*study*/, StudyTask& t
 void read_targets(const TomlTable& table, const Study& study, StudyTask& task) {
   const auto targets = table.numbers("target_N", scene::kPositive);
   if (!targets) table.fail_missing("target_N", "must be a list of forces [a, b, ...]");
-  if (targets->size() > kMostArms) table.fail("target_N", fmt::format("must be at most {}", kMostArms));
+  if (targets->size() > kMaxArms) table.fail("target_N", fmt::format("must be at most {}", kMaxArms));
   if (*std::max_element(targets->begin(), targets->end()) >= study.max_force) {
     table.fail("target_N",
                fmt::format("each must be below safety.max_force_N, {} N", shortest(study.max_force)));
   }
-  constexpr int kMostRepeats = 100;
+  constexpr int kMaxRepeats = 100;
   task.targets = *targets;
-  task.repeats = count(table, "repeats", 1, kMostRepeats, 5);
+  task.repeats = count(table, "repeats", 1, kMaxRepeats, 5);
   task.trials = static_cast<int>(task.targets.size()) * task.repeats;
 }
 
@@ -170,13 +170,13 @@ void read_arms(const TomlTable& table, const Study& study, StudyTask& task) {
   } else {
     task.arms = {Arm{}};
   }
-  if (task.arms.size() > kMostArms) table.fail("shares", fmt::format("must be at most {}", kMostArms));
+  if (task.arms.size() > kMaxArms) table.fail("shares", fmt::format("must be at most {}", kMaxArms));
 }
 
 void read_trials(const TomlTable& table, StudyTask& task) {
-  constexpr int kMostPractice = 1000;
+  constexpr int kMaxPractice = 1000;
   constexpr Range kCatchShares{0.0, 0.5};
-  task.practice = count(table, "practice", 0, kMostPractice, 0);
+  task.practice = count(table, "practice", 0, kMaxPractice, 0);
   task.repeat_at_end = table.truth("repeat_at_end").value_or(false);
   if (!task.two_intervals()) {
     if (table.has("trials")) table.fail("trials", "must be left out, it is the number of targets x repeats");
@@ -186,7 +186,7 @@ void read_trials(const TomlTable& table, StudyTask& task) {
     table.fail("trials_per_level", "must be left out with `trials`, which means the same");
   }
   const char* key = table.has("trials_per_level") ? "trials_per_level" : "trials";
-  task.trials = count(table, key, 1, kMostTrials, task.trials);
+  task.trials = count(table, key, 1, kMaxTrials, task.trials);
   task.catch_share = table.number("catch_share", kCatchShares).value_or(0.0);
   if (task.signal) return;
   const std::string method = choice(table, "method", {"questplus", "staircase", "constant"}, "questplus");

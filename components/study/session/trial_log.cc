@@ -58,11 +58,11 @@ void visit_interval(auto& cues, auto&& field) {
 }
 
 void visit_trial(auto& trial, auto&& field) {
-  constexpr std::uint16_t kMostRuns = std::numeric_limits<std::uint16_t>::max();
-  constexpr std::uint8_t kMostAnswer = 2;
+  constexpr std::uint16_t kMaxRuns = std::numeric_limits<std::uint16_t>::max();
+  constexpr std::uint8_t kMaxAnswer = 2;
   field("time", trial.time);
-  field("session", trial.session, kMostRuns);
-  field("block", trial.block, kMostRuns);
+  field("session", trial.session, kMaxRuns);
+  field("block", trial.block, kMaxRuns);
   field("task", trial.task);
   field("repeat", trial.repeat);
   field("practice", trial.practice);
@@ -71,7 +71,7 @@ void visit_trial(auto& trial, auto&& field) {
   field("code", trial.code);
   field("level", trial.level);
   field("second", trial.second);
-  field("answer", trial.answer, kMostAnswer);
+  field("answer", trial.answer, kMaxAnswer);
   field("counted", trial.counted);
   field("response_time_s", trial.response_time);
   field("spoiled", trial.spoiled);

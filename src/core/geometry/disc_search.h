@@ -91,10 +91,10 @@ void DiscBvh::each_within(const Vec3& p, Visit visit, Reach reach) const noexcep
   const DiscQuery query(p - origin_, extent_);
   // Rounded up, so that rounding excludes nothing equally near; finite, so that empty lanes stay out of
   // reach.
-  constexpr double kMost = 0.25 * std::numeric_limits<float>::max();
+  constexpr double kMax = 0.25 * std::numeric_limits<float>::max();
   const auto limit = [&reach] {
     const double squared = reach();
-    return static_cast<float>(squared < kMost ? squared : kMost) * (1.0F + DiscQuery::kRounding);
+    return static_cast<float>(squared < kMax ? squared : kMax) * (1.0F + DiscQuery::kRounding);
   };
   std::array<Wait, kMaxVisits> waiting;
   std::size_t count = 0;

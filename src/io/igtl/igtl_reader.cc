@@ -93,7 +93,7 @@ void IgtlReader::read_head() {
   if (!wanted) {
     to_skip_ = size;
     const bool known = std::find(others_.begin(), others_.end(), *name) != others_.end();
-    if (*type == "TRANSFORM" && !known && others_.size() < kMostOthers) others_.push_back(*name);
+    if (*type == "TRANSFORM" && !known && others_.size() < kMaxOthers) others_.push_back(*name);
     return;
   }
   if (size < kTransformBytes) {

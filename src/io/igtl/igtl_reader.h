@@ -20,7 +20,7 @@ class IgtlReader final {
   /// Bytes of a TRANSFORM of that name; with protocol version 2 it may carry metadata.
   static constexpr std::uint64_t kLargestTransform = std::uint64_t{64} << 10;
   static constexpr std::uint64_t kLargestBody = std::uint64_t{1} << 30;  // bytes of any other message
-  static constexpr std::size_t kMostOthers = 8;
+  static constexpr std::size_t kMaxOthers = 8;
 
   /// @param name at most kLongestName characters
   explicit IgtlReader(std::string name) : name_(std::move(name)) {}
@@ -34,7 +34,7 @@ class IgtlReader final {
   /// following bytes then have no meaning.
   void read(std::span<const unsigned char> bytes, const Take& take);
 
-  /// Names of the other TRANSFORM messages, at most kMostOthers.
+  /// Names of the other TRANSFORM messages, at most kMaxOthers.
   [[nodiscard]] const std::vector<std::string>& others() const noexcept { return others_; }
   /// Whether the first message was a STATUS without a name, as 3D Slicer's connector sends it.
   [[nodiscard]] bool is_slicer() const noexcept { return is_slicer_; }

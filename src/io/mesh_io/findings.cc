@@ -14,7 +14,7 @@ namespace palpate::geometry {
 namespace {
 
 // Above this number of shells only their orientation is checked, not which lies inside which.
-constexpr std::size_t kMostShellsNested = 100;
+constexpr std::size_t kMaxShellsNested = 100;
 
 class MeshInspection final {
  public:
@@ -94,7 +94,7 @@ class MeshInspection final {
     std::size_t nested = 0;
     for (const std::size_t root : shell_roots_) {
       const bool is_inward = volume[root] < 0.0;
-      if (shell_roots_.size() == 1 || shell_roots_.size() > kMostShellsNested) {
+      if (shell_roots_.size() == 1 || shell_roots_.size() > kMaxShellsNested) {
         turned += is_inward ? 1 : 0;
         continue;
       }

@@ -18,22 +18,22 @@ namespace {
 
 constexpr std::size_t kCsvRowsWaiting = 256;  // rows that the ticking thread writes at a time
 constexpr double kCsvRingSeconds = 8.0;       // a stalled disk that the ring bridges
-constexpr double kMostCsvRing = 1 << 18;      // rows
-constexpr std::size_t kMostUpdates = 1024;
+constexpr double kMaxCsvRing = 1 << 18;       // rows
+constexpr std::size_t kMaxUpdates = 1024;
 constexpr std::chrono::milliseconds kCsvPoll{10};
 
-std::size_t csv_ring_rows(const scene::Scene& setup, bool waits) {
-  const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * kCsvRingSeconds;
-  return waits ? kCsvRowsWaiting : static_cast<std::size_t>(std::clamp(rows, 1024.0, kMostCsvRing));
+std::size_t csv_ring_rows(const scene::Scene& scene, bool waits) {
+  const double rows = scene.rate_Hz * static_cast<double>(scene.tools.size()) * kCsvRingSeconds;
+  return waits ? kCsvRowsWaiting : static_cast<std::size_t>(std::clamp(rows, 1024.0, kMaxCsvRing));
 }
 
 }  // namespace
 
-CsvRecorder::CsvRecorder(std::filesystem::path file, const scene::Scene& setup, bool waits)
+CsvRecorder::CsvRecorder(std::filesystem::path file, const scene::Scene& scene, bool waits)
     : file_(std::move(file)),
       waits_(waits),
-      ring_(csv_ring_rows(setup, waits)),
-      updates_(kMostUpdates),
+      ring_(csv_ring_rows(scene, waits)),
+      updates_(kMaxUpdates),
       text_(longest_csv_row()) {
   require_regular_output(file_);
   out_.open(file_, std::ios::binary);

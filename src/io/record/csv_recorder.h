@@ -21,7 +21,7 @@ class CsvRecorder final : public RunRecorder {
   /// [setup] Creates the file. @param waits the ticking thread writes the file; otherwise another thread
   /// does, fed by a ring @throws InputError naming the file when it cannot be created, or the system has no
   /// threads.
-  CsvRecorder(std::filesystem::path file, const scene::Scene& setup, bool waits);
+  CsvRecorder(std::filesystem::path file, const scene::Scene& scene, bool waits);
   ~CsvRecorder() override;
 
   void on_update(const haptics::ParameterUpdate& update) noexcept override;

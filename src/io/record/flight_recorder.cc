@@ -15,18 +15,18 @@
 namespace palpate::record {
 namespace {
 
-std::size_t rows_in(double seconds, const scene::Scene& setup) {
-  return static_cast<std::size_t>(std::ceil(seconds * setup.rate_Hz)) * setup.tools.size();
+std::size_t rows_in(double seconds, const scene::Scene& scene) {
+  return static_cast<std::size_t>(std::ceil(seconds * scene.rate_Hz)) * scene.tools.size();
 }
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const scene::Scene& setup, StudyMark study)
-    : setup_(setup),
+FlightRecorder::FlightRecorder(const scene::Scene& scene, StudyMark study)
+    : scene_(scene),
       study_(std::move(study)),
-      hands_(setup.tools.size()),
-      rows_after_fault_(rows_in(kAfter, setup)),
-      ring_(rows_in(kKept, setup) + rows_in(kAfter, setup)) {}
+      hands_(scene.tools.size()),
+      rows_after_fault_(rows_in(kAfter, scene)),
+      ring_(rows_in(kKept, scene) + rows_in(kAfter, scene)) {}
 
 void FlightRecorder::on_start(std::int64_t started_unix_ns) noexcept { started_unix_ns_ = started_unix_ns; }
 
@@ -67,7 +67,7 @@ std::vector<haptics::ParameterUpdate> FlightRecorder::changes() const {
 }
 
 void FlightRecorder::write(const std::filesystem::path& file, const haptics::LoopReport& report) const {
-  Recorder recorder(file, setup_, true, {}, study_);
+  Recorder recorder(file, scene_, true, {}, study_);
   recorder.on_start(started_unix_ns_);
   for (const haptics::ParameterUpdate& change : changes()) recorder.on_update(change);
   for (const haptics::TickRow& row : rows()) recorder.on_row(row);
@@ -76,14 +76,14 @@ void FlightRecorder::write(const std::filesystem::path& file, const haptics::Loo
 
 std::filesystem::path write_flight_recording(const FlightRecorder& flight,
                                              const haptics::LoopReport& report) {
-  constexpr std::uint64_t kMostBytes = 256UL << 20U;  // of all such files; the oldest are removed first
+  constexpr std::uint64_t kMaxBytes = 256UL << 20U;  // of all such files; the oldest are removed first
   const std::filesystem::path folder = user_state_folder() / "faults";
   if (!folder.is_absolute()) return {};
   const std::int64_t now_ms = unix_ns() / 1'000'000;
   std::filesystem::path file = folder / (std::to_string(now_ms) + "-" + std::to_string(getpid()) + ".h5");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  trim_cache(folder, ".h5", kMostBytes);
+  trim_cache(folder, ".h5", kMaxBytes);
   flight.write(file, report);
   return file;
 }

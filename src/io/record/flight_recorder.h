@@ -19,8 +19,8 @@ class FlightRecorder final : public haptics::TickObserver {
   static constexpr double kAfter = 0.25;  // s from the fault on
   static constexpr std::size_t kChangesKept = 64;
 
-  /// [setup] @param setup must outlive this @param study that the run belongs to
-  explicit FlightRecorder(const scene::Scene& setup, StudyMark study = {});
+  /// [setup] @param scene must outlive this @param study that the run belongs to
+  explicit FlightRecorder(const scene::Scene& scene, StudyMark study = {});
 
   void on_start(std::int64_t started_unix_ns) noexcept override;
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
@@ -37,7 +37,7 @@ class FlightRecorder final : public haptics::TickObserver {
   void write(const std::filesystem::path& file, const haptics::LoopReport& report) const;
 
  private:
-  const scene::Scene& setup_;
+  const scene::Scene& scene_;
   StudyMark study_;
   std::size_t hands_;
   std::size_t rows_after_fault_;

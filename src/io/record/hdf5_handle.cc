@@ -182,10 +182,10 @@ std::string read_text(hid_t parent, const std::string& name, std::size_t longest
 
 Handle create_growing_pairs(hid_t parent, const std::string& name) {
   constexpr hsize_t kNone[2] = {0, 2};
-  constexpr hsize_t kMost[2] = {H5S_UNLIMITED, 2};
+  constexpr hsize_t kMax[2] = {H5S_UNLIMITED, 2};
   constexpr hsize_t kChunk[2] = {512, 2};
   constexpr unsigned kLevel = 4;
-  const Handle space(H5Screate_simple(2, kNone, kMost), "space of " + name);
+  const Handle space(H5Screate_simple(2, kNone, kMax), "space of " + name);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), name);
   check(H5Pset_chunk(properties.id(), 2, kChunk), "chunks of " + name);
   check(H5Pset_deflate(properties.id(), kLevel), "compression of " + name);

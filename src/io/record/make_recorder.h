@@ -22,6 +22,6 @@ class RunRecorder : public haptics::TickObserver {
 /// @param waits a tick waits for the disk; false: rows are lost where the disk is too slow
 /// @throws InputError naming the file when it cannot be created, or when this build has no HDF5.
 [[nodiscard]] std::unique_ptr<RunRecorder> make_recorder(const std::filesystem::path& file,
-                                                         const scene::Scene& setup, bool waits);
+                                                         const scene::Scene& scene, bool waits);
 
 }  // namespace palpate::record

@@ -43,8 +43,8 @@ constexpr std::int64_t kFlushEvery = 200'000'000;   // ns
 constexpr std::int64_t kToDiskEvery = 400'000'000;  // ns; such a flush waits for the disk
 
 /// Rows of `seconds` of a simulation, within the bounds of the ring.
-std::size_t ring_rows_in(double seconds, const scene::Scene& setup) {
-  const double rows = setup.rate_Hz * static_cast<double>(setup.tools.size()) * seconds;
+std::size_t ring_rows_in(double seconds, const scene::Scene& scene) {
+  const double rows = scene.rate_Hz * static_cast<double>(scene.tools.size()) * seconds;
   if (!(rows < static_cast<double>(kRingMost))) return kRingMost;
   return std::max(kRingLeast, static_cast<std::size_t>(rows));
 }
@@ -138,15 +138,15 @@ struct Recorder::Impl {
   std::size_t unflushed = 0;  // rows
   std::thread thread;
 
-  Impl(std::filesystem::path target, const scene::Scene& setup, bool is_offline,
+  Impl(std::filesystem::path target, const scene::Scene& scene, bool is_offline,
        std::function<void(const std::string&)> when_it_fails)
       : file(std::move(target)),
         partial(make_partial(file)),
         offline(is_offline),
-        rows_per_second(setup.rate_Hz * static_cast<double>(setup.tools.size())),
+        rows_per_second(scene.rate_Hz * static_cast<double>(scene.tools.size())),
         on_failure(std::move(when_it_fails)),
-        ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, setup)),
-        flush_rows(ring_rows_in(kSimulatedFlush, setup)) {
+        ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, scene)),
+        flush_rows(ring_rows_in(kSimulatedFlush, scene)) {
     block.reserve(RecordingWriter::kChunkRows);
   }
 
@@ -291,12 +291,12 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
   writer.reset();
 }
 
-Recorder::Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
+Recorder::Recorder(std::filesystem::path file, const scene::Scene& scene, bool offline,
                    std::function<void(const std::string&)> on_failure, const StudyMark& study)
-    : impl_(std::make_unique<Impl>(checked_target(file), setup, offline, std::move(on_failure))) {
+    : impl_(std::make_unique<Impl>(checked_target(file), scene, offline, std::move(on_failure))) {
   const hdf5::SilenceErrors quiet;
   try {
-    impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, setup, facts_before(offline, study));
+    impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, scene, facts_before(offline, study));
     impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
   } catch (const std::exception& error) {
     impl_->writer.reset();

@@ -20,7 +20,7 @@ class Recorder final : public RunRecorder {
   /// the rows that are safe in it and the reason; the run can continue
   /// @param study that the recording belongs to
   /// @throws InputError naming the file when it cannot be created.
-  Recorder(std::filesystem::path file, const scene::Scene& setup, bool offline,
+  Recorder(std::filesystem::path file, const scene::Scene& scene, bool offline,
            std::function<void(const std::string&)> on_failure = {}, const StudyMark& study = {});
   ~Recorder() override;
 

@@ -25,7 +25,7 @@ Recording read_recording(const std::filesystem::path& file, const Progress& prog
   }
   recording.facts = reader.facts();
   recording.changes = reader.changes();
-  recording.setup = reader.take_setup();
+  recording.scene = reader.take_setup();
   return recording;
 }
 

@@ -34,8 +34,8 @@ using hdf5::Handle;
 
 constexpr std::size_t kLongestScene = std::size_t{64} << 20;   // bytes
 constexpr std::size_t kLongestRemarks = std::size_t{1} << 20;  // bytes
-constexpr hsize_t kMostChanges = hsize_t{1} << 20;
-constexpr std::size_t kMostBuckets = std::size_t{1} << 17;  // per histogram
+constexpr hsize_t kMaxChanges = hsize_t{1} << 20;
+constexpr std::size_t kMaxBuckets = std::size_t{1} << 17;  // per histogram
 constexpr std::array<unsigned char, 8> kHdf5Signature = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 // Superblock of versions 2 and 3: signature, version, two sizes, flags, base, extension, end of file.
 constexpr std::size_t kEndOfFileOffset = 28;
@@ -134,7 +134,7 @@ TimeStatistics run_figures(hid_t file, const char* name) {
 TimeHistogram run_histogram(hid_t file, const char* name) {
   TimeHistogram histogram;
   try {
-    const std::vector<std::int64_t> pairs = hdf5::read_pairs(file, std::string("run/") + name, kMostBuckets);
+    const std::vector<std::int64_t> pairs = hdf5::read_pairs(file, std::string("run/") + name, kMaxBuckets);
     for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) {
       const std::int64_t before = histogram.empty() ? -1 : histogram.back().upper;
       if (pairs[i] <= before || pairs[i + 1] <= 0) return {};
@@ -192,19 +192,19 @@ RunFacts read_facts(hid_t file) {
 }
 
 scene::Scene read_setup(hid_t file, std::uint64_t file_bytes) {
-  scene::Scene setup = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
-  if (setup.tools.empty() || setup.devices.size() != setup.tools.size()) {
+  scene::Scene scene = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
+  if (scene.tools.empty() || scene.devices.size() != scene.tools.size()) {
     throw InputError(fmt::format("scene: {} tools and {} devices, must be one of each per hand",
-                                 setup.tools.size(), setup.devices.size()));
+                                 scene.tools.size(), scene.devices.size()));
   }
-  setup.organ = read_mesh(file, "/organ", file_bytes);
-  for (std::size_t t = 0; t < setup.tools.size(); ++t) {
-    for (std::size_t p = 0; p < setup.tools[t].parts.size(); ++p) {
+  scene.organ = read_mesh(file, "/organ", file_bytes);
+  for (std::size_t t = 0; t < scene.tools.size(); ++t) {
+    for (std::size_t p = 0; p < scene.tools[t].parts.size(); ++p) {
       const std::string path = fmt::format("/tools/{}/parts/{}", t, p);
-      setup.tools[t].parts[p].mesh = read_mesh(file, path, file_bytes);
+      scene.tools[t].parts[p].mesh = read_mesh(file, path, file_bytes);
     }
   }
-  return setup;
+  return scene;
 }
 
 /// Checks that a list of rows has these columns; others may follow. @throws hdf5::Error naming a missing one.
@@ -347,7 +347,7 @@ void RecordingReader::read_all_but_ticks() {
   row_type_ = tick_row_type();
   check_columns(ticks_.id(), "/ticks", tick_columns());
   row_bytes_ = H5Tget_size(Handle(H5Dget_type(ticks_.id()), "/ticks").id());
-  setup_ = read_setup(file_.id(), file_bytes_);
+  scene_ = read_setup(file_.id(), file_bytes_);
   facts_ = read_facts(file_.id());
   rows_lost_ = run_count(file_.id(), run_names::kRowsLost);
   if (facts_.complete && hdf5::has_link(file_.id(), "/run", run_names::kRows)) {
@@ -369,7 +369,7 @@ void RecordingReader::read_changes() {
         H5Sget_simple_extent_dims(space.id(), &count, nullptr) < 0) {
       throw hdf5::Error("/changes is not a list of rows");
     }
-    if (count > kMostChanges) throw hdf5::Error("/changes is too long");
+    if (count > kMaxChanges) throw hdf5::Error("/changes is too long");
     if (count == 0) return;
     std::vector<UpdateRow> rows(count, row_of({}));  // a missing column keeps its default
     const Handle type = update_row_type();
@@ -424,7 +424,7 @@ std::uint64_t RecordingReader::for_each_block(
     refuse(fmt::format("/ticks has {}, /run says {}: palpate repair keeps those that are there",
                        counted(rows_claimed_, "row", "rows"), *rows_written_));
   }
-  const std::size_t hands = setup_.tools.size();
+  const std::size_t hands = scene_.tools.size();
   std::vector<haptics::TickRow> rows;  // rows of an incomplete tick, then the block
   haptics::TickRow last;
   std::uint64_t given = 0;

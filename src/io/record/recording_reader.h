@@ -22,9 +22,9 @@ class RecordingReader final {
   RecordingReader(const RecordingReader&) = delete;
   RecordingReader& operator=(const RecordingReader&) = delete;
 
-  [[nodiscard]] const scene::Scene& setup() const noexcept { return setup_; }
+  [[nodiscard]] const scene::Scene& scene() const noexcept { return scene_; }
   /// Moves the scene out; the last call on a reader.
-  [[nodiscard]] scene::Scene&& take_setup() noexcept { return std::move(setup_); }
+  [[nodiscard]] scene::Scene&& take_setup() noexcept { return std::move(scene_); }
   [[nodiscard]] const RunFacts& facts() const noexcept { return facts_; }
   /// Updates of tissue and noise, in order; of a damaged file those before the damage.
   [[nodiscard]] const std::vector<haptics::ParameterUpdate>& changes() const noexcept { return changes_; }
@@ -61,7 +61,7 @@ class RecordingReader final {
   hdf5::Handle file_;
   hdf5::Handle row_type_;
   hdf5::Handle ticks_;
-  scene::Scene setup_;
+  scene::Scene scene_;
   RunFacts facts_;
   std::vector<haptics::ParameterUpdate> changes_;
   std::uint64_t rows_lost_ = 0;

@@ -97,9 +97,9 @@ std::int64_t mesh_bytes(const geometry::TriangleMesh& mesh) {
                                    mesh.triangles.size() * sizeof(geometry::Triangle));
 }
 
-std::int64_t mesh_bytes(const scene::Scene& setup) {
-  std::int64_t bytes = mesh_bytes(setup.organ);
-  for (const geometry::Tool& tool : setup.tools) {
+std::int64_t mesh_bytes(const scene::Scene& scene) {
+  std::int64_t bytes = mesh_bytes(scene.organ);
+  for (const geometry::Tool& tool : scene.tools) {
     for (const geometry::ToolPart& part : tool.parts) bytes += mesh_bytes(part.mesh);
   }
   return bytes;
@@ -134,7 +134,7 @@ void write_tissue(hid_t file, const model::TissueParameters& tissue) {
   }
 }
 
-void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
+void write_facts(hid_t file, const scene::Scene& scene, const RunFacts& facts) {
   hdf5::write_attribute(file, "format", std::string(kFormatName));
   hdf5::write_attribute(file, "format_version", kFormatVersion);
   hdf5::write_attribute(file, "version", facts.version);
@@ -142,8 +142,8 @@ void write_facts(hid_t file, const scene::Scene& setup, const RunFacts& facts) {
   hdf5::write_attribute(file, "machine", facts.machine);
   hdf5::write_attribute(file, "started_unix_ns", facts.started_unix_ns);
   hdf5::write_attribute(file, "offline", std::int64_t{facts.offline ? 1 : 0});
-  hdf5::write_attribute(file, "seed", setup.seed);
-  hdf5::write_attribute(file, "rate_Hz", setup.rate_Hz);
+  hdf5::write_attribute(file, "seed", scene.seed);
+  hdf5::write_attribute(file, "rate_Hz", scene.rate_Hz);
   if (facts.study.name.empty()) return;
   hdf5::write_attribute(file, kStudyAttribute, facts.study.name);
   hdf5::write_attribute(file, kCommitmentAttribute, facts.study.commitment);
@@ -254,20 +254,20 @@ Handle update_row_type() {
   return type;
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& setup,
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& scene,
                                  const RunFacts& facts)
     : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(update_row_type()) {
-  const std::string scene = setup_to_json(setup);
-  reserve_space(static_cast<std::int64_t>(scene.size()) + mesh_bytes(setup));
-  write_facts(file_.id(), setup, facts);
-  const Handle text = hdf5::create_text(file_.id(), "scene", scene.size());
-  hdf5::write_text(text.id(), scene);
-  hdf5::write_content_hash(text.id(), std::as_bytes(std::span(scene)));
+  const std::string scene_text = setup_to_json(scene);
+  reserve_space(static_cast<std::int64_t>(scene_text.size()) + mesh_bytes(scene));
+  write_facts(file_.id(), scene, facts);
+  const Handle text = hdf5::create_text(file_.id(), "scene", scene_text.size());
+  hdf5::write_text(text.id(), scene_text);
+  hdf5::write_content_hash(text.id(), std::as_bytes(std::span(scene_text)));
   const Handle organ = hdf5::create_group(file_.id(), "organ");
-  hdf5::write_attribute(organ.id(), "name", setup.organ_name);
-  write_mesh(organ.id(), setup.organ);
-  write_tools(file_.id(), setup.tools);
-  write_tissue(file_.id(), setup.tissue);
+  hdf5::write_attribute(organ.id(), "name", scene.organ_name);
+  write_mesh(organ.id(), scene.organ);
+  write_tools(file_.id(), scene.tools);
+  write_tissue(file_.id(), scene.tissue);
   create_summary(file_.id());
   ticks_ = create_ticks(file_.id(), row_type_.id());
   changes_ = create_changes(file_.id(), change_type_.id());

@@ -20,7 +20,7 @@ class RecordingWriter final {
   static constexpr std::size_t kChunkRows = 1024;
 
   /// [setup] Creates the file with all that is known before the first tick.
-  RecordingWriter(const std::filesystem::path& file, const scene::Scene& setup, const RunFacts& facts);
+  RecordingWriter(const std::filesystem::path& file, const scene::Scene& scene, const RunFacts& facts);
   /// Closes without reporting errors; call close() to get them.
   ~RecordingWriter() = default;
   RecordingWriter(const RecordingWriter&) = delete;

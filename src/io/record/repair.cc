@@ -46,7 +46,7 @@ std::uint64_t copy_recording(RecordingReader& reader, const std::filesystem::pat
                              const Progress& progress) {
   RunFacts facts = reader.facts();
   facts.complete = false;  // rows are missing
-  RecordingWriter writer(copy, reader.setup(), facts);
+  RecordingWriter writer(copy, reader.scene(), facts);
   std::uint64_t rows = 0;
   try {
     writer.append(reader.changes());

@@ -47,7 +47,7 @@ class Replay final {
   /// [setup] @throws InputError when ticks or hands are missing, or the scene is invalid.
   explicit Replay(const Recording& recording, const contact::Preparation& how)
       : recording_(recording),
-        world_(scene::make_world(recording.setup, how)),
+        world_(scene::make_world(recording.scene, how)),
         state_(world_),
         samples_(world_.hands()),
         commands_(world_.hands()),

@@ -332,37 +332,37 @@ void fields(auto& io, Is<scene::SearchSetup> auto& search) {
 }
 
 /// Older recordings have uniform tissue and no organ motion.
-void fields(auto& io, Is<scene::Scene> auto& setup) {
-  io("name", setup.name);
-  io("task", setup.task);
-  io("rate_Hz", setup.rate_Hz, scene::kSlowestRate, scene::kFastestRate);
-  io("seed", setup.seed);
-  io.nested("organ", [&setup](auto& organ) {
-    organ("name", setup.organ_name);
-    organ("pose", setup.organ_pose);
-    organ.list("motion", setup.organ_motion, model::kMaxOrganMotions);
-    if (organ.there("inclusions", !setup.inclusions.empty())) {
-      organ.list("inclusions", setup.inclusions, model::kMaxInclusions);
+void fields(auto& io, Is<scene::Scene> auto& scene) {
+  io("name", scene.name);
+  io("task", scene.task);
+  io("rate_Hz", scene.rate_Hz, scene::kSlowestRate, scene::kFastestRate);
+  io("seed", scene.seed);
+  io.nested("organ", [&scene](auto& organ) {
+    organ("name", scene.organ_name);
+    organ("pose", scene.organ_pose);
+    organ.list("motion", scene.organ_motion, model::kMaxOrganMotions);
+    if (organ.there("inclusions", !scene.inclusions.empty())) {
+      organ.list("inclusions", scene.inclusions, model::kMaxInclusions);
     }
-    if (organ.there("stiffness", !setup.stiffness.empty())) {
-      organ.list("stiffness", setup.stiffness, model::kMaxStiffnessPoints);
+    if (organ.there("stiffness", !scene.stiffness.empty())) {
+      organ.list("stiffness", scene.stiffness, model::kMaxStiffnessPoints);
     }
   });
-  io("tissue", setup.tissue);
-  if (setup.task == scene::Task::kPalpate) io("search", setup.search);
-  io.list("tools", setup.tools, kMaxHands);
-  io.list("devices", setup.devices, kMaxHands);
-  io("noise", setup.noise);
-  io("safety", setup.safety);
-  io.list("repairs", setup.repairs);
-  io.list("remarks", setup.remarks);
+  io("tissue", scene.tissue);
+  if (scene.task == scene::Task::kPalpate) io("search", scene.search);
+  io.list("tools", scene.tools, kMaxHands);
+  io.list("devices", scene.devices, kMaxHands);
+  io("noise", scene.noise);
+  io("safety", scene.safety);
+  io.list("repairs", scene.repairs);
+  io.list("remarks", scene.remarks);
 }
 
 }  // namespace
 
-std::string setup_to_json(const scene::Scene& setup) {
+std::string setup_to_json(const scene::Scene& scene) {
   SceneWriter io;
-  fields(io, setup);
+  fields(io, scene);
   // File names need not be UTF-8; invalid bytes become the replacement character.
   return io.json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
@@ -371,14 +371,14 @@ scene::Scene setup_from_json(const std::string& text) {
   try {
     const nlohmann::json json = parse_json(text);
     SceneReader io{JsonField(json)};
-    scene::Scene setup;
-    fields(io, setup);
-    for (scene::DeviceSetup& device : setup.devices) {
+    scene::Scene scene;
+    fields(io, scene);
+    for (scene::DeviceSetup& device : scene.devices) {
       const scene::DeviceKind* kind = scene::find_device_kind(device.kind);
       if (kind != nullptr && kind->path == scene::DevicePath::kLibrary)
         device.path.clear();  // see scene_json.h
     }
-    return setup;
+    return scene;
   } catch (const InputError& error) {
     throw InputError("scene: " + one_line(error.what()));
   }

@@ -7,7 +7,7 @@ namespace palpate::record {
 
 /// [setup] A scene as JSON in SI units, without vertices and triangles. Its numbers read back to the same
 /// bits.
-[[nodiscard]] std::string setup_to_json(const scene::Scene& setup);
+[[nodiscard]] std::string setup_to_json(const scene::Scene& scene);
 
 /// [setup] The inverse of setup_to_json(). Meshes stay empty. The path of a vendor's library stays empty too:
 /// a recording may come from anybody, and must load no code. @throws InputError naming the key that is

@@ -68,9 +68,9 @@ Vec3 lowest_point(const geometry::Tool& tool) {
   return {sum.x() / count, sum.y() / count, lowest};
 }
 
-geometry::Bounds world_bounds(const Scene& setup) {
-  geometry::TriangleMesh placed = setup.organ;
-  geometry::transform(placed, setup.organ_pose);
+geometry::Bounds world_bounds(const Scene& scene) {
+  geometry::TriangleMesh placed = scene.organ;
+  geometry::transform(placed, scene.organ_pose);
   return geometry::bounds(placed);
 }
 
@@ -86,18 +86,18 @@ Vec3 column_of(const geometry::Bounds& box, std::size_t hand, std::size_t hands)
 
 /// The highest point of the organ on the vertical line; its highest vertex if the line misses the organ (a
 /// ring's centre).
-Vec3 surface_below(const Scene& setup, const geometry::SignedDistance& surface, const geometry::Bounds& box,
+Vec3 surface_below(const Scene& scene, const geometry::SignedDistance& surface, const geometry::Bounds& box,
                    const Vec3& column) {
   constexpr double kMargin = 10e-3;  // m, beyond the bounding box at both ends
-  const Pose to_organ = setup.organ_pose.inverse();
+  const Pose to_organ = scene.organ_pose.inverse();
   const Vec3 top(column.x(), column.y(), box.high.z() + kMargin);
   const Vec3 bottom(column.x(), column.y(), box.low.z() - kMargin);
   if (const auto entry = surface.first_entry(to_organ * top, to_organ * bottom)) {
     return {column.x(), column.y(), top.z() + entry->fraction * (bottom.z() - top.z())};
   }
   Vec3 highest(0.0, 0.0, -std::numeric_limits<double>::infinity());
-  for (const Vec3& vertex : setup.organ.vertices) {
-    const Vec3 placed = setup.organ_pose * vertex;
+  for (const Vec3& vertex : scene.organ.vertices) {
+    const Vec3 placed = scene.organ_pose * vertex;
     if (placed.z() > highest.z()) highest = placed;
   }
   return highest;
@@ -142,17 +142,17 @@ std::string depth_warning(double depth) {
 
 /// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
-PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip) {
+PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
   constexpr int kDepths = 12;  // trial depths, 1 mm apart
-  const geometry::SignedDistance surface = organ_distance_of(setup);
-  const geometry::Bounds box = world_bounds(setup);
-  const Vec3 touch = surface_below(setup, surface, box, column_of(box, hand, setup.tools.size()));
+  const geometry::SignedDistance surface = organ_distance_of(scene);
+  const geometry::Bounds box = world_bounds(scene);
+  const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};
-  if (setup.task == Task::kPull || setup.tools.size() > 1) return place;
+  if (scene.task == Task::kPull || scene.tools.size() > 1) return place;
 
-  const HangingTool tool{hanging_points(setup.tools[hand], tip), kClearance};
-  const ApproachFinder finder(setup.organ, surface, tool);
-  const Pose to_organ = setup.organ_pose.inverse();
+  const HangingTool tool{hanging_points(scene.tools[hand], tip), kClearance};
+  const ApproachFinder finder(scene.organ, surface, tool);
+  const Pose to_organ = scene.organ_pose.inverse();
   const Approach above{to_organ * touch, to_organ.rotation * place.approach.direction};
   for (int k = kDepths; k > 0; --k) {
     const double depth = kTravel * k / kDepths;
@@ -164,7 +164,7 @@ PressPoint press_point_of(const Scene& setup, std::size_t hand, const Vec3& tip)
       if (result.thick || !from_above.square) {
         if (!result.square) continue;
         taken = result;
-        place.approach = {setup.organ_pose * approach.touch, setup.organ_pose.rotation * approach.direction};
+        place.approach = {scene.organ_pose * approach.touch, scene.organ_pose.rotation * approach.direction};
       }
     }
     place.depth = depth;
@@ -195,35 +195,35 @@ std::vector<Leg> legs_of(Task task, double depth) {
 
 }  // namespace
 
-std::vector<std::string> default_path_remarks(const Scene& setup) {
+std::vector<std::string> default_path_remarks(const Scene& scene) {
   std::vector<std::string> remarks;
-  if (setup.task == Task::kPalpate) return remarks;
-  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
-    const DeviceKind* kind = find_device_kind(setup.devices[hand].kind);
-    if (kind == nullptr || kind->path != DevicePath::kToolPath || !setup.devices[hand].path.empty()) continue;
-    const std::string remark = press_point_of(setup, hand, lowest_point(setup.tools[hand])).remark;
-    if (!remark.empty()) remarks.push_back("device " + setup.devices[hand].kind + ": " + remark);
+  if (scene.task == Task::kPalpate) return remarks;
+  for (std::size_t hand = 0; hand < scene.tools.size(); ++hand) {
+    const DeviceKind* kind = find_device_kind(scene.devices[hand].kind);
+    if (kind == nullptr || kind->path != DevicePath::kToolPath || !scene.devices[hand].path.empty()) continue;
+    const std::string remark = press_point_of(scene, hand, lowest_point(scene.tools[hand])).remark;
+    if (!remark.empty()) remarks.push_back("device " + scene.devices[hand].kind + ": " + remark);
   }
   return remarks;
 }
 
-Vec3 default_touch(const Scene& setup, std::size_t hand) {
-  return press_point_of(setup, hand, lowest_point(setup.tools[hand])).approach.touch;
+Vec3 default_touch(const Scene& scene, std::size_t hand) {
+  return press_point_of(scene, hand, lowest_point(scene.tools[hand])).approach.touch;
 }
 
-ToolPath default_path(const Scene& setup, std::size_t hand) {
-  const Vec3 tip = lowest_point(setup.tools[hand]);
-  const DeviceSetup& device = setup.devices[hand];
+ToolPath default_path(const Scene& scene, std::size_t hand) {
+  const Vec3 tip = lowest_point(scene.tools[hand]);
+  const DeviceSetup& device = scene.devices[hand];
   const Pose to_device = device.base.inverse();
-  if (setup.task == Task::kPalpate) {
-    std::vector<PathRow> rows = search_path(setup, hand, tip);
+  if (scene.task == Task::kPalpate) {
+    std::vector<PathRow> rows = search_path(scene, hand, tip);
     for (PathRow& row : rows) {
       row.position = (to_device * row.position) / device.workspace_scale;
       row.orientation = to_device.rotation * row.orientation;
     }
     return ToolPath(std::move(rows));
   }
-  const PressPoint place = press_point_of(setup, hand, tip);
+  const PressPoint place = press_point_of(scene, hand, tip);
   const Vec3& direction = place.approach.direction;
   const Quat turn = turn_from_down(direction);
   const Vec3 handle_at_touch = place.approach.touch - turn * tip;
@@ -235,10 +235,10 @@ ToolPath default_path(const Scene& setup, std::size_t hand) {
     rows.push_back(
         {time, (to_device * handle_W) / device.workspace_scale, to_device.rotation * orientation, gripper});
   };
-  Leg from{kClearance, setup.task == Task::kPull ? 1.0 : 0.0, 0.0};
+  Leg from{kClearance, scene.task == Task::kPull ? 1.0 : 0.0, 0.0};
   double start = 0.0;
   add(start, from.height, from.gripper);
-  for (const Leg& leg : legs_of(setup.task, place.depth)) {
+  for (const Leg& leg : legs_of(scene.task, place.depth)) {
     const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
     for (int i = 1; i <= steps; ++i) {
       const double u = static_cast<double>(i) / steps;

@@ -39,7 +39,7 @@ Task task_of(const Overrides& request, Task otherwise) {
 
 /// The scene of a run without a scene file.
 SceneFile default_scene(Task task) {
-  SceneFile scene;
+  SceneFile scene_file;
   struct Default {
     const char* organ;
     const char* tool;
@@ -47,13 +47,13 @@ SceneFile default_scene(Task task) {
   const Default made = task == Task::kPress  ? Default{"gallbladder", "curved-forceps"}
                        : task == Task::kPull ? Default{"heart", "straight-forceps"}
                                              : Default{"liver", "sphere:5"};
-  scene.task = task;
-  scene.search = read_search({});
-  scene.organ = LocatedString{made.organ, "organ", {}};
+  scene_file.task = task;
+  scene_file.search = read_search({});
+  scene_file.organ = LocatedString{made.organ, "organ", {}};
   ToolTable tool;
   tool.mesh = LocatedString{made.tool, "tool", {}};
-  scene.tools.push_back(std::move(tool));
-  return scene;
+  scene_file.tools.push_back(std::move(tool));
+  return scene_file;
 }
 
 ToolTable tool_from_flags(const std::vector<std::string>& files) {
@@ -72,34 +72,34 @@ ToolTable tool_from_flags(const std::vector<std::string>& files) {
   return tool;
 }
 
-void override_meshes(const Overrides& request, SceneFile& scene) {
+void override_meshes(const Overrides& request, SceneFile& scene_file) {
   if (request.organ) {
-    scene.organ = flag("--organ", *request.organ);
-    scene.organ_unit.reset();
+    scene_file.organ = flag("--organ", *request.organ);
+    scene_file.organ_unit.reset();
   }
-  if (request.organ_unit) scene.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
-  if (!request.organ_motion.empty()) scene.organ_motion = organ_motions_by_flags(request.organ_motion);
-  if (!request.inclusions.empty()) scene.inclusions = inclusions_by_flags(request.inclusions);
-  if (request.tissue) scene.tissue = flag("--tissue", *request.tissue);
+  if (request.organ_unit) scene_file.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (!request.organ_motion.empty()) scene_file.organ_motion = organ_motions_by_flags(request.organ_motion);
+  if (!request.inclusions.empty()) scene_file.inclusions = inclusions_by_flags(request.inclusions);
+  if (request.tissue) scene_file.tissue = flag("--tissue", *request.tissue);
   if (!request.tools.empty()) {
-    if (scene.tools.size() > 1) {
+    if (scene_file.tools.size() > 1) {
       flag("--tool", request.tools.front())
           .fail("the scene has several tools, change them in the scene file");
     }
-    scene.tools = {tool_from_flags(request.tools)};
+    scene_file.tools = {tool_from_flags(request.tools)};
   }
   if (request.tool_unit) {
     const LengthUnit unit = parse_unit(flag("--tool-unit", *request.tool_unit));
-    for (ToolTable& tool : scene.tools) tool.unit = unit;
+    for (ToolTable& tool : scene_file.tools) tool.unit = unit;
   }
 }
 
-void override_device(const std::string& text, SceneFile& scene) {
-  if (scene.tools.size() > 1 || scene.devices.size() > 1) {
+void override_device(const std::string& text, SceneFile& scene_file) {
+  if (scene_file.tools.size() > 1 || scene_file.devices.size() > 1) {
     flag("--device", text).fail("the scene has several hands, change their devices in the scene file");
   }
-  if (scene.devices.empty()) scene.devices.emplace_back();
-  DeviceTable& device = scene.devices.front();
+  if (scene_file.devices.empty()) scene_file.devices.emplace_back();
+  DeviceTable& device = scene_file.devices.front();
   const std::size_t colon = text.find(':');
   device.kind = flag("--device", text.substr(0, colon));
   device.path.reset();
@@ -108,19 +108,19 @@ void override_device(const std::string& text, SceneFile& scene) {
   if (device.path->value.empty()) flag("--device", text).fail("must be KIND or KIND:PATH");
 }
 
-void override_numbers(const Overrides& request, SceneFile& scene) {
+void override_numbers(const Overrides& request, SceneFile& scene_file) {
   if (request.rate_Hz) {
     const double rate = *request.rate_Hz;
     if (!(rate >= kSlowestRate && rate <= kFastestRate)) {
       throw ParameterError("--rate-Hz", rate,
                            "a number >= " + shortest(kSlowestRate) + " and <= " + shortest(kFastestRate));
     }
-    scene.rate_Hz = rate;
+    scene_file.rate_Hz = rate;
   }
-  if (request.seed) scene.seed = *request.seed;
-  if (request.no_noise) scene.noise.enabled = false;
+  if (request.seed) scene_file.seed = *request.seed;
+  if (request.no_noise) scene_file.noise.enabled = false;
   if (request.fit_device) {
-    for (DeviceTable& device : scene.devices) device.setup.fit = true;
+    for (DeviceTable& device : scene_file.devices) device.setup.fit = true;
   }
 }
 
@@ -139,19 +139,19 @@ void require_below(const std::filesystem::path& folder, const LocatedString& fil
 bool names_file(DevicePath path) { return path != DevicePath::kAddress && path != DevicePath::kClient; }
 
 /// Requires all files that the scene names to be inside the folder of the request.
-void require_files_below(const std::filesystem::path& folder, const SceneFile& scene) {
+void require_files_below(const std::filesystem::path& folder, const SceneFile& scene_file) {
   std::vector<const LocatedString*> named;
   const auto add = [&named](const std::optional<LocatedString>& name) {
     if (name && is_path(name->value)) named.push_back(&*name);
   };
-  add(scene.organ);
-  add(scene.tissue);
-  if (scene.stiffness_map) named.push_back(&*scene.stiffness_map);
-  for (const ToolTable& tool : scene.tools) {
+  add(scene_file.organ);
+  add(scene_file.tissue);
+  if (scene_file.stiffness_map) named.push_back(&*scene_file.stiffness_map);
+  for (const ToolTable& tool : scene_file.tools) {
     add(tool.mesh);
     for (const JawTable& jaw : tool.jaws) named.push_back(&jaw.mesh);
   }
-  for (const DeviceTable& device : scene.devices) {
+  for (const DeviceTable& device : scene_file.devices) {
     const DeviceKind* kind = find_device_kind(device.kind.value);
     const bool is_file = kind == nullptr || names_file(kind->path);
     if (device.path && is_file) named.push_back(&*device.path);
@@ -161,42 +161,42 @@ void require_files_below(const std::filesystem::path& folder, const SceneFile& s
 
 /// The scene file, or the default scene, with the flags applied.
 SceneFile describe(const Overrides& request) {
-  SceneFile scene;
+  SceneFile scene_file;
   if (request.scene || request.scene_text) {
     if (request.scene && !request.files_below.empty()) {
       require_below(request.files_below, LocatedString{to_text(*request.scene), "scene", {}});
     }
-    scene = request.scene
-                ? read_scene_file(*request.scene, request.settings)
-                : read_scene_text(request.scene_text->toml, request.scene_text->folder, request.settings);
-    scene.task = task_of(request, scene.task);
+    scene_file = request.scene ? read_scene_file(*request.scene, request.settings)
+                               : read_scene_text(request.scene_text->toml, request.scene_text->folder,
+                                                 request.settings);
+    scene_file.task = task_of(request, scene_file.task);
   } else {
     if (!request.settings.empty())
       throw InputError("--set " + request.settings.front().key + ": needs a scene file");
-    scene = default_scene(task_of(request, Task::kPress));
+    scene_file = default_scene(task_of(request, Task::kPress));
   }
-  override_meshes(request, scene);
-  if (request.device) override_device(*request.device, scene);
-  override_numbers(request, scene);
-  if (!scene.organ) {
-    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file", scene.organ_location,
-                                 alternatives(geometry::builtin_organ_names())));
+  override_meshes(request, scene_file);
+  if (request.device) override_device(*request.device, scene_file);
+  override_numbers(request, scene_file);
+  if (!scene_file.organ) {
+    throw InputError(fmt::format("{}: missing, must be a built-in organ ({}) or a file",
+                                 scene_file.organ_location, alternatives(geometry::builtin_organ_names())));
   }
-  if (scene.tools.empty()) {
-    throw InputError(scene.tool_location + ": missing, must be a built-in tool (" +
+  if (scene_file.tools.empty()) {
+    throw InputError(scene_file.tool_location + ": missing, must be a built-in tool (" +
                      alternatives(geometry::builtin_tool_names()) + "), sphere:R or a file; or [[tool.jaw]]");
   }
   if (!request.scene && !request.scene_text) {
-    scene.name = to_text(to_path(scene.organ->value).stem()) + " " + to_string(scene.task);
+    scene_file.name = to_text(to_path(scene_file.organ->value).stem()) + " " + to_string(scene_file.task);
   }
-  return scene;
+  return scene_file;
 }
 
-void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
-  const LocatedString& organ = *scene.organ;
-  setup.organ_name = organ.value;
+void load_organ(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+  const LocatedString& organ = *scene_file.organ;
+  scene.organ_name = organ.value;
   if (is_path(organ.value)) {
-    setup.organ = read_organ_source(organ, scene.organ_unit, notes);
+    scene.organ = read_organ_source(organ, scene_file.organ_unit, notes);
     return;
   }
   const std::vector<std::string>& known = geometry::builtin_organ_names();
@@ -205,58 +205,60 @@ void load_organ(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
     organ.fail(fmt::format("must be {}, or a file (with a / or an extension such as .stl){}",
                            alternatives(known), near.empty() ? "" : "; did you mean " + near + "?"));
   }
-  setup.organ = geometry::make_organ(organ.value);
+  scene.organ = geometry::make_organ(organ.value);
 }
 
-void load_stiffness_map(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
-  if (!scene.stiffness_map) return;
-  StiffnessMapOptions options = scene.stiffness_map_options;
-  options.unit = scene.organ_unit.value_or(LengthUnit::kMillimetre);
+void load_stiffness_map(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+  if (!scene_file.stiffness_map) return;
+  StiffnessMapOptions options = scene_file.stiffness_map_options;
+  options.unit = scene_file.organ_unit.value_or(LengthUnit::kMillimetre);
   try {
-    StiffnessMapFile map = read_stiffness_map(scene.stiffness_map->file(), options);
-    const geometry::SignedDistance surface = organ_distance_of(setup);
+    StiffnessMapFile map = read_stiffness_map(scene_file.stiffness_map->file(), options);
+    const geometry::SignedDistance surface = organ_distance_of(scene);
     for (std::size_t i = 0; i < map.points.size(); ++i) {
       const double distance = std::abs(surface.nearest(map.points[i].point_S).distance);
       if (distance <= model::kFarthestStiffnessPoint) continue;
-      throw InputError(
-          fmt::format("{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the "
-                      "organ's frame",
-                      to_text(scene.stiffness_map->file()), map.name_of(i), brief(distance / kMillimetre, 3),
-                      brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
+      throw InputError(fmt::format(
+          "{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the "
+          "organ's frame",
+          to_text(scene_file.stiffness_map->file()), map.name_of(i), brief(distance / kMillimetre, 3),
+          brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
     }
-    setup.stiffness = std::move(map.points);
+    scene.stiffness = std::move(map.points);
     notes.remarks.insert(notes.remarks.end(), map.remarks.begin(), map.remarks.end());
   } catch (const InputError& error) {
-    throw InputError(scene.stiffness_map->where + ": " + error.what());
+    throw InputError(scene_file.stiffness_map->where + ": " + error.what());
   }
 }
 
 /// @throws InputError where the tissue has a layer that is too stiff for a tick (contact::TissueLaws)
-void check_layers(const SceneFile& scene, const Scene& setup) {
+void check_layers(const SceneFile& scene_file, const Scene& scene) {
   try {
-    static_cast<void>(contact::TissueLaws(setup.tissue, 1.0 / setup.rate_Hz));
+    static_cast<void>(contact::TissueLaws(scene.tissue, 1.0 / scene.rate_Hz));
   } catch (const ParameterError& error) {
-    throw InputError(fmt::format("{}tissue '{}': {}", scene.tissue ? scene.tissue->where + ": " : "",
-                                 setup.tissue.name, error.what()));
+    throw InputError(fmt::format("{}tissue '{}': {}",
+                                 scene_file.tissue ? scene_file.tissue->where + ": " : "", scene.tissue.name,
+                                 error.what()));
   }
 }
 
 /// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
-model::TissueParameters find_tissue(const SceneFile& scene) {
-  if (scene.tissue) {
+model::TissueParameters find_tissue(const SceneFile& scene_file) {
+  if (scene_file.tissue) {
     try {
-      return load_tissue(is_path(scene.tissue->value) ? to_text(scene.tissue->file()) : scene.tissue->value);
+      return load_tissue(is_path(scene_file.tissue->value) ? to_text(scene_file.tissue->file())
+                                                           : scene_file.tissue->value);
     } catch (const InputError& error) {
-      throw InputError(scene.tissue->where + ": " + error.what());
+      throw InputError(scene_file.tissue->where + ": " + error.what());
     }
   }
-  if (!is_path(scene.organ->value)) {
+  if (!is_path(scene_file.organ->value)) {
     try {
-      return model::tissue_preset(scene.organ->value.substr(0, scene.organ->value.find('-')));
+      return model::tissue_preset(scene_file.organ->value.substr(0, scene_file.organ->value.find('-')));
     } catch (const InputError&) {  // an organ without its own tissue, such as the box
     }
   }
-  return model::tissue_preset(scene.task == Task::kPull ? "heart" : "gallbladder");
+  return model::tissue_preset(scene_file.task == Task::kPull ? "heart" : "gallbladder");
 }
 
 const DeviceKind& check_device_kind(const LocatedString& kind) {
@@ -320,13 +322,13 @@ std::string check_device_path(const DeviceTable& device, const DeviceKind& kind,
   return to_text(file);
 }
 
-void load_hands(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
-  const std::size_t hands = scene.tools.size();
+void load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+  const std::size_t hands = scene_file.tools.size();
   if (hands > kMaxHands) {
-    throw InputError(
-        fmt::format("{}: there are {} tools, must be at most {}", scene.tool_location, hands, kMaxHands));
+    throw InputError(fmt::format("{}: there are {} tools, must be at most {}", scene_file.tool_location,
+                                 hands, kMaxHands));
   }
-  std::vector<DeviceTable> devices = scene.devices;
+  std::vector<DeviceTable> devices = scene_file.devices;
   if (devices.empty()) devices.resize(hands);
   if (devices.size() != hands) {
     throw InputError(fmt::format("{}: there are {} devices for {} tools, must be one per tool",
@@ -334,92 +336,94 @@ void load_hands(const SceneFile& scene, Scene& setup, MeshNotes& notes) {
   }
   for (const DeviceTable& device : devices) {
     const DeviceKind& kind = check_device_kind(device.kind);
-    DeviceSetup& made = setup.devices.emplace_back(device.setup);
+    DeviceSetup& made = scene.devices.emplace_back(device.setup);
     made.kind = kind.name;
     if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
-    made.path = check_device_path(device, kind, scene.task);
-    made.path_speed = scene.path_speed;
+    made.path = check_device_path(device, kind, scene_file.task);
+    made.path_speed = scene_file.path_speed;
     if (kind.path != DevicePath::kToolPath || made.path.empty())
       made.interpolation = PathInterpolation::kLinear;
   }
-  for (const ToolTable& tool : scene.tools) setup.tools.push_back(load_instrument(tool, notes));
+  for (const ToolTable& tool : scene_file.tools) scene.tools.push_back(load_instrument(tool, notes));
 }
 
-void set_noise(const SceneFile& scene, Scene& setup) {
-  setup.noise = scene.noise;
-  setup.noise.seed = scene.seed;
-  if (setup.noise.rate_Hz <= scene.rate_Hz) return;
-  if (!scene.noise_rate_location.empty()) {
-    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz", scene.noise_rate_location,
-                                 shortest(setup.noise.rate_Hz), shortest(scene.rate_Hz)));
+void set_noise(const SceneFile& scene_file, Scene& scene) {
+  scene.noise = scene_file.noise;
+  scene.noise.seed = scene_file.seed;
+  if (scene.noise.rate_Hz <= scene_file.rate_Hz) return;
+  if (!scene_file.noise_rate_location.empty()) {
+    throw InputError(fmt::format("{} = {}: must be at most the loop's rate, {} Hz",
+                                 scene_file.noise_rate_location, shortest(scene.noise.rate_Hz),
+                                 shortest(scene_file.rate_Hz)));
   }
-  setup.noise.rate_Hz = scene.rate_Hz;
+  scene.noise.rate_Hz = scene_file.rate_Hz;
 }
 
-void add_source(const LocatedString& stated, Scene& setup) {
-  if (is_path(stated.value)) setup.files.push_back({stated.where, stated.file()});
+void add_source(const LocatedString& stated, Scene& scene) {
+  if (is_path(stated.value)) scene.files.push_back({stated.where, stated.file()});
 }
 
-void add_mesh_source(const LocatedString& stated, Scene& setup) {
-  add_source(stated, setup);
+void add_mesh_source(const LocatedString& stated, Scene& scene) {
+  add_source(stated, scene);
   if (!is_path(stated.value)) return;
   for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(stated.file())) {
-    setup.files.push_back({"a buffer of " + stated.where, buffer});
+    scene.files.push_back({"a buffer of " + stated.where, buffer});
   }
 }
 
 /// Lists all files that were read.
-void add_sources(const Overrides& request, const SceneFile& scene, Scene& setup) {
-  if (request.scene) setup.files.push_back({"the scene", *request.scene});
-  if (scene.tissue) add_source(*scene.tissue, setup);
-  if (scene.organ) add_mesh_source(*scene.organ, setup);
-  if (scene.stiffness_map) setup.files.push_back({scene.stiffness_map->where, scene.stiffness_map->file()});
-  for (const ToolTable& tool : scene.tools) {
-    if (tool.mesh) add_mesh_source(*tool.mesh, setup);
-    for (const JawTable& jaw : tool.jaws) add_mesh_source(jaw.mesh, setup);
+void add_sources(const Overrides& request, const SceneFile& scene_file, Scene& scene) {
+  if (request.scene) scene.files.push_back({"the scene", *request.scene});
+  if (scene_file.tissue) add_source(*scene_file.tissue, scene);
+  if (scene_file.organ) add_mesh_source(*scene_file.organ, scene);
+  if (scene_file.stiffness_map)
+    scene.files.push_back({scene_file.stiffness_map->where, scene_file.stiffness_map->file()});
+  for (const ToolTable& tool : scene_file.tools) {
+    if (tool.mesh) add_mesh_source(*tool.mesh, scene);
+    for (const JawTable& jaw : tool.jaws) add_mesh_source(jaw.mesh, scene);
   }
-  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
-    const DevicePath kind = find_device_kind(setup.devices[hand].kind)->path;
-    if (setup.devices[hand].path.empty() || !names_file(kind)) continue;
-    setup.files.push_back({scene.devices[hand].path->where, setup.devices[hand].path});
+  for (std::size_t hand = 0; hand < scene_file.devices.size(); ++hand) {
+    const DevicePath kind = find_device_kind(scene.devices[hand].kind)->path;
+    if (scene.devices[hand].path.empty() || !names_file(kind)) continue;
+    scene.files.push_back({scene_file.devices[hand].path->where, scene.devices[hand].path});
   }
 }
 
 }  // namespace
 
 Scene load(const Overrides& request) {
-  const SceneFile scene = describe(request);
-  if (!request.files_below.empty()) require_files_below(request.files_below, scene);
-  Scene setup;
-  setup.name = scene.name;
-  setup.task = scene.task;
-  setup.rate_Hz = scene.rate_Hz;
-  setup.seed = scene.seed;
-  setup.organ_pose = scene.organ_pose;
-  setup.organ_motion = scene.organ_motion;
-  setup.safety = scene.safety;
-  set_noise(scene, setup);
-  setup.tissue = find_tissue(scene);
-  apply_to_tissue(request.settings, setup.tissue);
-  check_layers(scene, setup);
+  const SceneFile scene_file = describe(request);
+  if (!request.files_below.empty()) require_files_below(request.files_below, scene_file);
+  Scene scene;
+  scene.name = scene_file.name;
+  scene.task = scene_file.task;
+  scene.rate_Hz = scene_file.rate_Hz;
+  scene.seed = scene_file.seed;
+  scene.organ_pose = scene_file.organ_pose;
+  scene.organ_motion = scene_file.organ_motion;
+  scene.safety = scene_file.safety;
+  set_noise(scene_file, scene);
+  scene.tissue = find_tissue(scene_file);
+  apply_to_tissue(request.settings, scene.tissue);
+  check_layers(scene_file, scene);
   MeshNotes notes;
-  load_hands(scene, setup, notes);
-  load_organ(scene, setup, notes);
-  place_inclusions(scene.inclusions, setup);
-  if (setup.task == Task::kPalpate) {
-    setup.search = scene.search.setup;
-    for (const DeviceSetup& device : setup.devices) {
-      if (device.clutch_button != setup.search.mark_button) continue;
+  load_hands(scene_file, scene, notes);
+  load_organ(scene_file, scene, notes);
+  place_inclusions(scene_file.inclusions, scene);
+  if (scene.task == Task::kPalpate) {
+    scene.search = scene_file.search.setup;
+    for (const DeviceSetup& device : scene.devices) {
+      if (device.clutch_button != scene.search.mark_button) continue;
       throw InputError(fmt::format("{}.mark_button = {}: must differ from the device's clutch_button",
-                                   scene.search.where, setup.search.mark_button));
+                                   scene_file.search.where, scene.search.mark_button));
     }
-    hide_inclusions(scene.search, setup);
+    hide_inclusions(scene_file.search, scene);
   }
-  load_stiffness_map(scene, setup, notes);
-  setup.repairs = std::move(notes.repairs);
-  setup.remarks = std::move(notes.remarks);
-  add_sources(request, scene, setup);
-  return setup;
+  load_stiffness_map(scene_file, scene, notes);
+  scene.repairs = std::move(notes.repairs);
+  scene.remarks = std::move(notes.remarks);
+  add_sources(request, scene_file, scene);
+  return scene;
 }
 
 }  // namespace palpate::scene

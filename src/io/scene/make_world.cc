@@ -18,62 +18,62 @@
 namespace palpate::scene {
 namespace {
 
-haptics::GateLimits gate_limits(const Scene& setup) {
-  const SafetySetup& safety = setup.safety;
-  const double period = 1.0 / setup.rate_Hz;
+haptics::GateLimits gate_limits(const Scene& scene) {
+  const SafetySetup& safety = scene.safety;
+  const double period = 1.0 / scene.rate_Hz;
   haptics::GateLimits limits{safety.max_force, safety.max_slew * period, safety.max_torque,
                              safety.max_torque_slew * period, period};
-  for (const DeviceSetup& device : setup.devices) {
+  for (const DeviceSetup& device : scene.devices) {
     limits.continuous_force = std::min(limits.continuous_force, device.abilities.continuous_force);
   }
   return limits;
 }
 
-model::Direction direction_of(const Scene& setup) {
-  return setup.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+model::Direction direction_of(const Scene& scene) {
+  return scene.task == Task::kPull ? model::Direction::kPull : model::Direction::kPress;
 }
 
 /// Largest stiffness of a scene's tissue over the uniform tissue's, at any place and for any tool.
-double largest_variation(const Scene& setup, const haptics::SimulationWorld& world,
+double largest_variation(const Scene& scene, const haptics::SimulationWorld& world,
                          const model::TissueParameters& tissue,
                          const std::vector<model::Inclusion>& inclusions) {
-  if (inclusions.empty() && setup.stiffness.empty()) return 1.0;
-  const contact::TissueLaws laws(tissue, 1.0 / setup.rate_Hz);
-  const model::Direction direction = direction_of(setup);
+  if (inclusions.empty() && scene.stiffness.empty()) return 1.0;
+  const contact::TissueLaws laws(tissue, 1.0 / scene.rate_Hz);
+  const model::Direction direction = direction_of(scene);
   double scale = 1.0;
-  for (const DeviceSetup& device : setup.devices) scale = std::min(scale, device.force_scale);
-  const contact::StiffnessReach reach{direction, setup.safety.max_force / scale, haptics::kDepthWithinReach};
+  for (const DeviceSetup& device : scene.devices) scale = std::min(scale, device.force_scale);
+  const contact::StiffnessReach reach{direction, scene.safety.max_force / scale, haptics::kDepthWithinReach};
   double largest = 0.0;
-  for (std::size_t tool = 0; tool < setup.tools.size(); ++tool) {
+  for (std::size_t tool = 0; tool < scene.tools.size(); ++tool) {
     largest = std::max(largest, contact::largest_stiffness(world.contact, laws, inclusions, tool, reach));
   }
   return largest /
          contact::largest_tangent(direction == model::Direction::kPull ? laws.pull : laws.press, reach);
 }
 
-haptics::StabilityCheck stability_of(const Scene& setup, const DeviceSetup& device,
+haptics::StabilityCheck stability_of(const Scene& scene, const DeviceSetup& device,
                                      const model::TissueParameters& tissue, double variation,
                                      const haptics::DeviceMechanics& mechanics) {
   return haptics::check_stability(tissue,
-                                  {.direction = direction_of(setup),
-                                   .period = 1.0 / setup.rate_Hz,
-                                   .max_force = setup.safety.max_force / device.force_scale,
+                                  {.direction = direction_of(scene),
+                                   .period = 1.0 / scene.rate_Hz,
+                                   .max_force = scene.safety.max_force / device.force_scale,
                                    .scale = device.workspace_scale * device.force_scale,
                                    .variation = variation,
-                                   .slew = setup.safety.max_slew},
+                                   .slew = scene.safety.max_slew},
                                   mechanics);
 }
 
 std::string rounded(double value) { return brief(value, 3); }
 
 /// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
-std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model::TissueParameters& tissue,
+std::string too_stiff(const Scene& scene, const DeviceSetup& device, const model::TissueParameters& tissue,
                       double variation) {
   const haptics::DeviceAbilities& able = device.abilities;
-  const double stiffness = stability_of(setup, device, tissue, variation, {}).stiffness;
+  const double stiffness = stability_of(scene, device, tissue, variation, {}).stiffness;
   if (!(stiffness > able.max_stiffness)) return {};
   const double depth = haptics::depth_of_tangent(
-      tissue, direction_of(setup), 1.0 / setup.rate_Hz,
+      tissue, direction_of(scene), 1.0 / scene.rate_Hz,
       able.max_stiffness / (variation * device.workspace_scale * device.force_scale));
   return "tissue '" + tissue.name + "' is stiffer than a " + able.model + " can render, " +
          rounded(stiffness) + " N/m instead of at most " + rounded(able.max_stiffness) + " N/m" +
@@ -81,9 +81,9 @@ std::string too_stiff(const Scene& setup, const DeviceSetup& device, const model
          ": the device may tremble there; --fit-device scales the force down to what it can render";
 }
 
-std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
+std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& scene) {
   std::vector<haptics::WorkspaceMapping> mappings;
-  for (const DeviceSetup& device : setup.devices) {
+  for (const DeviceSetup& device : scene.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
     mappings.push_back({.scale = device.workspace_scale,
                         .base = device.base,
@@ -97,66 +97,66 @@ std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& setup) {
 
 }  // namespace
 
-model::TissueVariation variation_of(const Scene& setup) {
+model::TissueVariation variation_of(const Scene& scene) {
   model::TissueVariation variation;
-  for (const InclusionSetup& one : setup.inclusions) variation.inclusions.push_back(one.inclusion);
-  variation.stiffness = setup.stiffness;
+  for (const InclusionSetup& one : scene.inclusions) variation.inclusions.push_back(one.inclusion);
+  variation.stiffness = scene.stiffness;
   return variation;
 }
 
-model::OrganMotion organ_motion_of(const Scene& setup) {
-  return {setup.organ_motion, geometry::bounds(setup.organ).middle()};
+model::OrganMotion organ_motion_of(const Scene& scene) {
+  return {scene.organ_motion, geometry::bounds(scene.organ).middle()};
 }
 
-haptics::SimulationWorld make_world(const Scene& setup, const contact::Preparation& how) {
-  if (setup.tools.empty() || setup.tools.size() != setup.devices.size()) {
-    throw InputError("scene: " + std::to_string(setup.tools.size()) + " tools and " +
-                     std::to_string(setup.devices.size()) + " devices; there must be one of each a hand");
+haptics::SimulationWorld make_world(const Scene& scene, const contact::Preparation& how) {
+  if (scene.tools.empty() || scene.tools.size() != scene.devices.size()) {
+    throw InputError("scene: " + std::to_string(scene.tools.size()) + " tools and " +
+                     std::to_string(scene.devices.size()) + " devices; there must be one of each a hand");
   }
-  const double period = 1.0 / setup.rate_Hz;
-  noise::NoiseSettings noise = setup.noise;
-  noise.seed = setup.seed;
-  const haptics::GateLimits limits = gate_limits(setup);
-  noise::validate(noise, setup.rate_Hz, limits.max_sigma());
-  const auto distance_of = [&setup](const geometry::TriangleMesh& refined) {
-    const geometry::TriangleMesh& organ = setup.organ;  // a fine organ is its own refinement
+  const double period = 1.0 / scene.rate_Hz;
+  noise::NoiseSettings noise = scene.noise;
+  noise.seed = scene.seed;
+  const haptics::GateLimits limits = gate_limits(scene);
+  noise::validate(noise, scene.rate_Hz, limits.max_sigma());
+  const auto distance_of = [&scene](const geometry::TriangleMesh& refined) {
+    const geometry::TriangleMesh& organ = scene.organ;  // a fine organ is its own refinement
     const bool is_organ = refined.triangles == organ.triangles && refined.vertices == organ.vertices;
-    return is_organ ? organ_distance_of(setup) : geometry::SignedDistance(refined);
+    return is_organ ? organ_distance_of(scene) : geometry::SignedDistance(refined);
   };
   haptics::SimulationWorld world{
-      .contact = contact::World(setup.organ, setup.tools, setup.tissue, period, how, variation_of(setup),
+      .contact = contact::World(scene.organ, scene.tools, scene.tissue, period, how, variation_of(scene),
                                 distance_of),
-      .noise = noise::TouchNoise(noise, setup.rate_Hz),
+      .noise = noise::TouchNoise(noise, scene.rate_Hz),
       .limits = limits,
-      .mappings = mappings_of(setup),
-      .organ_W = setup.organ_pose,
-      .rate_Hz = setup.rate_Hz,
-      .organ_motion = organ_motion_of(setup),
+      .mappings = mappings_of(scene),
+      .organ_W = scene.organ_pose,
+      .rate_Hz = scene.rate_Hz,
+      .organ_motion = organ_motion_of(scene),
   };
   return world;
 }
 
-std::vector<std::string> apply_device_abilities(Scene& setup, haptics::SimulationWorld& world) {
+std::vector<std::string> apply_device_abilities(Scene& scene, haptics::SimulationWorld& world) {
   std::vector<std::string> remarks;
-  for (DeviceSetup& device : setup.devices) {
+  for (DeviceSetup& device : scene.devices) {
     const haptics::DeviceAbilities& able = device.abilities;
     const std::string who = "device " + device.kind + ": ";
-    if (able.max_force < setup.safety.max_force) {
-      remarks.push_back(who + "max_force_N = " + rounded(setup.safety.max_force) + " is lowered to " +
+    if (able.max_force < scene.safety.max_force) {
+      remarks.push_back(who + "max_force_N = " + rounded(scene.safety.max_force) + " is lowered to " +
                         rounded(able.max_force) + ", the most that a " + able.model + " gives");
-      setup.safety.max_force = able.max_force;
+      scene.safety.max_force = able.max_force;
     }
   }
-  for (DeviceSetup& device : setup.devices) {
+  for (DeviceSetup& device : scene.devices) {
     const haptics::DeviceAbilities& able = device.abilities;
     if (!device.fit) continue;
     device.force_scale = 1.0;
-    const double variation = largest_variation(setup, world, setup.tissue, variation_of(setup).inclusions);
-    const double stiffness = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
+    const double variation = largest_variation(scene, world, scene.tissue, variation_of(scene).inclusions);
+    const double stiffness = stability_of(scene, device, scene.tissue, variation, {}).stiffness;
     // A smaller scale lets the tissue be pressed deeper before the gate limits the force.
-    constexpr int kMostSteps = 8;
-    for (int i = 0; i < kMostSteps; ++i) {
-      const double felt = stability_of(setup, device, setup.tissue, variation, {}).stiffness;
+    constexpr int kMaxSteps = 8;
+    for (int i = 0; i < kMaxSteps; ++i) {
+      const double felt = stability_of(scene, device, scene.tissue, variation, {}).stiffness;
       if (!(felt > able.max_stiffness)) break;
       device.force_scale *= able.max_stiffness / felt;
     }
@@ -167,35 +167,35 @@ std::vector<std::string> apply_device_abilities(Scene& setup, haptics::Simulatio
                         " N/m that a " + able.model + " can render");
     }
   }
-  world.limits = gate_limits(setup);
-  world.mappings = mappings_of(setup);
-  noise::validate(world.noise.settings(), setup.rate_Hz, world.limits.max_sigma());
+  world.limits = gate_limits(scene);
+  world.mappings = mappings_of(scene);
+  noise::validate(world.noise.settings(), scene.rate_Hz, world.limits.max_sigma());
   return remarks;
 }
 
-std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
-  return stability_remarks(setup, world, setup.tissue, variation_of(setup).inclusions);
+std::vector<std::string> stability_remarks(const Scene& scene, const haptics::SimulationWorld& world) {
+  return stability_remarks(scene, world, scene.tissue, variation_of(scene).inclusions);
 }
 
-std::vector<std::string> radius_remarks(const Scene& setup, const haptics::SimulationWorld& world) {
+std::vector<std::string> radius_remarks(const Scene& scene, const haptics::SimulationWorld& world) {
   std::vector<std::string> remarks;
-  if (!setup.tissue.source || !(setup.tissue.source->radius > 0.0)) return remarks;
-  const double fitted = setup.tissue.source->radius;
+  if (!scene.tissue.source || !(scene.tissue.source->radius > 0.0)) return remarks;
+  const double fitted = scene.tissue.source->radius;
   const auto in_mm = [](double radius) { return shortest(std::round(radius * 1e5) / 1e2) + " mm"; };
-  for (std::size_t hand = 0; hand < setup.tools.size(); ++hand) {
+  for (std::size_t hand = 0; hand < scene.tools.size(); ++hand) {
     const double radius = world.contact.tip_radius(hand);
     if (!(radius > 2.0 * fitted || 2.0 * radius < fitted)) continue;
-    remarks.push_back("tissue '" + setup.tissue.name + "' was fitted with an indenter of " + in_mm(fitted) +
-                      " radius, the tip of '" + setup.tools[hand].name + "' has " + in_mm(radius) +
+    remarks.push_back("tissue '" + scene.tissue.name + "' was fitted with an indenter of " + in_mm(fitted) +
+                      " radius, the tip of '" + scene.tools[hand].name + "' has " + in_mm(radius) +
                       ": more than twofold apart, so the force may be wrong");
   }
   return remarks;
 }
 
-std::vector<std::string> overlap_remarks(const Scene& setup) {
+std::vector<std::string> overlap_remarks(const Scene& scene) {
   std::vector<std::string> remarks;
-  for (auto one = setup.inclusions.begin(); one != setup.inclusions.end(); ++one) {
-    for (auto other = std::next(one); other != setup.inclusions.end(); ++other) {
+  for (auto one = scene.inclusions.begin(); one != scene.inclusions.end(); ++one) {
+    for (auto other = std::next(one); other != scene.inclusions.end(); ++other) {
       if (!one->visible || !other->visible) continue;
       const double apart = (one->inclusion.centre_S - other->inclusion.centre_S).norm();
       const double radii = one->inclusion.radius + other->inclusion.radius;
@@ -209,31 +209,31 @@ std::vector<std::string> overlap_remarks(const Scene& setup) {
   return remarks;
 }
 
-std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& setup,
+std::unique_ptr<haptics::ParameterUpdates> make_parameter_updates(const Scene& scene,
                                                                   const haptics::SimulationWorld& world) {
   return std::make_unique<haptics::ParameterUpdates>(
-      world, setup.tissue,
-      [&setup, &world](const model::TissueParameters& tissue,
+      world, scene.tissue,
+      [&scene, &world](const model::TissueParameters& tissue,
                        const std::vector<model::Inclusion>& inclusions) {
-        return stability_remarks(setup, world, tissue, inclusions);
+        return stability_remarks(scene, world, tissue, inclusions);
       });
 }
 
-std::vector<std::string> stability_remarks(const Scene& setup, const haptics::SimulationWorld& world,
+std::vector<std::string> stability_remarks(const Scene& scene, const haptics::SimulationWorld& world,
                                            const model::TissueParameters& tissue,
                                            const std::vector<model::Inclusion>& inclusions) {
   std::vector<std::string> remarks;
   std::optional<double> variation;  // one for all devices
-  for (const DeviceSetup& device : setup.devices) {
+  for (const DeviceSetup& device : scene.devices) {
     const DeviceKind* kind = find_device_kind(device.kind);
     if (kind == nullptr || !kind->held) continue;
     const std::string who = "device " + device.kind + ": ";
     const DeviceDynamics& known = device.dynamics;
-    if (!variation) variation = largest_variation(setup, world, tissue, inclusions);
-    const std::string stiff = too_stiff(setup, device, tissue, *variation);
+    if (!variation) variation = largest_variation(scene, world, tissue, inclusions);
+    const std::string stiff = too_stiff(scene, device, tissue, *variation);
     if (!stiff.empty()) remarks.push_back(who + stiff);
     if (!known.damping || !known.friction || !known.resolution) {
-      const std::string note = haptics::slew_note(stability_of(setup, device, tissue, *variation, {}));
+      const std::string note = haptics::slew_note(stability_of(scene, device, tissue, *variation, {}));
       if (!note.empty()) remarks.push_back(who + note);
       if (std::isfinite(device.abilities.max_stiffness)) continue;  // checked above, by the maker's figure
       remarks.push_back(who +
@@ -243,7 +243,7 @@ std::vector<std::string> stability_remarks(const Scene& setup, const haptics::Si
     }
     const double mass = device.kind == "emulated" ? device.emulated.mass : 0.0;
     const haptics::DeviceMechanics mechanics{*known.damping, *known.friction, *known.resolution, mass};
-    const haptics::StabilityCheck check = stability_of(setup, device, tissue, *variation, mechanics);
+    const haptics::StabilityCheck check = stability_of(scene, device, tissue, *variation, mechanics);
     for (const std::string& warning : haptics::stability_warnings(check, mechanics)) {
       remarks.push_back(who + warning);
     }

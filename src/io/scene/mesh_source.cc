@@ -15,8 +15,8 @@ std::string unit_field(const LocatedString& mesh) {
 }
 
 void note(const geometry::MeshFindings& findings, const std::string& file, MeshNotes& notes) {
-  const auto add = [&](const std::vector<std::string>& words, std::vector<std::string>& all) {
-    for (const std::string& word : words) all.push_back(file + ": " + word);
+  const auto add = [&](const std::vector<std::string>& texts, std::vector<std::string>& all) {
+    for (const std::string& word : texts) all.push_back(file + ": " + word);
   };
   add(findings.repairs, notes.repairs);
   add(findings.defects, notes.remarks);

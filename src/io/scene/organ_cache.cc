@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using contact::OrganArrays;
 
 constexpr const char* kEnding = ".organ";
-constexpr std::uint64_t kMostCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
+constexpr std::uint64_t kMaxCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
 
 /// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
 bool lies_within(const geometry::TriangleMesh& refined, const geometry::TriangleMesh& organ) {
@@ -72,7 +72,7 @@ class OrganCache final : public contact::OrganStore {
     ArrayFileWriter writer(file_of(key), key);
     put(arrays, writer);
     if (!writer.commit()) report("the prepared organ could not be kept as " + to_text(file_of(key)));
-    trim_cache(folder_, kEnding, kMostCached);
+    trim_cache(folder_, kEnding, kMaxCached);
   }
 
  private:

@@ -12,10 +12,10 @@ struct OrganDistance::Built {
 
 OrganDistance::OrganDistance() : built_(std::make_shared<Built>()) {}
 
-geometry::SignedDistance organ_distance_of(const Scene& setup) {
-  OrganDistance::Built& built = setup.organ_distance.built();
+geometry::SignedDistance organ_distance_of(const Scene& scene) {
+  OrganDistance::Built& built = scene.organ_distance.built();
   const std::lock_guard lock(built.mutex);
-  if (!built.distance || !built.distance->is_of(setup.organ)) built.distance.emplace(setup.organ);
+  if (!built.distance || !built.distance->is_of(scene.organ)) built.distance.emplace(scene.organ);
   return *built.distance;
 }
 

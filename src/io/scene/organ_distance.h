@@ -6,6 +6,6 @@ namespace palpate::scene {
 
 /// [setup] From any thread. The signed distance of the scene's organ, built at the first call and again when
 /// the organ is another mesh than at the last call. @throws InputError when the mesh is not closed.
-[[nodiscard]] geometry::SignedDistance organ_distance_of(const Scene& setup);
+[[nodiscard]] geometry::SignedDistance organ_distance_of(const Scene& scene);
 
 }  // namespace palpate::scene

@@ -18,11 +18,11 @@ constexpr Range kDirection{-1e6, 1e6};
 constexpr const char* kKindWanted = "must be breathing, heartbeat or none";
 
 /// Whether `word` is a kind of motion; "none" is valid and leaves `kind` empty.
-bool is_kind(const std::string& word, std::optional<OrganMotionKind>& kind) {
+bool is_kind(const std::string& flag, std::optional<OrganMotionKind>& kind) {
   kind.reset();
-  if (word == "none") return true;
+  if (flag == "none") return true;
   for (const OrganMotionKind known : {OrganMotionKind::kBreathing, OrganMotionKind::kHeartbeat}) {
-    if (word == model::to_string(known)) kind = known;
+    if (flag == model::to_string(known)) kind = known;
   }
   return kind.has_value();
 }
@@ -36,10 +36,10 @@ void read_direction(const TomlTable& table, const char* key, Vec3& direction) {
 
 std::optional<OrganMotionParameters> read_one(const TomlTable& table) {
   table.allow_only(keys_in("organ.motion", {"direction", "axis"}));
-  const std::optional<std::string> word = table.text("kind");
-  if (!word) table.fail_missing("kind", kKindWanted);
+  const std::optional<std::string> flag = table.text("kind");
+  if (!flag) table.fail_missing("kind", kKindWanted);
   std::optional<OrganMotionKind> kind;
-  if (!is_kind(*word, kind)) table.fail("kind", kKindWanted);
+  if (!is_kind(*flag, kind)) table.fail("kind", kKindWanted);
   OrganMotionParameters motion =
       model::organ_motion_preset(kind.value_or(OrganMotionKind::kBreathing));  // "none": only checked
   if (const auto amplitude = table.number("amplitude_mm")) motion.amplitude = *amplitude * kMillimetre;
@@ -76,11 +76,11 @@ std::vector<OrganMotionParameters> read_organ_motions(const TomlTable& organ) {
   return motions;
 }
 
-std::vector<OrganMotionParameters> organ_motions_by_flags(std::span<const std::string> words) {
+std::vector<OrganMotionParameters> organ_motions_by_flags(std::span<const std::string> flags) {
   std::vector<OrganMotionParameters> motions;
-  for (const std::string& word : words) {
+  for (const std::string& flag : flags) {
     std::optional<OrganMotionKind> kind;
-    if (!is_kind(word, kind)) throw InputError(fmt::format("--organ-motion = \"{}\": {}", word, kKindWanted));
+    if (!is_kind(flag, kind)) throw InputError(fmt::format("--organ-motion = \"{}\": {}", flag, kKindWanted));
     if (kind) motions.push_back(model::organ_motion_preset(*kind));
   }
   try {

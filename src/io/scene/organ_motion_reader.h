@@ -18,6 +18,6 @@ inline constexpr double kRadiansPerDegree = portable::kPi / 180.0;
 /// [setup] The motions of the flag `--organ-motion`, one word per flag (breathing, heartbeat or none), with
 /// their defaults. @throws InputError naming the flag and the word.
 [[nodiscard]] std::vector<model::OrganMotionParameters> organ_motions_by_flags(
-    std::span<const std::string> words);
+    std::span<const std::string> flags);
 
 }  // namespace palpate::scene

@@ -160,17 +160,17 @@ std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea
   return presses;
 }
 
-std::vector<SearchPress> presses_of(const VerticalLines& lines, const Scene& setup) {
-  constexpr std::size_t kMost = 60;
-  constexpr double kMostColumns = 4000.0;
+std::vector<SearchPress> presses_of(const VerticalLines& lines, const Scene& scene) {
+  constexpr std::size_t kMax = 60;
+  constexpr double kMaxColumns = 4000.0;
   constexpr double kClosest = 8e-3;  // m, between two presses
-  const SearchArea area(setup.organ, organ_distance_of(setup), setup.organ_pose);
+  const SearchArea area(scene.organ, organ_distance_of(scene), scene.organ_pose);
   const Vec3 size = lines.box().size();
-  const double coarse = std::sqrt(size.x() * size.y() / kMostColumns);  // of a very large organ
+  const double coarse = std::sqrt(size.x() * size.y() / kMaxColumns);  // of a very large organ
   for (double spacing = std::max(kClosest, coarse);; spacing *= 1.1) {
     std::vector<SearchPress> presses = presses_at(lines, area, spacing);
     if (presses.empty()) throw InputError("task palpate: a tool from above meets no flat part of the organ");
-    if (presses.size() <= kMost) return presses;
+    if (presses.size() <= kMax) return presses;
   }
 }
 
@@ -229,35 +229,35 @@ SearchArea::SearchArea(const geometry::TriangleMesh& organ, const geometry::Sign
   }
 }
 
-void hide_inclusions(const SearchTable& table, Scene& setup) {
+void hide_inclusions(const SearchTable& table, Scene& scene) {
   constexpr std::uint32_t kTries = 1000;
-  const bool has_hidden = std::any_of(setup.inclusions.begin(), setup.inclusions.end(),
+  const bool has_hidden = std::any_of(scene.inclusions.begin(), scene.inclusions.end(),
                                       [](const InclusionSetup& one) { return !one.visible; });
   const std::size_t wanted = table.lumps.value_or(has_hidden ? 0 : 3);
-  if (setup.inclusions.size() + wanted > model::kMaxInclusions) {
+  if (scene.inclusions.size() + wanted > model::kMaxInclusions) {
     throw InputError(fmt::format("{}.lumps = {}: there are {} inclusions already, must be at most {} in all",
-                                 table.where, wanted, setup.inclusions.size(), model::kMaxInclusions));
+                                 table.where, wanted, scene.inclusions.size(), model::kMaxInclusions));
   }
   if (wanted == 0) return;
-  const geometry::SignedDistance surface = organ_distance_of(setup);
-  const SearchArea area(setup.organ, surface, setup.organ_pose);
-  const RandomPlaces places(setup.organ, area, setup.seed);
+  const geometry::SignedDistance surface = organ_distance_of(scene);
+  const SearchArea area(scene.organ, surface, scene.organ_pose);
+  const RandomPlaces places(scene.organ, area, scene.seed);
   std::size_t hidden = 0;
   for (std::uint32_t number = 0; number < kTries && hidden < wanted && !area.triangles().empty(); ++number) {
     const geometry::NearestPoint top = surface.nearest(places.at(number));
     InclusionSetup made{"lump " + std::to_string(hidden + 1), false, table.lump};
-    made.inclusion.centre_S = top.point - table.depth * mean_normal(setup.organ, top, table.depth);
+    made.inclusion.centre_S = top.point - table.depth * mean_normal(scene.organ, top, table.depth);
     const geometry::NearestPoint above = surface.nearest(made.inclusion.centre_S);
     const bool inside = -above.distance >= made.inclusion.radius + made.inclusion.pulse;
     if (!inside || !area.contains(above.triangle)) continue;
     const bool apart =
-        std::all_of(setup.inclusions.begin(), setup.inclusions.end(), [&](const InclusionSetup& other) {
+        std::all_of(scene.inclusions.begin(), scene.inclusions.end(), [&](const InclusionSetup& other) {
           const double distance = (other.inclusion.centre_S - made.inclusion.centre_S).norm();
           return distance > std::max(2.0 * table.setup.tolerance + made.inclusion.radius,
                                      other.inclusion.radius + made.inclusion.radius);
         });
     if (!apart) continue;
-    setup.inclusions.push_back(std::move(made));
+    scene.inclusions.push_back(std::move(made));
     ++hidden;
   }
   if (hidden < (table.lumps ? wanted : 1)) {
@@ -269,7 +269,7 @@ void hide_inclusions(const SearchTable& table, Scene& setup) {
   }
 }
 
-std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec3& tip) {
+std::vector<PathRow> search_path(const Scene& scene, std::size_t hand, const Vec3& tip) {
   constexpr double kPeakSpeed = 60e-3;  // m/s
   constexpr double kRowSpacing = 5e-3;  // s
   const Quat down(0.0, 1.0, 0.0, 0.0);  // tool +z down
@@ -290,10 +290,10 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
           {from.time + u * duration, from.position + minimum_jerk(u) * (to - from.position), down});
     }
   };
-  const VerticalLines lines(setup.organ, organ_distance_of(setup), setup.organ_pose);
-  const std::vector<SearchPress> presses = presses_of(lines, setup);
-  const std::size_t first = std::min(presses.size() - 1, presses.size() * hand / setup.tools.size());
-  const std::size_t last = std::max(first + 1, presses.size() * (hand + 1) / setup.tools.size());
+  const VerticalLines lines(scene.organ, organ_distance_of(scene), scene.organ_pose);
+  const std::vector<SearchPress> presses = presses_of(lines, scene);
+  const std::size_t first = std::min(presses.size() - 1, presses.size() * hand / scene.tools.size());
+  const std::size_t last = std::max(first + 1, presses.size() * (hand + 1) / scene.tools.size());
   for (std::size_t i = first; i < last; ++i) {
     const auto& [touch, depth, height] = presses[i];
     if (i > first) {
@@ -305,7 +305,7 @@ std::vector<PathRow> search_path(const Scene& setup, std::size_t hand, const Vec
       // From above the middle, so that a mouse, which begins there, reaches all around.
       const Vec3 middle = lines.box().middle();
       const double over = lines.box().high.z() + kClearance;
-      if (setup.tools.size() == 1) move_to(middle.x(), middle.y(), over);
+      if (scene.tools.size() == 1) move_to(middle.x(), middle.y(), over);
       move_to(touch.x(), touch.y(), over);
     }
     move_to(touch.x(), touch.y(), touch.z() - depth);

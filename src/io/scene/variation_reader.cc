@@ -108,16 +108,16 @@ std::vector<InclusionTable> read_inclusions(const TomlTable& organ) {
   return inclusions;
 }
 
-std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& words) {
+std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& flags) {
   std::vector<InclusionTable> inclusions;
-  for (const std::string& word : words) {
-    if (word == "none") continue;
-    std::optional<InclusionTable> made = find_inclusion_preset(word);
+  for (const std::string& flag : flags) {
+    if (flag == "none") continue;
+    std::optional<InclusionTable> made = find_inclusion_preset(flag);
     if (!made) {
       throw InputError(
-          fmt::format("--inclusion = \"{}\": must be {} or none", word, inclusion_preset_names()));
+          fmt::format("--inclusion = \"{}\": must be {} or none", flag, inclusion_preset_names()));
     }
-    made->where = "--inclusion " + word;
+    made->where = "--inclusion " + flag;
     inclusions.push_back(std::move(*made));
   }
   if (inclusions.size() > model::kMaxInclusions) {
@@ -127,17 +127,17 @@ std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& 
   return inclusions;
 }
 
-void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup) {
+void place_inclusions(const std::vector<InclusionTable>& tables, Scene& scene) {
   if (tables.empty()) return;
-  const geometry::SignedDistance surface = organ_distance_of(setup);
+  const geometry::SignedDistance surface = organ_distance_of(scene);
   for (const InclusionTable& table : tables) {
     InclusionSetup made = table.setup;
     model::Inclusion& inclusion = made.inclusion;
     if (!table.has_centre) {
       const Vec3 under_S =
-          table.under_S ? *table.under_S : setup.organ_pose.inverse() * default_touch(setup, 0);
+          table.under_S ? *table.under_S : scene.organ_pose.inverse() * default_touch(scene, 0);
       const geometry::NearestPoint nearest = surface.nearest(under_S);
-      inclusion.centre_S = nearest.point - table.depth * mean_normal(setup.organ, nearest, table.depth);
+      inclusion.centre_S = nearest.point - table.depth * mean_normal(scene.organ, nearest, table.depth);
     }
     const double depth = -surface.nearest(inclusion.centre_S).distance;
     const double needed = inclusion.radius + inclusion.pulse;
@@ -148,7 +148,7 @@ void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup) {
           depth > 0.0 ? "below the surface" : "outside the organ", brief(needed / kMillimetre, 3),
           inclusion.pulse > 0.0 ? " and pulse" : ""));
     }
-    setup.inclusions.push_back(std::move(made));
+    scene.inclusions.push_back(std::move(made));
   }
 }
 

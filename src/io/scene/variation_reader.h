@@ -29,7 +29,7 @@ struct InclusionTable {
 [[nodiscard]] std::vector<InclusionTable> read_inclusions(const TomlTable& organ);
 
 /// [setup] An inclusion by its flag: the name of a preset. @throws InputError that lists the presets
-[[nodiscard]] std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& words);
+[[nodiscard]] std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& flags);
 
 /// [setup] The unit outward normal of the surface around a point: the mean over the faces whose middles lie
 /// within `radius` [m], on this side of the organ.
@@ -38,6 +38,6 @@ struct InclusionTable {
 
 /// [setup] Finds the centres and sets the inclusions of a loaded scene.
 /// @throws InputError for an inclusion that is not inside the organ
-void place_inclusions(const std::vector<InclusionTable>& tables, Scene& setup);
+void place_inclusions(const std::vector<InclusionTable>& tables, Scene& scene);
 
 }  // namespace palpate::scene

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kLongestName = 31;
-constexpr std::uint64_t kMostArrays = 256;
+constexpr std::uint64_t kMaxArrays = 256;
 constexpr std::uint64_t kAlignment = 64;
 
 /// The start of the file; written last, when the rest is complete.
@@ -97,7 +97,7 @@ void ArrayFileWriter::write(std::span<const std::byte> bytes) {
 void ArrayFileWriter::put_bytes(std::string_view name, std::span<const std::byte> bytes,
                                 std::size_t element_size) {
   if (name.empty() || name.size() > kLongestName ||
-      directory_.size() / sizeof(DirectoryEntry) == kMostArrays) {
+      directory_.size() / sizeof(DirectoryEntry) == kMaxArrays) {
     failed_ = true;
   }
   if (failed_) return;
@@ -170,7 +170,7 @@ bool ArrayFileReader::read_directory(const ContentHash& key) {
       header.file_size != file_size || header.header_checksum != checksum_of(header)) {
     return false;
   }
-  if (header.directory_size > kMostArrays || header.directory_offset > file_size ||
+  if (header.directory_size > kMaxArrays || header.directory_offset > file_size ||
       header.directory_size * sizeof(DirectoryEntry) != file_size - header.directory_offset) {
     return false;
   }

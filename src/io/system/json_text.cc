@@ -10,8 +10,8 @@
 namespace palpate {
 namespace {
 
-constexpr std::ptrdiff_t kMostValues = 4'000'000;  // about 0.5 GB
-constexpr std::ptrdiff_t kMostOrderedMembers = 10'000;
+constexpr std::ptrdiff_t kMaxValues = 4'000'000;  // about 0.5 GB
+constexpr std::ptrdiff_t kMaxOrderedMembers = 10'000;
 
 [[noreturn]] void fail(std::string_view text, std::size_t byte, const std::string& what) {
   const std::size_t before = std::min(byte, text.size());
@@ -26,8 +26,8 @@ Json parse(std::string_view text, int levels) {
     fail(text, *deep + 1, "is nested deeper than " + std::to_string(levels) + " levels");
   }
   const auto begins_value = [](char c) { return c == ',' || c == '[' || c == '{'; };
-  if (std::count_if(text.begin(), text.end(), begins_value) > kMostValues) {
-    throw InputError("has more than " + std::to_string(kMostValues) + " values");
+  if (std::count_if(text.begin(), text.end(), begins_value) > kMaxValues) {
+    throw InputError("has more than " + std::to_string(kMaxValues) + " values");
   }
   try {
     return Json::parse(text);
@@ -43,8 +43,8 @@ Json parse(std::string_view text, int levels) {
 nlohmann::json parse_json(std::string_view text, int levels) { return parse<nlohmann::json>(text, levels); }
 
 nlohmann::ordered_json parse_ordered_json(std::string_view text) {
-  if (std::count(text.begin(), text.end(), ':') > kMostOrderedMembers) {
-    throw InputError("has more than " + std::to_string(kMostOrderedMembers) + " members");
+  if (std::count(text.begin(), text.end(), ':') > kMaxOrderedMembers) {
+    throw InputError("has more than " + std::to_string(kMaxOrderedMembers) + " members");
   }
   return parse<nlohmann::ordered_json>(text, kMaxNesting);
 }

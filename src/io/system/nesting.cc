@@ -102,8 +102,8 @@ class TomlNesting final {
     }
     at_ = std::min(at_ + end.size(), text_.size());
     if (!multi_line) return;
-    constexpr int kMostBeforeEnd = 2;  // quotes that belong to the string: """a"""""
-    for (int i = 0; i < kMostBeforeEnd && at_ < text_.size() && text_[at_] == quote; ++i) ++at_;
+    constexpr int kMaxBeforeEnd = 2;  // quotes that belong to the string: """a"""""
+    for (int i = 0; i < kMaxBeforeEnd && at_ < text_.size() && text_[at_] == quote; ++i) ++at_;
   }
 
   std::string_view text_;

@@ -52,12 +52,12 @@ void require_no_overwrite(std::span<const NamedFile> outputs, std::span<const Na
 }
 
 fs::path link_target(const fs::path& file) {
-  constexpr int kMostLinks = 40;  // as in Linux
+  constexpr int kMaxLinks = 40;  // as in Linux
   fs::path target = file;
   std::error_code error;
   for (int i = 0; fs::is_symlink(target, error); ++i) {
     const fs::path next = fs::read_symlink(target, error);
-    if (error || i == kMostLinks) throw InputError(to_text(file) + ": is a link that leads nowhere");
+    if (error || i == kMaxLinks) throw InputError(to_text(file) + ": is a link that leads nowhere");
     target = target.parent_path() / next;  // replaces all if `next` is absolute
   }
   return target;

@@ -58,18 +58,18 @@ class BareClient final {
 };
 
 inline scene::Scene block_setup() {
-  scene::Scene setup;
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  return setup;
+  scene::Scene scene;
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  return scene;
 }
 
 /// The block with a mesh so fine that its surface message has several MB, more than the system's buffers
 /// take.
 inline scene::Scene large_setup() {
-  scene::Scene setup = block_setup();
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.0005);
-  return setup;
+  scene::Scene scene = block_setup();
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.0005);
+  return scene;
 }
 
 /// Publishes a tick as the loop does. Its pose and force contain its number.

@@ -53,7 +53,7 @@ TEST(IgtlServer, APortCanBeListenedAtAgainAtOnce) {
   EXPECT_NO_THROW(IgtlServer({"127.0.0.1", port}));
 }
 
-TEST(IgtlServer, ListensAtLoopbackAloneUnlessToldOtherwise) {
+TEST(IgtlServer, ListensAtLoopbackAloneUnlessSetOtherwise) {
   const IgtlServer server(kAnyFreePort);
   // 127.0.0.2 is an address of this machine too. A server at all addresses occupies its port, a server at
   // 127.0.0.1 leaves it free.
@@ -173,7 +173,7 @@ TEST(IgtlServer, EachMessageOfAFrameIsOfTheSameTick) {
   }
 }
 
-TEST(IgtlServer, AFaultIsToldInWords) {
+TEST(IgtlServer, AFaultIsReportedInWords) {
   IgtlServer server(kAnyFreePort);
   server.begin(block_stream());
   Client client(server.port());

@@ -20,10 +20,10 @@ using testing::FloatEq;
 constexpr std::int64_t kNow = 1'700'000'000'000'000'000;  // ns
 
 scene::Scene block() {
-  scene::Scene setup;
-  setup.rate_Hz = 2000.0;
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  return setup;
+  scene::Scene scene;
+  scene.rate_Hz = 2000.0;
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  return scene;
 }
 
 /// Hand 0 presses 3 mm deep, hand 1 is 12.3 mm away.

@@ -110,13 +110,13 @@ TEST(LiveProtocol, AMessageIsBoundedInSize) {
   expect_refusal(command + std::string(kLargestRequest - command.size() + 1, ' '), "json", "", "16384");
 }
 
-TEST(LiveProtocol, AnUnknownCommandIsToldWithTheNearestOne) {
+TEST(LiveProtocol, AnUnknownCommandIsReportedWithTheNearestOne) {
   expect_refusal(R"({"do": "set_tisue"})", "command", "do", "did you mean set_tissue?");
   expect_refusal(R"({"do": 4})", "command", "do", "do = 4: must be one of");
   expect_refusal(R"({"id": 1})", "command", "do", "missing");
 }
 
-TEST(LiveProtocol, AnUnknownFieldIsToldWithTheNearestOne) {
+TEST(LiveProtocol, AnUnknownFieldIsReportedWithTheNearestOne) {
   expect_refusal(R"({"do": "stream", "rate_Hz": 5, "rates": 1})", "field", "rates",
                  "no field of this command");
   expect_refusal(R"({"do": "set_tissue", "tissue": {"k1_N_pr_m": 5}})", "field", "tissue.k1_N_pr_m",
@@ -126,7 +126,7 @@ TEST(LiveProtocol, AnUnknownFieldIsToldWithTheNearestOne) {
   expect_refusal(R"({"do": "set_noise", "noise": {"gain": 5}})", "field", "noise.gain", "no field");
 }
 
-TEST(LiveProtocol, AValueOfAnotherTypeIsToldWithWhatWouldBeRight) {
+TEST(LiveProtocol, AValueOfAnotherTypeIsReportedWithWhatWouldBeRight) {
   expect_refusal(R"({"do": "stream"})", "field", "rate_Hz", "missing");
   expect_refusal(R"({"do": "tool", "hand": 0.5})", "field", "hand", "number of a hand");
   expect_refusal(R"({"do": "tool", "hand": 4})", "field", "hand", "number of a hand");
@@ -151,7 +151,7 @@ TEST(LiveProtocol, AValueOfAnotherTypeIsToldWithWhatWouldBeRight) {
   expect_refusal(R"({"do": "state", "id": 1.5})", "field", "id", "a text or whole number");
 }
 
-TEST(LiveProtocol, ANumberOutOfRangeIsToldWithTheRange) {
+TEST(LiveProtocol, ANumberOutOfRangeIsReportedWithTheRange) {
   expect_refusal(R"({"do": "stream", "rate_Hz": -1})", "field", "rate_Hz", "0.1 to 1000");
   expect_refusal(R"({"do": "stream", "rate_Hz": 1000.5})", "field", "rate_Hz", "0.1 to 1000");
   expect_refusal(R"({"do": "load", "seed": -1})", "field", "seed", "2^53");

@@ -87,7 +87,7 @@ class Served : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(Served, AClientThatSaysHelloIsToldVersionAndLimits) {
+TEST_F(Served, AClientThatSaysHelloIsSentVersionAndLimits) {
   serve();
   test::LiveClient client(port());
   ASSERT_TRUE(client.open());
@@ -123,7 +123,7 @@ TEST_F(Served, AClientThatNeverSaysHelloIsLetGo) {
   EXPECT_EQ(client.close_code(), 1008);
 }
 
-TEST_F(Served, AnotherVersionIsToldAndLetGo) {
+TEST_F(Served, AnotherVersionIsReportedAndLetGo) {
   serve();
   test::LiveClient client(port());
   EXPECT_EQ(client.ask(R"({"palpate": "9", "do": "hello"})")["error"]["code"], "version");
@@ -193,13 +193,13 @@ TEST_F(Served, ABrowserGetsTheFilesOfThePageAndNothingElse) {
 TEST_F(Served, ThereIsAnEndOfClientsAndRoomAgainWhenOneGoes) {
   serve();
   std::vector<std::unique_ptr<test::LiveClient>> clients;
-  for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
+  for (std::size_t i = 0; i < LiveServer::kMaxClients; ++i) {
     clients.push_back(std::make_unique<test::LiveClient>(port()));
     EXPECT_EQ(clients.back()->greet()["answer"], "hello");
   }
   EXPECT_EQ(test::LiveClient(port()).status(), 503U);
   clients.pop_back();
-  EXPECT_TRUE(clients_become(LiveServer::kMostClients - 1));
+  EXPECT_TRUE(clients_become(LiveServer::kMaxClients - 1));
   EXPECT_EQ(test::LiveClient(port()).status(), 101U);
 }
 
@@ -209,19 +209,19 @@ TEST_F(Served, PlacesAreCountedAfterTheHelloSoThatStrangersTakeNone) {
   serve(options);
   std::vector<std::unique_ptr<test::LiveClient>> strangers;
   std::vector<std::unique_ptr<test::LiveClient>> clients;
-  for (std::size_t i = 0; i < LiveServer::kMostClients; ++i) {
+  for (std::size_t i = 0; i < LiveServer::kMaxClients; ++i) {
     for (int more = 0; more < 3; ++more) strangers.push_back(std::make_unique<test::LiveClient>(port()));
     clients.push_back(std::make_unique<test::LiveClient>(port()));
     EXPECT_EQ(clients.back()->status(), 101U);
     EXPECT_EQ(clients.back()->greet(kToken)["answer"], "hello") << i;
   }
-  EXPECT_TRUE(clients_become(LiveServer::kMostClients));
+  EXPECT_TRUE(clients_become(LiveServer::kMaxClients));
 }
 
-TEST_F(Served, AHelloForWhichThereIsNoPlaceIsToldSo) {
+TEST_F(Served, AHelloForWhichThereIsNoPlaceIsReportedSo) {
   serve();
   std::vector<std::unique_ptr<test::LiveClient>> clients;
-  for (std::size_t i = 0; i + 1 < LiveServer::kMostClients; ++i) {
+  for (std::size_t i = 0; i + 1 < LiveServer::kMaxClients; ++i) {
     clients.push_back(std::make_unique<test::LiveClient>(port()));
     clients.back()->greet();
   }
@@ -363,7 +363,7 @@ TEST_F(Served, ATooLargeMessageEndsItsConnectionAndNoOther) {
   EXPECT_EQ(other.ask(command)["answer"], "version");
 }
 
-TEST_F(Served, TooManyMessagesAreToldAndThenEndTheConnection) {
+TEST_F(Served, TooManyMessagesAreReportedAndThenEndTheConnection) {
   serve();
   test::LiveClient client(port());
   client.greet();
@@ -443,7 +443,7 @@ TEST_F(Served, ALateAnswerReachesItsAskerAndAnEventReachesAll) {
   EXPECT_EQ(stranger.greet()["answer"], "hello") << "who has not said hello is told no events";
 }
 
-TEST_F(Served, AtTheEndClientsAreToldAndTheServerDoesNotWaitForThem) {
+TEST_F(Served, AtTheEndClientsAreInformedAndTheServerDoesNotWaitForThem) {
   serve();
   test::LiveClient polite(port());
   polite.greet();

@@ -13,7 +13,7 @@ namespace palpate::devices {
 namespace {
 
 constexpr std::array<int, 5> kFatal{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
-constexpr std::size_t kMostEntries = 32;  // open devices
+constexpr std::size_t kMaxEntries = 32;  // open devices
 constexpr std::size_t kSignalStackBytes = 1 << 16;
 
 struct CrashEntry {
@@ -26,7 +26,7 @@ struct CrashEntry {
 std::atomic<bool> crashing{false};
 std::atomic<pid_t> crashing_thread{0};
 std::atomic<pid_t> owner{0};  // the process that opened the devices; a child made by fork() only shares them
-std::array<CrashEntry, kMostEntries> crash_entries;
+std::array<CrashEntry, kMaxEntries> crash_entries;
 std::array<struct sigaction, kFatal.size()> actions_before;
 std::mutex crash_mutex;        // of set-up, never locked by the handler
 std::size_t open_devices = 0;  // entries in use
@@ -83,8 +83,8 @@ bool is_crashing() noexcept { return crashing.load(std::memory_order_relaxed); }
 
 CrashStop::CrashStop(Stop stop, void* device) : entry_(0) {
   const std::lock_guard lock(crash_mutex);
-  while (entry_ < kMostEntries && crash_entries[entry_].used) ++entry_;
-  if (entry_ == kMostEntries) throw std::length_error("CrashStop: too many devices are open");
+  while (entry_ < kMaxEntries && crash_entries[entry_].used) ++entry_;
+  if (entry_ == kMaxEntries) throw std::length_error("CrashStop: too many devices are open");
   CrashEntry& entry = crash_entries[entry_];
   entry.used = true;
   entry.device.store(device);

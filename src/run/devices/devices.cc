@@ -36,41 +36,41 @@ scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
   return path;
 }
 
-std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_scripted(const scene::Scene& scene, std::size_t hand,
                                                const OnWait& /*on_wait*/) {
-  const scene::DeviceSetup& device = setup.devices[hand];
+  const scene::DeviceSetup& device = scene.devices[hand];
   const scene::ToolPath path =
-      device.path.empty() ? scene::default_path(setup, hand) : path_from(device, setup.task);
+      device.path.empty() ? scene::default_path(scene, hand) : path_from(device, scene.task);
   return std::make_unique<ScriptedDevice>(path.faster(device.path_speed));
 }
 
 /// The default path, delayed by kSettle. A held device gives no force until the hand has been still for a
 /// while.
-scene::ToolPath default_path_of_a_hand(const scene::Scene& setup, std::size_t hand) {
+scene::ToolPath default_path_of_a_hand(const scene::Scene& scene, std::size_t hand) {
   constexpr double kSettle = 1.0;  // s: 0.25 s still, 0.5 s of force ramp and 0.25 s of margin
   std::vector<scene::PathRow> rows =
-      scene::default_path(setup, hand).faster(setup.devices[hand].path_speed).rows();
+      scene::default_path(scene, hand).faster(scene.devices[hand].path_speed).rows();
   for (scene::PathRow& row : rows) row.time += kSettle;
   return scene::ToolPath(std::move(rows));
 }
 
-std::unique_ptr<haptics::Device> open_emulated(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_emulated(const scene::Scene& scene, std::size_t hand,
                                                const OnWait& /*on_wait*/) {
-  const scene::DeviceSetup& device = setup.devices[hand];
-  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(setup, hand)
-                                             : path_from(device, setup.task).faster(device.path_speed);
-  return std::make_unique<EmulatedDevice>(std::move(path), device, setup.rate_Hz);
+  const scene::DeviceSetup& device = scene.devices[hand];
+  scene::ToolPath path = device.path.empty() ? default_path_of_a_hand(scene, hand)
+                                             : path_from(device, scene.task).faster(device.path_speed);
+  return std::make_unique<EmulatedDevice>(std::move(path), device, scene.rate_Hz);
 }
 
-std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_replay(const scene::Scene& scene, std::size_t hand,
                                              const OnWait& /*on_wait*/) {
-  const std::string& file = setup.devices[hand].path;
+  const std::string& file = scene.devices[hand].path;
   if (file.empty()) throw InputError("device replay: needs the path of a recording");
   const record::Recording recording = record::read_recording(file);
   const std::string place = "device replay: " + file + ": ";
-  if (recording.setup.rate_Hz != setup.rate_Hz) {
+  if (recording.scene.rate_Hz != scene.rate_Hz) {
     throw InputError(fmt::format("{}rate_Hz = {}: must be the scene's, {}", place,
-                                 shortest(recording.setup.rate_Hz), shortest(setup.rate_Hz)));
+                                 shortest(recording.scene.rate_Hz), shortest(scene.rate_Hz)));
   }
   std::vector<haptics::DeviceState> samples = samples_of_hand(recording.rows, hand);
   if (samples.empty()) {
@@ -80,12 +80,12 @@ std::unique_ptr<haptics::Device> open_replay(const scene::Scene& setup, std::siz
 }
 
 /// Opens a Haply device. Hands with the same service address take the arms of that service in order.
-std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_haply(const scene::Scene& scene, std::size_t hand,
                                             const OnWait& /*on_wait*/) {
-  const std::string& address = setup.devices[hand].path;
+  const std::string& address = scene.devices[hand].path;
   std::size_t place = 0;
   for (std::size_t other = 0; other < hand; ++other) {
-    const scene::DeviceSetup& device = setup.devices[other];
+    const scene::DeviceSetup& device = scene.devices[other];
     if (device.kind != "haply") continue;
     if (parse_haply_address(device.path).text() == parse_haply_address(address).text()) ++place;
   }
@@ -94,9 +94,9 @@ std::unique_ptr<haptics::Device> open_haply(const scene::Scene& setup, std::size
 
 /// Opens a device whose input comes from the window of a run.
 template <typename WindowDevice>
-std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& scene, std::size_t hand,
                                                 const OnWait& /*on_wait*/) {
-  return std::make_unique<WindowDevice>(scene::default_path(setup, hand).at(0.0), setup.rate_Hz);
+  return std::make_unique<WindowDevice>(scene::default_path(scene, hand).at(0.0), scene.rate_Hz);
 }
 
 Probe probe_mouse(const Machine& machine) {
@@ -136,13 +136,13 @@ Probe probe_replay(const Machine& /*machine*/) {
   return {"replay", true, "follows the hand of a recording (replay:run.h5)"};
 }
 
-std::unique_ptr<haptics::Device> open_forcedimension(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_forcedimension(const scene::Scene& scene, std::size_t hand,
                                                      const OnWait& /*on_wait*/) {
   std::size_t ordinal = 0;
   for (std::size_t other = 0; other < hand; ++other) {
-    if (setup.devices[other].kind == "forcedimension") ++ordinal;
+    if (scene.devices[other].kind == "forcedimension") ++ordinal;
   }
-  return std::make_unique<ForceDimensionDevice>(setup.devices[hand].path, ordinal);
+  return std::make_unique<ForceDimensionDevice>(scene.devices[hand].path, ordinal);
 }
 
 Probe probe_connected_forcedimension(const Machine& machine) {
@@ -179,14 +179,14 @@ OpenedDevice connect_forcedimension(const std::string& path) {
 OpenedDevice connect_haply(const std::string& path) { return connected<HaplyDevice>(path, std::size_t{0}); }
 OpenedDevice connect_touch(const std::string& name) { return connected<TouchDevice>(name); }
 
-std::unique_ptr<haptics::Device> open_touch(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_touch(const scene::Scene& scene, std::size_t hand,
                                             const OnWait& /*on_wait*/) {
-  return std::make_unique<TouchDevice>(setup.devices[hand].path);
+  return std::make_unique<TouchDevice>(scene.devices[hand].path);
 }
 
-std::unique_ptr<haptics::Device> open_igtl(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_igtl(const scene::Scene& scene, std::size_t hand,
                                            const OnWait& on_wait) {
-  return std::make_unique<IgtlDevice>(setup.devices[hand].path, IgtlTimes{}, on_wait);
+  return std::make_unique<IgtlDevice>(scene.devices[hand].path, IgtlTimes{}, on_wait);
 }
 OpenedDevice connect_igtl(const std::string& source) { return connected<IgtlDevice>(source); }
 
@@ -205,9 +205,9 @@ OpenedDevice connect_ros(const std::string& topic) {
   return {std::move(device), std::move(name)};
 }
 
-std::unique_ptr<haptics::Device> open_ros(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_ros(const scene::Scene& scene, std::size_t hand,
                                           const OnWait& on_wait) {
-  const std::string& topic = setup.devices[hand].path;
+  const std::string& topic = scene.devices[hand].path;
   return open_ros_topic(topic.empty() ? default_ros_topic(hand) : topic, on_wait);
 }
 
@@ -216,7 +216,7 @@ Probe probe_ros_plugin(const Machine& /*machine*/) { return probe_ros(); }
 /// Functions for one kind of device.
 struct Kind {
   std::string_view name;
-  std::unique_ptr<haptics::Device> (*open)(const scene::Scene& setup, std::size_t hand,
+  std::unique_ptr<haptics::Device> (*open)(const scene::Scene& scene, std::size_t hand,
                                            const OnWait& on_wait);
   Probe (*probe)(const Machine& machine);
   OpenedDevice (*connect)(const std::string& path);  // null: not hardware that a run can connect to
@@ -260,13 +260,13 @@ std::string names_of_kinds(bool connected) {
 
 }  // namespace
 
-std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_device(const scene::Scene& scene, std::size_t hand,
                                              const OnWait& on_wait) {
-  if (hand >= setup.devices.size()) {
-    throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, setup.devices.size()));
+  if (hand >= scene.devices.size()) {
+    throw InputError(fmt::format("hand {}: the scene has only {} devices", hand, scene.devices.size()));
   }
-  const std::string& name = setup.devices[hand].kind;
-  if (const Kind* kind = find_kind(name)) return kind->open(setup, hand, on_wait);
+  const std::string& name = scene.devices[hand].kind;
+  if (const Kind* kind = find_kind(name)) return kind->open(scene, hand, on_wait);
   throw InputError(fmt::format("device kind = \"{}\": must be {}", name, names_of_kinds(false)));
 }
 

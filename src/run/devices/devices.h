@@ -22,7 +22,7 @@ namespace palpate::devices {
 /// - "ros": poses from a ROS 2 topic.
 /// @param on_wait called while "igtl" and "ros" wait
 /// @throws InputError naming the kind, the file or address and the cause.
-[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand,
+[[nodiscard]] std::unique_ptr<haptics::Device> open_device(const scene::Scene& scene, std::size_t hand,
                                                            const OnWait& on_wait = {});
 
 /// [setup] Which devices of each kind are available, and why others are not, in the order of

@@ -24,7 +24,7 @@ class EmulatedDevice final : public haptics::Device {
   /// force, as the watchdog in a real device does.
   static constexpr double kOwnWatchdog = 10e-3;  // s
 
-  /// [setup] @param setup dynamics (else defaults) and emulated hand
+  /// [setup] @param scene dynamics (else defaults) and emulated hand
   /// @throws ParameterError when a value is out of its range.
   EmulatedDevice(scene::ToolPath path, const scene::DeviceSetup& setup, double rate_Hz);
 

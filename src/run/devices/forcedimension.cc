@@ -13,8 +13,8 @@
 namespace palpate::devices {
 namespace {
 
-// Values of the upper 16 bits of trouble_. The lower 16 bits contain the vendor's error number or force-off
-// cause.
+// Values of the upper 16 bits of last_error_. The lower 16 bits contain the vendor's error number or
+// force-off cause.
 constexpr std::uint32_t kNotRead = 1;
 constexpr std::uint32_t kNoStatus = 2;
 constexpr std::uint32_t kRefused = 3;
@@ -123,7 +123,7 @@ void ForceDimensionDevice::begin() {
     std::this_thread::sleep_for(kOpeningStep);
   }
   read_gripper();
-  trouble_.store(0, std::memory_order_relaxed);
+  last_error_.store(0, std::memory_order_relaxed);
 }
 
 void ForceDimensionDevice::require_calibrated() const {
@@ -224,7 +224,7 @@ bool ForceDimensionDevice::ask_status() noexcept {
   }
   const std::uint32_t off = force_off_in(status);
   force_off_ = off != 0;
-  if (force_off_) trouble_.store(off, std::memory_order_relaxed);
+  if (force_off_) last_error_.store(off, std::memory_order_relaxed);
   return true;
 }
 
@@ -265,7 +265,7 @@ void ForceDimensionDevice::stop() noexcept {
 }
 
 void ForceDimensionDevice::note(std::uint32_t what, int code) noexcept {
-  trouble_.store(what << 16U | (static_cast<std::uint32_t>(code) & 0xFFFFU), std::memory_order_relaxed);
+  last_error_.store(what << 16U | (static_cast<std::uint32_t>(code) & 0xFFFFU), std::memory_order_relaxed);
 }
 
 std::string ForceDimensionDevice::calibration_text() const {
@@ -275,13 +275,13 @@ std::string ForceDimensionDevice::calibration_text() const {
 }
 
 std::string ForceDimensionDevice::last_error() const {
-  const std::uint32_t trouble = trouble_.load(std::memory_order_relaxed);
-  const auto code = static_cast<int>(trouble & 0xFFFFU);
+  const std::uint32_t last_error = last_error_.load(std::memory_order_relaxed);
+  const auto code = static_cast<int>(last_error & 0xFFFFU);
   const auto error = [&] {
-    const char* words = library_.call().ErrorGetStr == nullptr ? nullptr : library_.call().ErrorGetStr(code);
-    return words == nullptr ? "the vendor's error " + std::to_string(code) : std::string(words);
+    const char* text = library_.call().ErrorGetStr == nullptr ? nullptr : library_.call().ErrorGetStr(code);
+    return text == nullptr ? "the vendor's error " + std::to_string(code) : std::string(text);
   };
-  switch (trouble >> 16U) {
+  switch (last_error >> 16U) {
     case kNotRead:
       return "the device could not be read: " + error();
     case kNoStatus:
@@ -318,17 +318,17 @@ Probe probe_forcedimension(const std::string& library) {
     const std::string which = opened.name() + " " + opened.version();
     if (count > 0) {
       probe.available = true;
-      probe.words = fmt::format("{}{} connected ({})", count, count == 1 ? " device" : " devices", which);
+      probe.text = fmt::format("{}{} connected ({})", count, count == 1 ? " device" : " devices", which);
     } else if (count == 0) {
-      probe.words = "no device is connected, switched on and open to this user (docs/devices.md); " + which;
+      probe.text = "no device is connected, switched on and open to this user (docs/devices.md); " + which;
     } else {
-      probe.words = fmt::format("cannot look for devices: {}; {}", opened.last_error(), which);
+      probe.text = fmt::format("cannot look for devices: {}; {}", opened.last_error(), which);
     }
   } catch (const InputError& error) {
-    const std::string words = error.what();
+    const std::string text = error.what();
     const std::string place = "device forcedimension: ";
-    probe.library = words.find("is not installed") == std::string::npos;
-    probe.words = words.rfind(place, 0) == 0 ? words.substr(place.size()) : words;
+    probe.library = text.find("is not installed") == std::string::npos;
+    probe.text = text.rfind(place, 0) == 0 ? text.substr(place.size()) : text;
   }
   return probe;
 }

@@ -76,11 +76,11 @@ class ForceDimensionDevice final : public haptics::Device {
   bool has_gripper_ = false;
   bool watchdog_armed_ = false;
   bool force_off_ = false;
-  double gripper_ = 0.0;                   // last reading, 0..1
-  double sampled_ = 0.0;                   // time of the last new sample [s]
-  double next_status_ = 0.0;               // [s]
-  std::atomic<std::uint32_t> trouble_{0};  // what << 16 | code; 0: none
-  std::optional<CrashStop> crash_stop_;    // from the force's switching on to close()
+  double gripper_ = 0.0;                      // last reading, 0..1
+  double sampled_ = 0.0;                      // time of the last new sample [s]
+  double next_status_ = 0.0;                  // [s]
+  std::atomic<std::uint32_t> last_error_{0};  // what << 16 | code; 0: none
+  std::optional<CrashStop> crash_stop_;       // from the force's switching on to close()
 };
 
 /// [setup] Whether the library is installed and how many devices it finds. Opens none. @param library as in

@@ -55,7 +55,7 @@ void DhdLibrary::open(const std::string& path) {
     throw InputError(in_front(path) + "must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
   }
   const std::filesystem::path folder = user_config_folder();
-  std::string words;
+  std::string reason;
   for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
     if (!folder.empty() && file_exists(folder / name)) {
       const std::string doubt = distrust_reason(folder);
@@ -65,11 +65,11 @@ void DhdLibrary::open(const std::string& path) {
     name_ = name;
     handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     if (handle_ != nullptr) return;
-    words = loader_text();
+    reason = loader_text();
     // A library that exists but cannot be loaded gets the loader's message. A missing library gets a plainer
     // message below.
-    if (words.rfind(name_ + ": cannot open shared object file", 0) != 0) {
-      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), words, kAdvice));
+    if (reason.rfind(name_ + ": cannot open shared object file", 0) != 0) {
+      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), reason, kAdvice));
     }
   }
   throw InputError(std::string("device forcedimension: libdhd.so.3 is not installed ") + kAdvice);
@@ -131,8 +131,8 @@ void DhdLibrary::check_version() const {
 }
 
 std::string DhdLibrary::last_error() const {
-  const char* words = functions_.ErrorGetLastStr();
-  return words == nullptr ? "error " + std::to_string(functions_.ErrorGetLast()) : words;
+  const char* reason = functions_.ErrorGetLastStr();
+  return reason == nullptr ? "error " + std::to_string(functions_.ErrorGetLast()) : reason;
 }
 
 }  // namespace palpate::devices

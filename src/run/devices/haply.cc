@@ -85,7 +85,7 @@ void HaplyDevice::stop() noexcept { forces_.stop(); }
 
 std::string HaplyDevice::last_error() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return trouble_;
+  return last_error_;
 }
 
 std::string HaplyDevice::description() const {
@@ -190,7 +190,7 @@ void HaplyDevice::fail(const std::string& why) {
 
 void HaplyDevice::set_error(const std::string& what) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  trouble_ = address_.text() + ": " + what;
+  last_error_ = address_.text() + ": " + what;
 }
 
 /// Waits until the next attempt to connect.

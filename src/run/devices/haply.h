@@ -87,8 +87,8 @@ class HaplyDevice final : public haptics::Device {
   std::atomic<bool> closing_{false};
   TripleBuffer<Sample> samples_;  // thread to loop
   ForceHandover forces_;          // loop to thread
-  mutable std::mutex mutex_;      // of trouble_
-  std::string trouble_;
+  mutable std::mutex mutex_;      // of last_error_
+  std::string last_error_;
 
   // Used only by the thread once it runs:
   HaplyLink link_;

@@ -19,8 +19,8 @@ using nlohmann::json;
 
 constexpr double kQuaternionSlack = 0.05;  // largest deviation of a quaternion's norm from 1, as in a tick
 constexpr std::size_t kLongestId = 64;     // characters; the ids of the service have four to five
-constexpr int kDeepest = 32;              // nesting levels of a message; the messages of the service have six
-constexpr std::size_t kMostDevices = 64;  // devices of one kind in a message
+constexpr int kDeepest = 32;             // nesting levels of a message; the messages of the service have six
+constexpr std::size_t kMaxDevices = 64;  // devices of one kind in a message
 constexpr std::string_view kArms = "inverse3";
 constexpr std::string_view kGrips[] = {"wireless_verse_grip", "verse_grip"};
 
@@ -65,7 +65,7 @@ JsonField root_of(const json& message) {
 
 /// The device of this id in the message's list of its kind; empty: the list does not have it.
 std::optional<JsonField> find(const JsonField& devices, const std::string& id) {
-  for (const JsonField& device : devices.elements(kMostDevices)) {
+  for (const JsonField& device : devices.elements(kMaxDevices)) {
     if (id_of(device) == id) return device;
   }
   return std::nullopt;
@@ -110,13 +110,13 @@ HaplyInventory read_haply_inventory(std::string_view text) {
   HaplyInventory inventory;
   // Only version 3.5 documents these two members. It also documents "vector" in the force command.
   bool vector = root.at("session_id").there();
-  for (const JsonField& arm : root.at(std::string(kArms)).elements(kMostDevices)) {
+  for (const JsonField& arm : root.at(std::string(kArms)).elements(kMaxDevices)) {
     inventory.arms.push_back(id_of(arm));
     vector = vector || arm.at("state").at("control_mode").there();
   }
   if (vector) inventory.force_field = HaplyForceField::kVector;
   for (const std::string_view kind : kGrips) {
-    for (const JsonField& grip : root.at(std::string(kind)).elements(kMostDevices)) {
+    for (const JsonField& grip : root.at(std::string(kind)).elements(kMaxDevices)) {
       inventory.grips.push_back(id_of(grip));
     }
   }

@@ -22,7 +22,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;             // ns
 constexpr std::int64_t kOpeningPoll = 5 * kMillisecond;      // ns between two looks for the first poses
 constexpr std::int64_t kFarewellLimit = 200 * kMillisecond;  // ns for the last zero force
 constexpr int kIgtlSendBuffer = 16 * 1024;                   // bytes: some 50 periods
-constexpr std::size_t kMostReceived = std::size_t{64} * 1024;
+constexpr std::size_t kMaxReceived = std::size_t{64} * 1024;
 
 const char* const kWho = "device igtl:";
 
@@ -79,7 +79,7 @@ std::string IgtlDevice::last_error() const {
   const std::int64_t heard = heard_ns_.load();
   const std::int64_t silence = monotonic_ns() - heard;
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!usable_ || silence <= PoseStream::kSilence) return trouble_;
+  if (!usable_ || silence <= PoseStream::kSilence) return last_error_;
   return fmt::format("{}: no TRANSFORM {} came for {} ms", source_.address.text(), source_.name,
                      in_ms(silence));
 }
@@ -103,8 +103,8 @@ void IgtlDevice::wait_for_poses(const OnWait& on_wait) {
 std::string IgtlDevice::why_no_poses() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::string why;
-  if (!trouble_.empty()) {
-    why = "; the last error: " + trouble_;
+  if (!last_error_.empty()) {
+    why = "; the last error: " + last_error_;
   } else if (!connected_) {
     why = ": none has connected";
   } else if (heard_ns_.load() > 0) {
@@ -161,7 +161,7 @@ void IgtlDevice::let_in(std::int64_t now) {
 
 void IgtlDevice::receive(std::int64_t now) {
   if (client_.number() < 0) return;
-  std::array<unsigned char, kMostReceived> bytes;
+  std::array<unsigned char, kMaxReceived> bytes;
   const ssize_t got = recv(client_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT);
   if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
   if (got < 0) return drop(std::string("the connection broke: ") + std::strerror(errno));
@@ -249,7 +249,7 @@ void IgtlDevice::let_go() noexcept {
     }
     // Closing a connection with unread input would reset it, and the zero force could be lost.
     if (client_.number() >= 0) (void)shutdown(client_.number(), SHUT_WR);
-    std::array<unsigned char, kMostReceived> ignored;
+    std::array<unsigned char, kMaxReceived> ignored;
     while (monotonic_ns() < deadline) {
       if (recv(client_.number(), ignored.data(), ignored.size(), MSG_DONTWAIT) <= 0) break;
     }
@@ -260,7 +260,7 @@ void IgtlDevice::let_go() noexcept {
 
 void IgtlDevice::set_error(const std::string& what) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  trouble_ = source_.address.text() + ": " + what;
+  last_error_ = source_.address.text() + ": " + what;
   usable_ = false;
 }
 

@@ -87,7 +87,7 @@ class IgtlDevice final : public haptics::Device {
   PoseStream poses_;
   ForceHandover forces_;
   mutable std::mutex mutex_;
-  std::string trouble_;              // this and the next three: guarded by mutex_
+  std::string last_error_;           // this and the next three: guarded by mutex_
   bool usable_ = false;              // the newest message had a usable pose
   std::vector<std::string> others_;  // names of other TRANSFORM messages that the client sends
   bool connected_ = false;

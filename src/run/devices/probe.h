@@ -16,7 +16,7 @@ struct Reason {
 struct Probe {
   std::string kind;               // a name of src/io/scene/device_kinds.h
   bool available = false;         // a run could open one now
-  std::string words;              // one line: the found device, or the missing part
+  std::string text;               // one line: the found device, or the missing part
   bool library = true;            // the vendor's library is installed, or the kind needs none
   std::vector<Reason> reasons{};  // causes, the most likely first
 };

@@ -150,7 +150,7 @@ int for_each_usb_device(const Machine& machine, const UsbNumber (&numbers)[n], c
 }
 
 std::vector<Reason> likeliest(std::vector<Reason> reasons) {
-  if (reasons.size() > kMostReasons) reasons.resize(kMostReasons);
+  if (reasons.size() > kMaxReasons) reasons.resize(kMaxReasons);
   return reasons;
 }
 

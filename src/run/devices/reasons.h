@@ -21,10 +21,10 @@ struct Machine {
   static bool may_read_and_write(const std::filesystem::path& file);
 };
 
-inline constexpr std::size_t kMostReasons = 3;
+inline constexpr std::size_t kMaxReasons = 3;
 
 /// [setup] Why a kind of device cannot be used on this machine, the most likely reason first, at most
-/// kMostReasons. Missing rights are a reason only for a device on USB, another program only if it has the
+/// kMaxReasons. Missing rights are a reason only for a device on USB, another program only if it has the
 /// device open. Unreadable files neither add nor remove a reason.
 /// @param library whether the system's loader finds the vendor's library
 [[nodiscard]] std::vector<Reason> forcedimension_reasons(const Machine& machine, bool library);

@@ -38,7 +38,7 @@ bool RosDevice::write(const haptics::ForceCommand& command_D) noexcept {
 std::string RosDevice::last_error() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::int64_t silence = monotonic_ns() - heard_ns_;
-  if (lost_ || heard_ns_ == 0 || silence <= PoseStream::kSilence) return trouble_;
+  if (lost_ || heard_ns_ == 0 || silence <= PoseStream::kSilence) return last_error_;
   return fmt::format("{}: no pose came for {} ms", topic_, silence / 1'000'000);
 }
 
@@ -47,13 +47,13 @@ void RosDevice::on_pose(const ros::ReceivedPose& pose) noexcept {
   heard_ns_ = monotonic_ns();
   const std::string refused = poses_.add({pose.position, pose.orientation}, heard_ns_);
   lost_ = false;
-  if (!refused.empty()) trouble_ = topic_ + ": " + refused;
+  if (!refused.empty()) last_error_ = topic_ + ": " + refused;
 }
 
 void RosDevice::on_loss(const char* what) noexcept {
   const std::lock_guard<std::mutex> lock(mutex_);
   lost_ = true;
-  trouble_ = topic_ + ": " + what;
+  last_error_ = topic_ + ": " + what;
   poses_.break_off();
 }
 
@@ -67,10 +67,10 @@ void RosDevice::wait_for_poses(std::int64_t opening_ns, const OnWait& on_wait) {
     if (on_wait) on_wait();
     sleep_until_ns(std::min(deadline, now + kRosOpeningPoll));
   }
-  const std::string trouble = last_error();
+  const std::string error = last_error();
   throw InputError(fmt::format("device ros: no geometry_msgs/msg/PoseStamped came on {} within {:.3g} s: {}",
                                topic_, 1e-9 * static_cast<double>(opening_ns),
-                               !trouble.empty() ? trouble
+                               !error.empty() ? error
                                : subscription_->has_publisher()
                                    ? "its publisher must send at least 20 poses per second"
                                    : "no program publishes to it"));

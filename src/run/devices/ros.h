@@ -51,7 +51,7 @@ class RosDevice final : public haptics::Device, private ros::PoseListener {
   std::unique_ptr<ros::Node> node_;
   PoseStream poses_;
   mutable std::mutex mutex_;   // guards the next three; calls of the listener wait for each other
-  std::string trouble_;        // the last one; empty: none
+  std::string last_error_;     // the last one; empty: none
   bool lost_ = false;          // the publisher has gone
   std::int64_t heard_ns_ = 0;  // arrival of the newest pose; 0: none yet
   std::unique_ptr<ros::Subscription> subscription_;  // last: its thread uses all of the above

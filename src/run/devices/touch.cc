@@ -102,10 +102,10 @@ bool TouchDevice::write(const haptics::ForceCommand& command_D) noexcept {
 void TouchDevice::stop() noexcept { arm_.forces.stop(); }
 
 std::string TouchDevice::last_error() const {
-  const std::uint32_t trouble = arm_.trouble.load(std::memory_order_relaxed);
-  switch (static_cast<TouchError>(trouble >> 16U)) {
+  const std::uint32_t last_error = arm_.last_error.load(std::memory_order_relaxed);
+  switch (static_cast<TouchError>(last_error >> 16U)) {
     case TouchError::kError:
-      return describe_hd_error(trouble & 0xFFFFU);
+      return describe_hd_error(last_error & 0xFFFFU);
     case TouchError::kInkwell:
       return "the stylus is in the inkwell: take it out, then reset the fault";
     case TouchError::kNotHeld:
@@ -130,9 +130,9 @@ Probe probe_touch(const std::string& library) {
     const HdLibrary opened(library);
     return {"touch", true, library + " is there; `palpate devices --try touch` opens the arm"};
   } catch (const InputError& error) {
-    const std::string words = error.what();
-    const bool installed = words.find("is not installed") == std::string::npos;
-    return {"touch", false, words.substr(std::string(kTouchPrefix).size()), installed};
+    const std::string message = error.what();
+    const bool installed = message.find("is not installed") == std::string::npos;
+    return {"touch", false, message.substr(std::string(kTouchPrefix).size()), installed};
   }
 }
 

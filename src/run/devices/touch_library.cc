@@ -9,7 +9,7 @@
 namespace palpate::devices {
 namespace {
 
-constexpr int kMostHdErrors = 64;  // most errors read at once; a library may report errors without end
+constexpr int kMaxHdErrors = 64;  // most errors read at once; a library may report errors without end
 
 void look_up(VendorFunctions& lookup, HdFunctions& f) {
   lookup.required(f.InitDevice, "hdInitDevice");
@@ -41,10 +41,10 @@ void look_up(VendorFunctions& lookup, HdFunctions& f) {
 HdLibrary::HdLibrary(const std::string& file) {
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) {
-    const std::string words = loader_text();
+    const std::string reason = loader_text();
     // A missing library gets a plain message. A library that exists but cannot be loaded gets the loader's
     // message.
-    if (words.rfind(file + ": cannot open shared object file", 0) == 0) {
+    if (reason.rfind(file + ": cannot open shared object file", 0) == 0) {
       throw InputError(fmt::format(
           "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver, then "
           "sudo ldconfig (docs/devices.md)",
@@ -53,7 +53,7 @@ HdLibrary::HdLibrary(const std::string& file) {
     throw InputError(
         fmt::format("device touch: {}: cannot be loaded ({}), must be OpenHaptics' library for this computer "
                     "with the Touch Device Driver beside it",
-                    file, words));
+                    file, reason));
   }
   VendorFunctions lookup(handle);
   look_up(lookup, functions_);
@@ -66,7 +66,7 @@ HdLibrary::HdLibrary(const std::string& file) {
 HdErrorInfo HdLibrary::take_error() const noexcept {
   HdErrorInfo newest = functions_.GetError();
   HdErrorInfo older = newest;
-  for (int i = 0; i < kMostHdErrors && older.code != kHdSuccess; ++i) older = functions_.GetError();
+  for (int i = 0; i < kMaxHdErrors && older.code != kHdSuccess; ++i) older = functions_.GetError();
   return newest;
 }
 

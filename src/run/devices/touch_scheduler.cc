@@ -18,8 +18,8 @@ namespace {
 
 constexpr unsigned long kHdRate = 1000;  // Hz
 constexpr double kWeakestArm = 3.3;  // N, for an arm that does not report its largest force: that of a Touch
-constexpr int kMostErrorsAFrame = 16;
-constexpr std::size_t kMostMotors = 16;           // the vendor's largest arms have 6
+constexpr int kMaxErrorsAFrame = 16;
+constexpr std::size_t kMaxMotors = 16;            // the vendor's largest arms have 6
 constexpr std::int64_t kLastFrames = 50'000'000;  // ns for the last frames, with zero force
 constexpr std::int64_t kLookAgain = 1'000'000;    // ns
 
@@ -94,22 +94,22 @@ void TouchScheduler::open(TouchArm& arm) {
   const auto require = [&](const char* what) {
     const HdErrorInfo error = library_.take_error();
     if (error.code == kHdSuccess && arm.handle != kHdInvalidHandle) return;
-    const std::string words = error.code == kHdSuccess
-                                  ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
-                                  : describe_hd_error(error.code);
+    const std::string text = error.code == kHdSuccess
+                                 ? "the vendor's library gives no reason: run Touch_Setup, then begin again"
+                                 : describe_hd_error(error.code);
     std::string reasons;
     for (const Reason& reason : touch_reasons({}, true)) {
       reasons += fmt::format("; {} ({})", reason.what, reason.command);
     }
-    throw InputError(fmt::format("device touch: {} {}: {}{}", quoted_name(arm), what, words, reasons));
+    throw InputError(fmt::format("device touch: {} {}: {}{}", quoted_name(arm), what, text, reasons));
   };
   library_.take_error();
   arm.handle = call.InitDevice(arm.name.empty() ? nullptr : arm.name.c_str());
   require("cannot be opened");
   call.MakeCurrentDevice(arm.handle);
   const auto text = [&](unsigned what) {
-    const char* words = call.GetString(what);
-    return std::string(words == nullptr ? "?" : words);
+    const char* text = call.GetString(what);
+    return std::string(text == nullptr ? "?" : text);
   };
   arm.model = fmt::format("{} (serial number {}, driver {})", text(kHdModel), text(kHdSerialNumber),
                           text(kHdDriverVersion));
@@ -228,17 +228,17 @@ void TouchScheduler::read_switches(TouchArm& arm, haptics::DeviceState& state) n
   call.GetBooleanv(kHdSafetySwitch, in_hand);
   call.GetBooleanv(kHdInkwellSwitch, out_of_inkwell);
   arm.was_held = arm.was_held || in_hand[0] != 0;
-  TouchError trouble = TouchError::kNone;
+  TouchError error = TouchError::kNone;
   if (out_of_inkwell[0] == 0) {
-    trouble = TouchError::kInkwell;
+    error = TouchError::kInkwell;
   } else if (arm.was_held && in_hand[0] == 0) {
-    trouble = TouchError::kNotHeld;
+    error = TouchError::kNotHeld;
   } else if (call.IsEnabled(kHdForceOutput) == 0) {
-    trouble = TouchError::kForceDisabled;
+    error = TouchError::kForceDisabled;
   }
-  if (trouble == TouchError::kNone) return;
+  if (error == TouchError::kNone) return;
   state.fault = haptics::Fault::kForceOff;
-  arm.note(trouble);
+  arm.note(error);
 }
 
 /// Reads the motors' temperatures. An arm that does not report them answers with an error, which is no fault.
@@ -246,7 +246,7 @@ void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept 
   if (now - arm.temperature_ns < kTemperaturePeriod) return;
   arm.temperature_ns = now;
   take_errors(arm, now);  // earlier errors do not belong to the temperature
-  double motors[kMostMotors] = {};
+  double motors[kMaxMotors] = {};
   library_.call().GetDoublev(kHdMotorTemperature, motors);
   const bool given = library_.take_error().code == kHdSuccess;
   arm.warm = given && std::any_of(std::begin(motors), std::end(motors), [](double t) { return t >= kWarm; });
@@ -254,7 +254,7 @@ void TouchScheduler::read_temperature(TouchArm& arm, std::int64_t now) noexcept 
 
 /// Gives each error to the arm that it names, or to the current arm when it names no open arm.
 void TouchScheduler::take_errors(TouchArm& current, std::int64_t now) noexcept {
-  for (int i = 0; i < kMostErrorsAFrame; ++i) {
+  for (int i = 0; i < kMaxErrorsAFrame; ++i) {
     const HdErrorInfo error = library_.call().GetError();
     if (error.code == kHdSuccess) return;
     const auto named = std::find_if(arms_.begin(), arms_.end(),

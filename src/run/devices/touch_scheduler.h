@@ -32,14 +32,14 @@ struct TouchArm {
   int calibration_style = 0;
   unsigned handle = kHdInvalidHandle;
 
-  TripleBuffer<TouchSample> samples;      // vendor's thread to loop
-  ForceHandover forces;                   // loop to vendor's thread
-  std::atomic<bool> opening{true};        // calibration is monitored
-  std::atomic<std::uint32_t> trouble{0};  // TouchError << 16 | code of the last error
+  TripleBuffer<TouchSample> samples;         // vendor's thread to loop
+  ForceHandover forces;                      // loop to vendor's thread
+  std::atomic<bool> opening{true};           // calibration is monitored
+  std::atomic<std::uint32_t> last_error{0};  // TouchError << 16 | code of the last error
 
   /// [rt] Stores the error for TouchDevice::last_error().
   void note(TouchError what, unsigned code = 0) noexcept {
-    trouble.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
+    last_error.store(static_cast<std::uint32_t>(what) << 16U | (code & 0xFFFFU), std::memory_order_relaxed);
   }
 
   // Used only by the vendor's thread while the scheduler runs:

@@ -7,8 +7,8 @@ namespace palpate::devices {
 void* VendorFunctions::find(const char* name) const { return dlsym(handle_, name); }
 
 std::string loader_text() {
-  const char* words = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
-  std::string text = words == nullptr ? "no reason given" : words;
+  const char* reason = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
+  std::string text = reason == nullptr ? "no reason given" : reason;
   for (char& letter : text) {
     if (letter == '\n') letter = ' ';
   }

@@ -41,30 +41,30 @@ nlohmann::ordered_json place_json(const Vec3& place) {
 
 }  // namespace
 
-std::vector<Lump> lumps_of(const scene::Scene& setup) {
-  const bool hides = std::any_of(setup.inclusions.begin(), setup.inclusions.end(),
+std::vector<Lump> lumps_of(const scene::Scene& scene) {
+  const bool hides = std::any_of(scene.inclusions.begin(), scene.inclusions.end(),
                                  [](const scene::InclusionSetup& one) { return !one.visible; });
   std::vector<Lump> lumps;
-  if (setup.inclusions.empty()) return lumps;
-  const geometry::SignedDistance surface = scene::organ_distance_of(setup);
-  for (const scene::InclusionSetup& one : setup.inclusions) {
+  if (scene.inclusions.empty()) return lumps;
+  const geometry::SignedDistance surface = scene::organ_distance_of(scene);
+  for (const scene::InclusionSetup& one : scene.inclusions) {
     if (hides && one.visible) continue;
     lumps.push_back({one.name, surface.nearest(one.inclusion.centre_S).point});
   }
   return lumps;
 }
 
-Scorer::Scorer(const scene::Scene& setup, const contact::World& world)
-    : rate_Hz_(setup.rate_Hz),
-      tolerance_(setup.search.tolerance),
-      mark_bit_(1U << setup.search.mark_button),
+Scorer::Scorer(const scene::Scene& scene, const contact::World& world)
+    : rate_Hz_(scene.rate_Hz),
+      tolerance_(scene.search.tolerance),
+      mark_bit_(1U << scene.search.mark_button),
       window_(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kRateWindow * rate_Hz_)))),
-      organ_pose_(setup.organ_pose),
-      motion_(scene::organ_motion_of(setup)),
+      organ_pose_(scene.organ_pose),
+      motion_(scene::organ_motion_of(scene)),
       map_(world),
-      areas_(areas_of(world, setup.organ_pose)),
-      hands_(setup.tools.size()) {
-  score_.lumps = lumps_of(setup);
+      areas_(areas_of(world, scene.organ_pose)),
+      hands_(scene.tools.size()) {
+  score_.lumps = lumps_of(scene);
 }
 
 void Scorer::add(const haptics::TickRow& row) {
@@ -170,8 +170,8 @@ Score Scorer::score() const {
 
 ScoredRecording::ScoredRecording(const record::Recording& recording, const contact::Preparation& how,
                                  const record::Progress& progress)
-    : world_(std::make_unique<haptics::SimulationWorld>(scene::make_world(recording.setup, how))),
-      scorer_(recording.setup, world_->contact) {
+    : world_(std::make_unique<haptics::SimulationWorld>(scene::make_world(recording.scene, how))),
+      scorer_(recording.scene, world_->contact) {
   constexpr std::size_t kBlock = 10'000;  // rows
   for (std::size_t i = 0; i < recording.rows.size(); ++i) {
     scorer_.add(recording.rows[i]);

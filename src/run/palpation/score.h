@@ -51,13 +51,13 @@ struct Score {
 };
 
 /// [setup] The inclusions that a scene hides; in a scene that hides none, all. Their places on the surface.
-[[nodiscard]] std::vector<Lump> lumps_of(const scene::Scene& setup);
+[[nodiscard]] std::vector<Lump> lumps_of(const scene::Scene& scene);
 
 /// Scores a search row by row, during a run or from a recording. All members: one thread.
 class Scorer final {
  public:
-  /// [setup] @param setup, world of the run; `world` must outlive this
-  Scorer(const scene::Scene& setup, const contact::World& world);
+  /// [setup] @param scene, world of the run; `world` must outlive this
+  Scorer(const scene::Scene& scene, const contact::World& world);
 
   /// [any] Adds one tick of one hand, in the order of a recording.
   void add(const haptics::TickRow& row);

@@ -303,16 +303,16 @@ std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_ca
 /// "the watchdog stopped the devices 2 times, as no tick had begun for 20 ms: after tick 12, after tick 90".
 std::string describe_stops(std::uint64_t number, const std::vector<WatchdogStop>& stops,
                            std::int64_t stalled_after) {
-  constexpr std::size_t kMostListed = 5;
+  constexpr std::size_t kMaxListed = 5;
   std::string text = "the watchdog stopped the devices " +
                      (number == 1 ? std::string("once") : std::to_string(number) + " times") +
                      ", as no tick had begun for " + milliseconds(stalled_after) + " ms:";
-  for (std::size_t i = 0; i < std::min(kMostListed, stops.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxListed, stops.size()); ++i) {
     const std::int64_t after_ms = stops[i].after_ns / 1'000'000;
     text += std::string(i == 0 ? "" : ",") + " after tick " + std::to_string(stops[i].tick) + " (" +
             shortest(static_cast<double>(after_ms) / 1e3) + " s)";
   }
-  if (number > kMostListed) text += " and " + std::to_string(number - kMostListed) + " more";
+  if (number > kMaxListed) text += " and " + std::to_string(number - kMaxListed) + " more";
   return text;
 }
 

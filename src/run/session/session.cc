@@ -23,14 +23,14 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
   to.insert(to.end(), from.begin(), from.end());
 }
 
-RunResult result_of(const scene::Scene& setup, bool offline) {
+RunResult result_of(const scene::Scene& scene, bool offline) {
   RunResult result;
-  result.scene = setup.name;
-  result.rate_Hz = setup.rate_Hz;
-  result.seed = setup.seed;
-  result.hands = setup.tools.size();
-  result.scene_remarks = setup.repairs;
-  append(result.scene_remarks, setup.remarks);
+  result.scene = scene.name;
+  result.rate_Hz = scene.rate_Hz;
+  result.seed = scene.seed;
+  result.hands = scene.tools.size();
+  result.scene_remarks = scene.repairs;
+  append(result.scene_remarks, scene.remarks);
   result.offline = offline;
   return result;
 }
@@ -63,20 +63,20 @@ std::uint64_t ticks_in(double duration_s, double rate_Hz, const std::string& nam
   return static_cast<std::uint64_t>(ticks);
 }
 
-Session::Session(scene::Scene setup, SessionOptions options)
-    : setup_(std::move(setup)),
+Session::Session(scene::Scene scene, SessionOptions options)
+    : scene_(std::move(scene)),
       devices_(std::move(options.devices)),
       world_(prepare(options.preparation)),
-      updates_(scene::make_parameter_updates(setup_, *world_)),
+      updates_(scene::make_parameter_updates(scene_, *world_)),
       control_(updates_.get()) {
   if (options.duration_s) {
-    ticks_ = ticks_in(*options.duration_s, setup_.rate_Hz);
+    ticks_ = ticks_in(*options.duration_s, scene_.rate_Hz);
   } else {
-    for (const auto& device : devices_) ticks_ = std::max(ticks_, device->last_tick(setup_.rate_Hz));
+    for (const auto& device : devices_) ticks_ = std::max(ticks_, device->last_tick(scene_.rate_Hz));
   }
-  append(setup_.remarks, scene::radius_remarks(setup_, *world_));
-  append(setup_.remarks, scene::overlap_remarks(setup_));
-  append(setup_.remarks, scene::stability_remarks(setup_, *world_));
+  append(scene_.remarks, scene::radius_remarks(scene_, *world_));
+  append(scene_.remarks, scene::overlap_remarks(scene_));
+  append(scene_.remarks, scene::stability_remarks(scene_, *world_));
 }
 
 Session::~Session() = default;
@@ -86,21 +86,21 @@ bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world
 /// Prepares the organ, which may take seconds, then opens the devices and adapts the scene to their
 /// abilities.
 std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::Preparation& how) {
-  auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(setup_, how));
+  auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(scene_, how));
   if (devices_.empty()) {
     const auto on_wait = [&how] {
       if (how.progress) how.progress(1.0, "waiting for the device");
     };
-    for (std::size_t hand = 0; hand < setup_.devices.size(); ++hand) {
-      devices_.push_back(devices::open_device(setup_, hand, on_wait));
+    for (std::size_t hand = 0; hand < scene_.devices.size(); ++hand) {
+      devices_.push_back(devices::open_device(scene_, hand, on_wait));
     }
-    append(setup_.remarks, scene::default_path_remarks(setup_));
+    append(scene_.remarks, scene::default_path_remarks(scene_));
   }
   if (devices_.size() != hands()) throw std::invalid_argument("Session: there must be one device a hand");
   for (std::size_t hand = 0; hand < hands(); ++hand) {
-    setup_.devices[hand].abilities = devices_[hand]->abilities();
+    scene_.devices[hand].abilities = devices_[hand]->abilities();
   }
-  append(setup_.remarks, scene::apply_device_abilities(setup_, *world));
+  append(scene_.remarks, scene::apply_device_abilities(scene_, *world));
   return world;
 }
 
@@ -112,14 +112,14 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
   if (!options.recording.empty()) {
     const std::vector<NamedFile> outputs = {{"the recording", options.recording}};
     std::vector<NamedFile> inputs;
-    for (const scene::SourceFile& file : setup_.files) inputs.push_back({file.named_by, file.path});
+    for (const scene::SourceFile& file : scene_.files) inputs.push_back({file.named_by, file.path});
     require_no_overwrite(outputs, inputs);
-    all.push_back(&recorder.emplace(options.recording, setup_, options.offline, options.on_recording_failure,
+    all.push_back(&recorder.emplace(options.recording, scene_, options.offline, options.on_recording_failure,
                                     options.study));
   } else if (options.keep_fault) {
-    all.push_back(&flight.emplace(setup_, options.study));
+    all.push_back(&flight.emplace(scene_, options.study));
   }
-  StatisticsObserver statistics(setup_);
+  StatisticsObserver statistics(scene_);
   all.push_back(&statistics);
   all.insert(all.end(), observers.begin(), observers.end());
   std::vector<haptics::Device*> devices;
@@ -127,7 +127,7 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
 
   ran_ = true;
   haptics::SimulationState state(*world_);
-  RunResult result = result_of(setup_, options.offline);
+  RunResult result = result_of(scene_, options.offline);
   result.loop = haptics::run_loop(*world_, state, devices, all,
                                   {.ticks = ticks_,
                                    .offline = options.offline,

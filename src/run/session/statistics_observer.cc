@@ -20,13 +20,13 @@ double norm(const std::array<double, 3>& v) noexcept {
 
 }  // namespace
 
-StatisticsObserver::StatisticsObserver(const scene::Scene& setup)
-    : period_(1.0 / setup.rate_Hz),
+StatisticsObserver::StatisticsObserver(const scene::Scene& scene)
+    : period_(1.0 / scene.rate_Hz),
       last_contact_tick_(kNever),
       last_limited_tick_(kNever),
-      open_span_(setup.tools.size(), -1),
-      last_phase_(setup.tools.size(), -1),
-      last_row_(setup.tools.size()) {
+      open_span_(scene.tools.size(), -1),
+      last_phase_(scene.tools.size(), -1),
+      last_row_(scene.tools.size()) {
   statistics_.phases.reserve(RunStatistics::kMaxSpans);
 }
 

@@ -13,7 +13,7 @@ namespace palpate::session {
 class StatisticsObserver final : public haptics::TickObserver {
  public:
   /// [setup]
-  explicit StatisticsObserver(const scene::Scene& setup);
+  explicit StatisticsObserver(const scene::Scene& scene);
 
   void on_update(const haptics::ParameterUpdate& update) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;

@@ -17,7 +17,7 @@ using geometry::edge_key;
 using geometry::Triangle;
 using geometry::TriangleMesh;
 
-constexpr int kMostRounds = 12;
+constexpr int kMaxRounds = 12;
 constexpr int kEvenRounds = 12;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -155,7 +155,7 @@ bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
 
 TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
   TriangleMesh fine = mesh;
-  for (int round = 0; round < kMostRounds && refine_once(fine, rule); ++round) {
+  for (int round = 0; round < kMaxRounds && refine_once(fine, rule); ++round) {
   }
   return fine;
 }

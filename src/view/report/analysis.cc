@@ -83,9 +83,9 @@ std::uint64_t first_noise_change(const record::Recording& recording) {
 /// Collects the noise of the rows before its first change, because afterwards a crossfade changes its gain
 /// gradually.
 void collect_noise(HandAnalysis& analysis, const record::Recording& recording) {
-  const scene::Scene& setup = recording.setup;
-  if (!setup.noise.enabled) return;
-  const noise::TouchNoise source(setup.noise, setup.rate_Hz);
+  const scene::Scene& scene = recording.scene;
+  if (!scene.noise.enabled) return;
+  const noise::TouchNoise source(scene.noise, scene.rate_Hz);
   analysis.contact_sigma = source.sigma(0.0);
   const std::uint64_t end = first_noise_change(recording);
   const haptics::TickRow* previous = nullptr;
@@ -181,9 +181,9 @@ std::string tissue_text(const model::TissueParameters& tissue) {
 LawOverTime::LawOverTime(const record::Recording& recording, model::Direction direction)
     : recording_(recording),
       direction_(direction),
-      period_(1.0 / recording.setup.rate_Hz),
-      law_(law_of(recording.setup, direction)),
-      relaxation_(recording.setup.tissue.relaxation, period_) {}
+      period_(1.0 / recording.scene.rate_Hz),
+      law_(law_of(recording.scene, direction)),
+      relaxation_(recording.scene.tissue.relaxation, period_) {}
 
 void LawOverTime::change_to(const model::TissueParameters& tissue) {
   const model::Relaxation before = relaxation_;
@@ -222,8 +222,8 @@ std::string change_text(const haptics::ParameterUpdate& change) {
 
 }  // namespace
 
-model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction) {
-  return {setup.tissue, direction, 1.0 / setup.rate_Hz};
+model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction) {
+  return {scene.tissue, direction, 1.0 / scene.rate_Hz};
 }
 
 bool in_contact(const haptics::TickRow& row, model::Direction direction) {
@@ -236,11 +236,11 @@ Analysis analyse(const record::Recording& recording) {
   if (recording.rows.empty()) throw InputError("report: the recording has no tick");
   Analysis analysis;
   analysis.direction =
-      recording.setup.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
+      recording.scene.task == scene::Task::kPull ? model::Direction::kPull : model::Direction::kPress;
   std::uint32_t hands = 0;
   std::vector<std::int64_t> tick_time;
   std::vector<std::int64_t> lateness;
-  const auto period_ns = static_cast<std::int64_t>(1e9 / recording.setup.rate_Hz);
+  const auto period_ns = static_cast<std::int64_t>(1e9 / recording.scene.rate_Hz);
   std::uint64_t late_rows = 0;
   for (const haptics::TickRow& row : recording.rows) {
     hands = std::max(hands, row.hand + 1);
@@ -261,23 +261,23 @@ Analysis analyse(const record::Recording& recording) {
 }
 
 std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows) {
-  std::vector<std::string> words;
+  std::vector<std::string> texts;
   std::uint32_t latched = 0;
   for (const haptics::TickRow& row : rows) {
     const bool reset = (row.events & haptics::kResetFault) != 0;
     if (row.fault == latched && (row.fault == 0 || !reset)) continue;
-    if (latched != 0) words.back() += ", until it was reset at " + moment(row);
+    if (latched != 0) texts.back() += ", until it was reset at " + moment(row);
     latched = row.fault;
     if (latched == 0) continue;
     const auto fault = static_cast<haptics::Fault>(latched);
-    words.push_back(fmt::format("fault at {}: {} ({}); zero force from there on", moment(row),
+    texts.push_back(fmt::format("fault at {}: {} ({}); zero force from there on", moment(row),
                                 haptics::describe(fault), haptics::name_of(fault)));
   }
-  return words;
+  return texts;
 }
 
 std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) {
-  static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kWords{{
+  static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kStatusTexts{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},
       {contact::kGripReleased, "the grip let go, past its limit"},
@@ -292,17 +292,17 @@ std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) 
        "motors "
        "were warm"},
   }};
-  std::vector<std::string> words;
-  for (const auto& [bit, text] : kWords) {
+  std::vector<std::string> texts;
+  for (const auto& [bit, text] : kStatusTexts) {
     const std::uint32_t mask = bit;
     const auto ticks = std::count_if(
         rows.begin(), rows.end(), [mask](const haptics::TickRow& row) { return (row.status & mask) != 0; });
-    if (ticks > 0) words.push_back(fmt::format("{} ({} ticks)", text, ticks));
+    if (ticks > 0) texts.push_back(fmt::format("{} ({} ticks)", text, ticks));
   }
   const auto faults =
       std::count_if(rows.begin(), rows.end(), [](const haptics::TickRow& row) { return row.fault != 0; });
-  if (faults > 0) words.push_back(fmt::format("a fault was latched ({} ticks)", faults));
-  return words;
+  if (faults > 0) texts.push_back(fmt::format("a fault was latched ({} ticks)", faults));
+  return texts;
 }
 
 Percentiles percentiles(std::vector<std::int64_t> values) {
@@ -400,18 +400,18 @@ NormalCheck check_standard_normal(std::vector<double> values) {
 }
 
 std::vector<std::string> changes_text(const record::Recording& recording) {
-  constexpr std::size_t kMostTold = 20;
-  std::vector<std::string> words;
+  constexpr std::size_t kMaxListed = 20;
+  std::vector<std::string> texts;
   for (const haptics::ParameterUpdate& change : recording.changes) {
-    if (words.size() == kMostTold) {
-      words.push_back(fmt::format("and {} more changes while it ran", recording.changes.size() - kMostTold));
+    if (texts.size() == kMaxListed) {
+      texts.push_back(fmt::format("and {} more changes while it ran", recording.changes.size() - kMaxListed));
       break;
     }
-    const double time = static_cast<double>(change.tick) / recording.setup.rate_Hz;
-    words.push_back(fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick,
+    const double time = static_cast<double>(change.tick) / recording.scene.rate_Hz;
+    texts.push_back(fmt::format("changed while it ran, from tick {} ({} s) on: {}", change.tick,
                                 fixed(time, 3), change_text(change)));
   }
-  return words;
+  return texts;
 }
 
 }  // namespace palpate::report

@@ -119,7 +119,7 @@ struct Analysis {
 [[nodiscard]] Analysis analyse(const record::Recording& recording);
 
 /// [setup] Elastic law at the start of the run, before relaxation and parameter updates.
-[[nodiscard]] model::SpringLaw law_of(const scene::Scene& setup, model::Direction direction);
+[[nodiscard]] model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction);
 
 using palpation::normal_force;
 

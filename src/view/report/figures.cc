@@ -16,8 +16,8 @@
 namespace palpate::report {
 namespace {
 
-constexpr std::size_t kMaxPoints = 2500;   // per line, to keep the page small
-constexpr std::size_t kMostMarkers = 300;  // per scatter plot, so that the curve beneath stays visible
+constexpr std::size_t kMaxPoints = 2500;  // per line, to keep the page small
+constexpr std::size_t kMaxMarkers = 300;  // per scatter plot, so that the curve beneath stays visible
 constexpr std::size_t kLongestSegment = 1024;
 constexpr std::size_t kShortestSegment = 64;
 
@@ -64,19 +64,19 @@ struct OrganMotionPlot {
 
 constexpr std::size_t kTurnColumn = 4;
 
-OrganMotionPlot organ_motion_plot(const HandAnalysis& hand, const scene::Scene& setup, std::size_t stride) {
+OrganMotionPlot organ_motion_plot(const HandAnalysis& hand, const scene::Scene& scene, std::size_t stride) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr std::array<double, 5> kNothing = {0.0, 1e-3, 1e-3, 1e-3, 1e-2};  // mm, degrees: below this a
                                                                              // column is constant
   OrganMotionPlot way;
-  const model::OrganMotion motion = scene::organ_motion_of(setup);
+  const model::OrganMotion motion = scene::organ_motion_of(scene);
   if (!motion.moves()) return way;
-  const Vec3 middle_S = geometry::bounds(setup.organ).middle();
+  const Vec3 middle_S = geometry::bounds(scene.organ).middle();
   std::array<double, 5> most{};
   for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
-    const Pose pose = motion.pose_at(setup.organ_pose, hand.rows[i].tick, setup.rate_Hz);
-    const Vec3 moved = (pose * middle_S - setup.organ_pose * middle_S) * kMilli;
-    const double turned = pose.rotation.angularDistance(setup.organ_pose.rotation) * kDegrees;
+    const Pose pose = motion.pose_at(scene.organ_pose, hand.rows[i].tick, scene.rate_Hz);
+    const Vec3 moved = (pose * middle_S - scene.organ_pose * middle_S) * kMilli;
+    const double turned = pose.rotation.angularDistance(scene.organ_pose.rotation) * kDegrees;
     const std::array<double, 5> row = {hand.rows[i].time, moved.x(), moved.y(), moved.z(), turned};
     for (std::size_t c = 0; c < row.size(); ++c) most[c] = std::max(most[c], std::abs(row[c]));
     way.data.rows.emplace_back(row.begin(), row.end());
@@ -114,7 +114,7 @@ std::string organ_panel(const OrganMotionPlot& way) {
 
 }  // namespace
 
-Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
+Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
                       const std::filesystem::path& file) {
   PlotData data{"rows.dat", {}};
   const std::size_t stride = stride_for(hand.rows.size(), kMaxPoints);
@@ -122,7 +122,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
     const haptics::TickRow& row = hand.rows[i];
     data.rows.push_back({row.time, row.depth * kMilli, row.tissue_force, device_force(row)});
   }
-  const OrganMotionPlot way = organ_motion_plot(hand, setup, stride);
+  const OrganMotionPlot way = organ_motion_plot(hand, scene, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
   std::string script = preamble(860, moving ? 720 : 520, kKey);
@@ -158,12 +158,12 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
 
 Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
-  const scene::Scene& setup = recording.setup;
-  const model::SpringLaw law = law_of(setup, direction);
+  const scene::Scene& scene = recording.scene;
+  const model::SpringLaw law = law_of(scene, direction);
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};
   double deepest = 1e-3;
-  const std::size_t stride = stride_for(hand.rows.size(), kMostMarkers);
+  const std::size_t stride = stride_for(hand.rows.size(), kMaxMarkers);
   for (std::size_t i = 0; i < hand.rows.size(); i += stride) {
     const haptics::TickRow& row = hand.rows[i];
     if (!in_contact(row, direction)) continue;
@@ -183,7 +183,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
       shortest(1.08 * deepest * kMilli) + "]\nset yrange [0:*]\n";
   std::vector<std::string> curves = {
       fmt::format("'law.dat' using 1:2 with lines lw 7 lc rgb '#cfcfcf' title 'law of the model{}'",
-                  setup.tissue.relaxation.empty() ? "" : ", before it relaxes")};
+                  scene.tissue.relaxation.empty() ? "" : ", before it relaxes")};
   if (!in.rows.empty())
     curves.push_back("'in.dat' using 1:2 with points pt 7 ps 0.45 lc " + rgb(kBlue) + " title 'going in'");
   if (!out.rows.empty())
@@ -196,10 +196,10 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
       "contacts on one organ share the tissue and lie above that line; damping and the fades at the start "
       "and at letting go part from it for a moment.{}{}{}",
       stride,
-      setup.tissue.relaxation.empty()
+      scene.tissue.relaxation.empty()
           ? ""
           : " This tissue relaxes: the longer it is held, the farther its force lies below the line.",
-      setup.inclusions.empty() && setup.stiffness.empty()
+      scene.inclusions.empty() && scene.stiffness.empty()
           ? ""
           : " The line is that of the uniform tissue; the inclusions and the stiffness map make the "
             "difference.",
@@ -207,17 +207,17 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
   return drawn(figure, script, {curve, in, out});
 }
 
-Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& setup,
+Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& scene,
                            const std::filesystem::path& file) {
   Figure figure{file, "Power spectral density of the touch noise over frequency"};
   const bool contact = hand.contact_noise.size() >= 4 * kShortestSegment;
   const std::vector<double>& samples = contact ? hand.contact_noise : hand.unit_noise;
   std::size_t segment = kLongestSegment;
   while (segment > kShortestSegment && samples.size() < 8 * segment) segment /= 2;
-  const double rate = setup.noise.rate_Hz;
+  const double rate = scene.noise.rate_Hz;
   const Spectrum spectrum = welch(samples, rate, segment);
   if (spectrum.density.empty()) {
-    figure.missing = setup.noise.enabled ? "The run is too short for a spectrum." : "The noise was off.";
+    figure.missing = scene.noise.enabled ? "The run is too short for a spectrum." : "The noise was off.";
     return figure;
   }
   const double scale = contact ? kMilli * kMilli : 1.0;

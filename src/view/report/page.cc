@@ -48,7 +48,7 @@ ul { margin: .4rem 0 1rem; padding-left: 1.2rem; max-width: 50rem; }
 ul.marks { list-style: none; padding: 0; }
 ul.marks li { padding: .12rem 0 .12rem 1.6rem; text-indent: -1.6rem; }
 .mark { display: inline-block; width: 1.6rem; text-indent: 0; font-weight: 700; }
-.met { color: var(--met); } .missed { color: var(--missed); } .told { color: var(--soft); }
+.met { color: var(--met); } .missed { color: var(--missed); } .information { color: var(--soft); }
 figure { margin: 0 0 1rem; break-inside: avoid; }
 figure img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 3px; }
 figcaption { font-size: .86rem; color: var(--soft); margin-top: .35rem; line-height: 1.45; }

@@ -43,7 +43,7 @@ TableRows lumps_and_marks(const palpation::Score& score) {
   return rows;
 }
 
-Figure draw_figure(const scene::Scene& setup, const palpation::Scorer& scorer,
+Figure draw_figure(const scene::Scene& scene, const palpation::Scorer& scorer,
                    const std::filesystem::path& file) {
   Figure figure{file, "the organ from above, coloured by the felt and the true stiffness"};
   figure.caption =
@@ -51,7 +51,7 @@ Figure draw_figure(const scene::Scene& setup, const palpation::Scorer& scorer,
       "the tissue is; where the organ has its natural colour it was not pressed. Rings: lumps; dots: marks "
       "that found one; crosses: false marks.";
   try {
-    write_png(draw_felt_stiffness(setup, scorer), file);
+    write_png(draw_felt_stiffness(scene, scorer), file);
   } catch (const std::exception& error) {
     figure.missing = error.what();
   }
@@ -90,12 +90,12 @@ std::vector<render::SurfaceMark> marks_of(const palpation::Score& score) {
   return marks;
 }
 
-render::Image draw_felt_stiffness(const scene::Scene& setup, const palpation::Scorer& scorer, int height) {
+render::Image draw_felt_stiffness(const scene::Scene& scene, const palpation::Scorer& scorer, int height) {
   const int width = height * 8 / 7;
   const palpation::FeltMap& map = scorer.map();
-  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name};
+  const render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name};
   haptics::Snapshot at_rest;
-  at_rest.organ_W = setup.organ_pose;
+  at_rest.organ_W = scene.organ_pose;
   render::OffscreenRenderer renderer(subject, width, height);
   const render::Camera camera =
       render::frame_from_above(subject, at_rest, static_cast<double>(width) / height);
@@ -113,24 +113,24 @@ render::Image draw_felt_stiffness(const scene::Scene& setup, const palpation::Sc
                               render::legend_panel(height, range.low, range.high, "x"));
 }
 
-std::filesystem::path write_palpation_report(const scene::Scene& setup, const palpation::Scorer& scorer,
+std::filesystem::path write_palpation_report(const scene::Scene& scene, const palpation::Scorer& scorer,
                                              const std::filesystem::path& folder,
                                              const std::string& command) {
   make_report_folder(folder);
   const palpation::Score score = scorer.score();
-  Page page("Search for lumps: " + setup.name,
+  Page page("Search for lumps: " + scene.name,
             fmt::format("{} of {} found, {} false", score.found, score.lumps.size(), score.wrong));
   page.section("score", "Score");
   page.table(measure_rows(score));
   page.section("maps", "What the hand felt, and what there is");
-  page.figures("", {draw_figure(setup, scorer, folder / "felt-stiffness.png")});
+  page.figures("", {draw_figure(scene, scorer, folder / "felt-stiffness.png")});
   page.section("places", "Lumps and marks");
   page.table(lumps_and_marks(score));
   page.section("run", "How it was made");
-  page.facts({{"scene", setup.name},
-              {"organ", setup.organ_name},
-              {"seed", std::to_string(setup.seed)},
-              {"tolerance", mm(setup.search.tolerance)}});
+  page.facts({{"scene", scene.name},
+              {"organ", scene.organ_name},
+              {"seed", std::to_string(scene.seed)},
+              {"tolerance", mm(scene.search.tolerance)}});
   page.code(command);
   return page.write(folder);
 }

@@ -11,7 +11,7 @@ namespace palpate::report {
 
 /// [setup] The felt factor of the stiffness over the organ, the true one and their legend side by side, seen
 /// from above with lumps and marks. @param height pixels @throws std::runtime_error without OpenGL
-[[nodiscard]] render::Image draw_felt_stiffness(const scene::Scene& setup, const palpation::Scorer& scorer,
+[[nodiscard]] render::Image draw_felt_stiffness(const scene::Scene& scene, const palpation::Scorer& scorer,
                                                 int height = 700);
 
 /// The scale of the maps: nearly all felt factors, at least from 1 to 1.2.
@@ -28,7 +28,7 @@ struct FactorRange {
 /// [setup] Writes `folder`/report.html (self-contained): the score with the definition of each measure, the
 /// maps, lumps and marks. @param command the command line @return path of report.html @throws InputError when
 /// the folder cannot be written
-std::filesystem::path write_palpation_report(const scene::Scene& setup, const palpation::Scorer& scorer,
+std::filesystem::path write_palpation_report(const scene::Scene& scene, const palpation::Scorer& scorer,
                                              const std::filesystem::path& folder, const std::string& command);
 
 }  // namespace palpate::report

@@ -107,9 +107,9 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
               PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
-  const scene::Scene& setup = recording.setup;
-  const render::Subject subject{setup.organ, setup.tools, setup.tissue.reach, setup.tissue.name,
-                                scene::visible_inclusions(setup.inclusions)};
+  const scene::Scene& scene = recording.scene;
+  const render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
+                                scene::visible_inclusions(scene.inclusions)};
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
   set.width = options.picture_width;
@@ -122,14 +122,14 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   const Vec3 normal = hand.key_ticks.contact ? result.normal_W : result.away_W;
   const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
   const render::Camera wide =
-      with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, setup.organ_motion);
+      with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, scene.organ_motion);
   set.contacts_at_depth = result.view_count;
 
-  const Vec3 middle = geometry::bounds(setup.organ).middle();
+  const Vec3 middle = geometry::bounds(scene.organ).middle();
   std::size_t i = 0;
   for (const NamedMoment& moment : named(hand.key_ticks)) {
-    const std::string what = setup.organ_name + " and tool " + moment.name;
-    const double moved = (snapshots[i].organ_W * middle - setup.organ_pose * middle).norm();
+    const std::string what = scene.organ_name + " and tool " + moment.name;
+    const double moved = (snapshots[i].organ_W * middle - scene.organ_pose * middle).norm();
     const auto file = [&](const char* end) { return folder / (prefix + moment.file + end); };
     set.overviews.push_back(
         written(halved(renderer.draw(snapshots[i], wide)),

@@ -27,12 +27,12 @@ ExperimentResults work_out(const Experiment& experiment, const std::filesystem::
     const std::string start =
         prefix + (worked.analysis.hands.size() > 1 ? fmt::format("hand-{}-", hand.hand + 1) : "");
     worked.hands.push_back(
-        {draw_over_time(hand, recording.setup, folder / (start + "over-time.svg")),
+        {draw_over_time(hand, recording.scene, folder / (start + "over-time.svg")),
          draw_law(hand, recording, worked.analysis.direction, folder / (start + "law.svg")),
-         draw_noise_spectrum(hand, recording.setup, folder / (start + "noise-spectrum.svg")),
+         draw_noise_spectrum(hand, recording.scene, folder / (start + "noise-spectrum.svg")),
          draw_noise_histogram(hand, folder / (start + "noise-histogram.svg"))});
   }
-  const double rate = recording.setup.rate_Hz;
+  const double rate = recording.scene.rate_Hz;
   worked.tick_time = draw_tick_histogram(worked.analysis, rate, TickQuantity::kComputing,
                                          folder / (prefix + "tick-time.svg"));
   worked.lateness =

@@ -37,7 +37,7 @@ const HandAnalysis& main_hand(const ExperimentResults& worked) {
 
 std::string anchor(std::size_t number) { return "experiment-" + std::to_string(number); }
 
-enum class Mark { kMet, kMissed, kTold };
+enum class Mark { kMet, kMissed, kInformation };
 
 std::string marked(Mark mark, const std::string& html) {
   switch (mark) {
@@ -45,10 +45,10 @@ std::string marked(Mark mark, const std::string& html) {
       return "<span class=\"mark met\" aria-label=\"met\">✓</span>" + html;
     case Mark::kMissed:
       return "<span class=\"mark missed\" aria-label=\"missed\">✗</span>" + html;
-    case Mark::kTold:
+    case Mark::kInformation:
       break;
   }
-  return "<span class=\"mark told\" aria-hidden=\"true\">·</span>" + html;
+  return "<span class=\"mark information\" aria-hidden=\"true\">·</span>" + html;
 }
 
 Mark mark_of(bool met) { return met ? Mark::kMet : Mark::kMissed; }
@@ -72,16 +72,16 @@ std::string noise_mark(const NormalCheck& check) {
 
 /// The faults of all hands in one paragraph; empty: none.
 std::string all_faults(const Analysis& analysis) {
-  constexpr std::size_t kMostTold = 8;
+  constexpr std::size_t kMaxListed = 8;
   std::string text;
-  std::size_t told = 0;
+  std::size_t listed = 0;
   for (const HandAnalysis& hand : analysis.hands) {
-    for (const std::string& words : faults_text(hand.rows)) {
-      if (++told > kMostTold) continue;
-      text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, words);
+    for (const std::string& fault : faults_text(hand.rows)) {
+      if (++listed > kMaxListed) continue;
+      text += fmt::format("{}{}: {}", text.empty() ? "Hand " : "; hand ", hand.hand, fault);
     }
   }
-  if (told > kMostTold) text += fmt::format("; and {} more", told - kMostTold);
+  if (listed > kMaxListed) text += fmt::format("; and {} more", listed - kMaxListed);
   return text.empty() ? text : escaped(text + ".");
 }
 
@@ -95,14 +95,14 @@ std::vector<std::string> marks_of(const ExperimentResults& worked) {
                          fmt::format("{} to {} mm; the goal of both experiments is {} mm.",
                                      is_pull(worked) ? "Pulled" : "Pressed",
                                      fixed(hand.peak_depth * kMilli, 2), fixed(kGoalDepth * kMilli, 0))));
-  const bool uniform = recording.setup.inclusions.empty() && recording.setup.stiffness.empty();
+  const bool uniform = recording.scene.inclusions.empty() && recording.scene.stiffness.empty();
   if (hand.law.rows > 0) {
-    marks.push_back(
-        marked(Mark::kTold, fmt::format("Normal force beside the law of {}, over {} ticks: half "
-                                        "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
-                                        uniform ? "one contact" : "the uniform tissue",
-                                        grouped(hand.law.rows), fixed(hand.law.median * kMilli, 2),
-                                        fixed(hand.law.p95 * kMilli, 2), fixed(hand.law.peak, 3))));
+    marks.push_back(marked(Mark::kInformation,
+                           fmt::format("Normal force beside the law of {}, over {} ticks: half "
+                                       "within {} mN, 95\u00a0% within {} mN; the law's largest is {} N.",
+                                       uniform ? "one contact" : "the uniform tissue", grouped(hand.law.rows),
+                                       fixed(hand.law.median * kMilli, 2), fixed(hand.law.p95 * kMilli, 2),
+                                       fixed(hand.law.peak, 3))));
   }
   if (hand.noise_check.count > 1) marks.push_back(noise_mark(hand.noise_check));
   if (is_timed(analysis)) {
@@ -199,18 +199,18 @@ std::string tool_count(const std::vector<geometry::Tool>& tools) {
 /// Results of the paper beside these, for one experiment. [Zhang 2011, section 3]
 TableRows comparison(const ExperimentResults& worked) {
   const bool pull = is_pull(worked);
-  const scene::Scene& setup = worked.experiment->recording->setup;
+  const scene::Scene& scene = worked.experiment->recording->scene;
   const Percentiles& tick = worked.analysis.tick_time.figures;
   constexpr double kNewtonPerCentimetre = 1e-2;  // in 1 N/m
   return {
       {"", pull ? "paper: heart pulled, straight clamp" : "paper: gallbladder pressed, curved clamp",
-       "ours: " + escaped(setup.organ_name)},
+       "ours: " + escaped(scene.organ_name)},
       {"organ", pull ? "3,000 vertices, 6,412 triangles" : "1,057 vertices, 2,110 triangles",
-       mesh_count(setup.organ)},
+       mesh_count(scene.organ)},
       {"instrument", pull ? "612 vertices, 1,207 triangles" : "461 vertices, 921 triangles",
-       tool_count(setup.tools)},
-      {"k₁", pull ? "0.15 N/cm" : "0.18 N/cm", fixed(setup.tissue.k1 * kNewtonPerCentimetre, 4) + " N/cm"},
-      {"β", pull ? "2.0" : "1.6", fixed(setup.tissue.beta, 3)},
+       tool_count(scene.tools)},
+      {"k₁", pull ? "0.15 N/cm" : "0.18 N/cm", fixed(scene.tissue.k1 * kNewtonPerCentimetre, 4) + " N/cm"},
+      {"β", pull ? "2.0" : "1.6", fixed(scene.tissue.beta, 3)},
       {"one force", pull ? "not given" : "under 1 ms",
        is_timed(worked.analysis)
            ? fmt::format("{} µs p50, {} µs p99, {} µs max (whole tick: contact, force, noise, gate)",
@@ -256,17 +256,17 @@ std::string motion_text(const std::vector<model::OrganMotionParameters>& motions
   return text;
 }
 
-Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
+Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
   Facts facts{
-      {"scene", setup.name},
-      {"task", scene::to_string(setup.task)},
-      {"organ", setup.organ_name + ": " + mesh_text(setup.organ)},
-      {"organ's position", point_mm(setup.organ_pose.position)},
+      {"scene", scene.name},
+      {"task", scene::to_string(scene.task)},
+      {"organ", scene.organ_name + ": " + mesh_text(scene.organ)},
+      {"organ's position", point_mm(scene.organ_pose.position)},
   };
-  if (!setup.organ_motion.empty()) {
-    facts.emplace_back("organ's motion", motion_text(setup.organ_motion));
+  if (!scene.organ_motion.empty()) {
+    facts.emplace_back("organ's motion", motion_text(scene.organ_motion));
   }
-  for (const scene::InclusionSetup& one : setup.inclusions) {
+  for (const scene::InclusionSetup& one : scene.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;
     std::string text =
         fmt::format("{}: sphere of {} radius, {} times as stiff as the tissue, centre at {} in the organ",
@@ -278,10 +278,10 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
     }
     facts.emplace_back("inclusion", text);
   }
-  if (!setup.stiffness.empty()) {
-    facts.emplace_back("stiffness map", fmt::format("{} points on the surface", setup.stiffness.size()));
+  if (!scene.stiffness.empty()) {
+    facts.emplace_back("stiffness map", fmt::format("{} points on the surface", scene.stiffness.size()));
   }
-  for (const geometry::Tool& tool : setup.tools) {
+  for (const geometry::Tool& tool : scene.tools) {
     std::string text = tool.name;
     for (const geometry::ToolPart& part : tool.parts) {
       text += fmt::format("; {}{}: {}", part.is_jaw ? "jaw" : "part",
@@ -290,7 +290,7 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
     if (tool.tip_radius) text += "; tip radius " + millimetres(*tool.tip_radius);
     facts.emplace_back("tool", text);
   }
-  for (const scene::DeviceSetup& device : setup.devices) {
+  for (const scene::DeviceSetup& device : scene.devices) {
     facts.emplace_back("device", fmt::format("{}{}, workspace scale {}", device.kind,
                                              device.path.empty() ? "" : ", path " + device.path,
                                              shortest(device.workspace_scale)));
@@ -304,16 +304,16 @@ Facts scene_facts(const scene::Scene& setup, const Analysis& analysis) {
                                      brief(device.force_scale), device.abilities.model));
     }
   }
-  facts.emplace_back("rate", number(setup.rate_Hz, "Hz"));
+  facts.emplace_back("rate", number(scene.rate_Hz, "Hz"));
   facts.emplace_back("length", fmt::format("{} ticks, {} s", grouped(analysis.ticks),
-                                           fixed(static_cast<double>(analysis.ticks) / setup.rate_Hz, 3)));
-  facts.emplace_back("seed", std::to_string(setup.seed));
+                                           fixed(static_cast<double>(analysis.ticks) / scene.rate_Hz, 3)));
+  facts.emplace_back("seed", std::to_string(scene.seed));
   return facts;
 }
 
-Facts tissue_facts(const scene::Scene& setup, model::Direction direction) {
-  const model::TissueParameters& tissue = setup.tissue;
-  const model::SpringLaw law = law_of(setup, direction);
+Facts tissue_facts(const scene::Scene& scene, model::Direction direction) {
+  const model::TissueParameters& tissue = scene.tissue;
+  const model::SpringLaw law = law_of(scene, direction);
   Facts facts{
       {"name", tissue.name},
       {"law", fmt::format("{}{}, {} layers at this rate; largest {} and {} N",
@@ -337,9 +337,9 @@ Facts tissue_facts(const scene::Scene& setup, model::Direction direction) {
   return facts;
 }
 
-Facts other_facts(const scene::Scene& setup) {
-  const noise::NoiseSettings& noise = setup.noise;
-  const scene::SafetySetup& safety = setup.safety;
+Facts other_facts(const scene::Scene& scene) {
+  const noise::NoiseSettings& noise = scene.noise;
+  const scene::SafetySetup& safety = scene.safety;
   return {
       {"touch noise", noise.enabled ? fmt::format("K {}, d₀ {}, σ in contact {} mN, clock {}, seed {}",
                                                   number(noise.gain, "N m"), millimetres(noise.threshold),
@@ -420,19 +420,19 @@ void write_what_was_run(Page& page, const ExperimentResults& worked) {
   page.code(worked.experiment->command);
   page.open_grid("two");
   page.open_grid("column");
-  page.facts(scene_facts(recording.setup, worked.analysis));
+  page.facts(scene_facts(recording.scene, worked.analysis));
   page.facts(run_facts(recording.facts));
   page.close_grid();
   page.open_grid("column");
   page.paragraph("<strong>Tissue</strong>");
-  page.facts(tissue_facts(recording.setup, worked.analysis.direction));
-  page.facts(other_facts(recording.setup));
+  page.facts(tissue_facts(recording.scene, worked.analysis.direction));
+  page.facts(other_facts(recording.scene));
   page.close_grid();
   page.close_grid();
-  const std::vector<std::string>& repairs = recording.setup.repairs;
+  const std::vector<std::string>& repairs = recording.scene.repairs;
   if (!repairs.empty()) page.paragraph("<strong>Meshes: what was repaired</strong>");
   page.list(repairs);
-  std::vector<std::string> remarks = recording.setup.remarks;
+  std::vector<std::string> remarks = recording.scene.remarks;
   const auto add = [&remarks](const std::vector<std::string>& more) {
     remarks.insert(remarks.end(), more.begin(), more.end());
   };

@@ -16,11 +16,11 @@ namespace palpate::report {
 /// `missing` of the result gives the reason. @throws InputError when `file` cannot be written.
 ///
 /// Depth and force over time; for a moving organ its motion between them.
-[[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& setup,
+[[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
                                     const std::filesystem::path& file);
 [[nodiscard]] Figure draw_law(const HandAnalysis& hand, const record::Recording& recording,
                               model::Direction direction, const std::filesystem::path& file);
-[[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& setup,
+[[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& scene,
                                          const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::path& file);
 

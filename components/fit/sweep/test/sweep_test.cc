@@ -122,7 +122,7 @@ TEST(Axis, TakesAKeyWithoutItsUnit) {
   EXPECT_EQ(parse_axis("--set", "device.grip=light").key, "device.grip");  // must not match grip_N_per_m
 }
 
-TEST(Axis, AWrongKeyIsToldTheRightOne) {
+TEST(Axis, AWrongKeyIsReportedTheRightOne) {
   EXPECT_EQ(error_of_axis("tissue.k2=1"), "--set tissue.k2: a scene has no such key, did you mean tissue.q?");
   EXPECT_EQ(
       error_of_axis("friction=1"),

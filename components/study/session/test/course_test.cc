@@ -107,9 +107,9 @@ TEST(Course, SpoiledTrialsAreRepeatedLaterAndThriceAtMost) {
   }
   int lost = 0;
   for (const auto& [which, count] : attempts) {
-    EXPECT_LE(count, Course::kMostAttempts);
+    EXPECT_LE(count, Course::kMaxAttempts);
     EXPECT_LE(finished[which], 1);
-    EXPECT_TRUE(finished[which] == 1 || count == Course::kMostAttempts) << which.first << which.second;
+    EXPECT_TRUE(finished[which] == 1 || count == Course::kMaxAttempts) << which.first << which.second;
     lost += finished[which] == 0 ? 1 : 0;
   }
   EXPECT_EQ(course.lost(), lost);

@@ -31,16 +31,16 @@ class RenderedTrials final : public haptics::TickObserver {
   void run() {
     scene::Overrides request;
     request.organ = "gallbladder";
-    scene::Scene setup = scene::load(request);
-    setup.noise.enabled = false;
+    scene::Scene scene = scene::load(request);
+    scene.noise.enabled = false;
     TrialScene trial_scene;
-    trial_scene.tissue = setup.tissue;
+    trial_scene.tissue = scene.tissue;
     session::SessionOptions options;
     options.duration_s = 1e6;
-    auto hand = std::make_unique<ObserverHand>(setup);
+    auto hand = std::make_unique<ObserverHand>(scene);
     ObserverHand& moved = *hand;
     options.devices.push_back(std::move(hand));
-    session_ = std::make_unique<session::Session>(std::move(setup), std::move(options));
+    session_ = std::make_unique<session::Session>(std::move(scene), std::move(options));
     loop_ = std::make_unique<TrialLoop>(study_, trial_scene, session_->updates());
     agent_ = std::make_unique<ObserverAgent>(moved, 1000.0);
     session_->run({.offline = true}, {this});

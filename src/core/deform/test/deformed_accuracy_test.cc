@@ -17,9 +17,9 @@ namespace palpate::deform {
 namespace {
 
 constexpr double kAccuracyRounding = 0.2;
-constexpr float kStated = 0.05e-3F;   // m; stated error of a vertex
-constexpr float kMostTurned = 0.03F;  // rad; largest error of a normal
-constexpr int kSteps = 1200;          // of fronts per frame, as in pictures
+constexpr float kStated = 0.05e-3F;  // m; stated error of a vertex
+constexpr float kMaxTurned = 0.03F;  // rad; largest error of a normal
+constexpr int kSteps = 1200;         // of fronts per frame, as in pictures
 
 // Halves vertices across their longest side until each part is a block, as pictures do. Where two sides of
 // the surface are near each other, a block holds both.
@@ -135,7 +135,7 @@ std::vector<double> in_and_out() {
 
 void expect_stated_accuracy(const Pair& pair, const std::string& what) {
   EXPECT_LT(pair.worst(), kStated) << what;
-  EXPECT_LT(pair.most_turned(), kMostTurned) << what;
+  EXPECT_LT(pair.most_turned(), kMaxTurned) << what;
 }
 
 void expect_stated_accuracy_of_presses(const geometry::TriangleMesh& ordered, std::span<const Place> places,

@@ -106,7 +106,7 @@ TEST(IgtlReader, OtherMessagesAreSkippedAndOtherTransformsListedOnce) {
   for (const char* name : {"Probe", "Stylus", "Probe"})
     EXPECT_TRUE(poses_in(reader, transform(name)).empty());
   for (int i = 0; i < 100; ++i) EXPECT_TRUE(poses_in(reader, transform("T" + std::to_string(i))).empty());
-  EXPECT_EQ(reader.others().size(), IgtlReader::kMostOthers);
+  EXPECT_EQ(reader.others().size(), IgtlReader::kMaxOthers);
   EXPECT_THAT(std::vector(reader.others().begin(), reader.others().begin() + 3),
               ElementsAre("Probe", "Stylus", "T0"));
   EXPECT_EQ(poses_in(reader, transform("Hand")).size(), 1u);

@@ -24,14 +24,16 @@ namespace {
 using nlohmann::json;
 
 constexpr int kDeepestGltfNode = 200;
-constexpr std::size_t kMostNodes = 100'000;
-constexpr std::uint64_t kMostElements = 20'000'000;       // indices and vertices of all parts
-constexpr std::uint64_t kMostWithoutBuffer = 10'000'000;  // values that have a count but no buffer
+constexpr std::size_t kMaxNodes = 100'000;
+constexpr std::uint64_t kMaxElements = 20'000'000;       // indices and vertices of all parts
+constexpr std::uint64_t kMaxWithoutBuffer = 10'000'000;  // values that have a count but no buffer
 
 /// The JSON chunk of a .glb file, which is the first one.
 std::string_view json_of_glb(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
-  const auto refuse = [&](const std::string& words) { throw InputError(to_text(file.path) + ": " + words); };
+  const auto refuse = [&](const std::string& message) {
+    throw InputError(to_text(file.path) + ": " + message);
+  };
   constexpr std::size_t kHeader = 20;  // 12 bytes of the file, 8 of the chunk
   if (bytes.size() < kHeader || bytes.substr(0, 4) != "glTF") {
     refuse("not a binary glTF: must start with \"glTF\" and a JSON chunk");
@@ -84,8 +86,8 @@ class GltfCheck final {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& words) const {
-    throw InputError(to_text(file_.path) + ": " + words);
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw InputError(to_text(file_.path) + ": " + message);
   }
 
   [[nodiscard]] const json& list(const json& owner, const char* name) const {
@@ -102,7 +104,7 @@ class GltfCheck final {
     std::size_t used = 0;
     const auto add = [&](const json& indices, int depth) {
       for (const json& index : indices) {
-        if (++used > kMostNodes) refuse(fmt::format("its nodes are used more than {} times", kMostNodes));
+        if (++used > kMaxNodes) refuse(fmt::format("its nodes are used more than {} times", kMaxNodes));
         if (!index.is_number_unsigned()) continue;  // the importer reports it
         if (index.get<std::uint64_t>() < nodes.size()) open.emplace_back(index.get<std::size_t>(), depth);
       }
@@ -159,9 +161,9 @@ class GltfCheck final {
     std::uint64_t without_buffer = 0;
     for (const json& accessor : list(root_, "accessors")) {
       if (accessor.is_object() && accessor.contains("bufferView")) continue;
-      without_buffer += count_of(accessor, kMostWithoutBuffer + 1);
-      if (without_buffer > kMostWithoutBuffer) {
-        refuse(fmt::format("accessors without a buffer declare more than {} elements", kMostWithoutBuffer));
+      without_buffer += count_of(accessor, kMaxWithoutBuffer + 1);
+      if (without_buffer > kMaxWithoutBuffer) {
+        refuse(fmt::format("accessors without a buffer declare more than {} elements", kMaxWithoutBuffer));
       }
     }
   }
@@ -172,9 +174,9 @@ class GltfCheck final {
     std::uint64_t elements = 0;
     const auto add = [&](const json& index) {
       if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= accessors.size()) return;
-      elements += count_of(accessors[index.get<std::size_t>()], kMostElements + 1);
-      if (elements <= kMostElements) return;
-      refuse(fmt::format("its parts declare more than {} indices and vertices", kMostElements));
+      elements += count_of(accessors[index.get<std::size_t>()], kMaxElements + 1);
+      if (elements <= kMaxElements) return;
+      refuse(fmt::format("its parts declare more than {} indices and vertices", kMaxElements));
     };
     for (const json& mesh : list(root_, "meshes")) {
       for (const json& part : list(mesh, "primitives")) {

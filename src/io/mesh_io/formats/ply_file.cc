@@ -95,9 +95,9 @@ class PlyReader final {
   }
 
   void add_element() {
-    constexpr std::size_t kMost = 100;
-    if (elements_.size() == kMost) {
-      scan_.refuse(fmt::format("the header declares more than {} elements", kMost));
+    constexpr std::size_t kMax = 100;
+    if (elements_.size() == kMax) {
+      scan_.refuse(fmt::format("the header declares more than {} elements", kMax));
     }
     Element element;
     element.name = scan_.word();
@@ -122,9 +122,9 @@ class PlyReader final {
       scan_.refuse("a property of element " + elements_.back().name + " has no name");
     }
     std::vector<Property>& properties = elements_.back().properties;
-    constexpr std::size_t kMost = 1000;
-    if (properties.size() == kMost) {
-      scan_.refuse(fmt::format("element {} has more than {} properties", elements_.back().name, kMost));
+    constexpr std::size_t kMax = 1000;
+    if (properties.size() == kMax) {
+      scan_.refuse(fmt::format("element {} has more than {} properties", elements_.back().name, kMax));
     }
     properties.push_back(std::move(property));
   }

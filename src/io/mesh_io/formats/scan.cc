@@ -76,7 +76,7 @@ std::optional<std::int64_t> whole_number(std::string_view word) {
 MeshScan::MeshScan(const MeshFile& file, Lines lines)
     : file_(file), bytes_(file.bytes), lines_(lines), limit_(bytes_.size()) {}
 
-void MeshScan::refuse_at(std::size_t place, const std::string& words) const {
+void MeshScan::refuse_at(std::size_t place, const std::string& message) const {
   std::string at = "byte " + std::to_string(place);
   if (!is_binary()) {
     std::size_t line = 1;
@@ -85,7 +85,7 @@ void MeshScan::refuse_at(std::size_t place, const std::string& words) const {
       ++line;
     at = "line " + std::to_string(line);
   }
-  throw InputError(fmt::format("{}, {}: {}", to_text(file_.path), at, one_line(words)));
+  throw InputError(fmt::format("{}, {}: {}", to_text(file_.path), at, one_line(message)));
 }
 
 void MeshScan::refuse_index(std::int64_t index, std::size_t vertices, int first, std::size_t place) const {

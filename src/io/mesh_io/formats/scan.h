@@ -77,10 +77,10 @@ class MeshScan final {
 
   /// @return the offset [byte] of the last word or number
   [[nodiscard]] std::size_t offset() const { return last_; }
-  [[noreturn]] void refuse(const std::string& words) const { refuse_at(last_, words); }
+  [[noreturn]] void refuse(const std::string& message) const { refuse_at(last_, message); }
   /// Rejects the file; the message names the current item.
-  [[noreturn]] void refuse_item(const std::string& words) const { refuse(item() + ": " + words); }
-  [[noreturn]] void refuse_at(std::size_t place, const std::string& words) const;
+  [[noreturn]] void refuse_item(const std::string& message) const { refuse(item() + ": " + message); }
+  [[noreturn]] void refuse_at(std::size_t place, const std::string& message) const;
   [[noreturn]] void refuse_index(std::int64_t index, std::size_t vertices, int first,
                                  std::size_t place) const;
 

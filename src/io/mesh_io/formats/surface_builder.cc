@@ -14,10 +14,10 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostVertices = 32'000'000;  // 0.8 GB
-constexpr std::size_t kMostFaces = 20'000'000;     // of solid cells, 0.8 GB
-constexpr std::size_t kMostCorners = 512;          // of a polygon
-constexpr std::uint64_t kMostSteps = 120'000'000;  // to triangulate all polygons, about 4 s
+constexpr std::size_t kMaxVertices = 32'000'000;  // 0.8 GB
+constexpr std::size_t kMaxFaces = 20'000'000;     // of solid cells, 0.8 GB
+constexpr std::size_t kMaxCorners = 512;          // of a polygon
+constexpr std::uint64_t kMaxSteps = 120'000'000;  // to triangulate all polygons, about 4 s
 
 // Numbers and node orders: VTK User's Guide, "VTK File Formats"; Gmsh reference manual, "Node ordering". Both
 // list the corners first, and orient faces outwards alike except for the wedge.
@@ -81,12 +81,12 @@ const CellKind* vtk_kind(std::int64_t number) { return kind_of(number, &CellKind
 const CellKind* gmsh_kind(std::int64_t number) { return kind_of(number, &CellKind::gmsh); }
 
 void SurfaceBuilder::expect_vertices(std::size_t count) {
-  if (count > kMostVertices) scan_.refuse(fmt::format("more than {} vertices", kMostVertices));
+  if (count > kMaxVertices) scan_.refuse(fmt::format("more than {} vertices", kMaxVertices));
   vertices.reserve(count);
 }
 
 void SurfaceBuilder::add_vertex(const Vec3& vertex) {
-  if (vertices.size() == kMostVertices) scan_.refuse(fmt::format("more than {} vertices", kMostVertices));
+  if (vertices.size() == kMaxVertices) scan_.refuse(fmt::format("more than {} vertices", kMaxVertices));
   vertices.push_back(vertex);
 }
 
@@ -96,15 +96,15 @@ void SurfaceBuilder::add_polygon(std::span<const std::int32_t> corners) {
     ++lines_;
     return;
   }
-  if (count > kMostCorners) {
+  if (count > kMaxCorners) {
     scan_.refuse_item(
-        fmt::format("a polygon of {} corners: at most {} are cut into triangles", count, kMostCorners));
+        fmt::format("a polygon of {} corners: at most {} are cut into triangles", count, kMaxCorners));
   }
   if (count > 3) {
     ++cut_;
     steps_ += static_cast<std::uint64_t>(count) * count * count / 6;
   }
-  if (steps_ > kMostSteps) {
+  if (steps_ > kMaxSteps) {
     scan_.refuse_item(fmt::format(
         "too many polygons as large as this one of {} corners: cut them into triangles first", count));
   }
@@ -160,8 +160,8 @@ void SurfaceBuilder::add_solid(Shape shape, std::span<const std::int32_t> corner
     if (volume < 0.0) std::reverse(quad.begin(), end);
     faces_.push_back(quad);
   }
-  if (faces_.size() > kMostFaces)
-    scan_.refuse_item(fmt::format("more than {} faces of solid cells", kMostFaces));
+  if (faces_.size() > kMaxFaces)
+    scan_.refuse_item(fmt::format("more than {} faces of solid cells", kMaxFaces));
 }
 
 /// Replaces the polygons by the faces that belong to only one solid cell, in the order of the file.

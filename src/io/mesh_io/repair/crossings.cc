@@ -10,9 +10,9 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr std::size_t kMostCrossingSteps = 300'000'000;  // about 3 s; a step is a visit of a node
-constexpr std::size_t kTestSteps = 10;                   // of a test of two triangles
-constexpr std::size_t kMostPairs = 1'000'000;
+constexpr std::size_t kMaxCrossingSteps = 300'000'000;  // about 3 s; a step is a visit of a node
+constexpr std::size_t kTestSteps = 10;                  // of a test of two triangles
+constexpr std::size_t kMaxPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Smaller volumes, relative to the product of their lengths, are rounding errors.
 constexpr double kRounding = 1e-12;
@@ -85,7 +85,7 @@ class Search final {
       while (!open.empty()) {
         const Node& node = nodes_[open.back()];
         open.pop_back();
-        if (++steps_ > kMostCrossingSteps || found_.pairs.size() > kMostPairs) {
+        if (++steps_ > kMaxCrossingSteps || found_.pairs.size() > kMaxPairs) {
           found_.all = false;
           return;
         }

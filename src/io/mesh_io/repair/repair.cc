@@ -22,14 +22,14 @@ namespace {
 constexpr double kWeld =
     1e-6;  // of the bounding box's diagonal: the rounding of 32-bit coordinates, and text
 
-// A hole is small when it has at most kMostHoleEdges edges and spans at most kMostHoleWidth of the bounding
+// A hole is small when it has at most kMaxHoleEdges edges and spans at most kMaxHoleWidth of the bounding
 // box's diagonal, or when one or two triangles are missing (kFewHoleEdges) of at most kFewHoleArea of the
 // surface's area.
-constexpr std::size_t kMostHoleEdges = 200;
-constexpr double kMostHoleWidth = 0.2;
+constexpr std::size_t kMaxHoleEdges = 200;
+constexpr double kMaxHoleWidth = 0.2;
 constexpr std::size_t kFewHoleEdges = 4;
 constexpr double kFewHoleArea = 0.1;
-constexpr std::uint64_t kMostHoleSteps = 60'000'000;  // about 2 s
+constexpr std::uint64_t kMaxHoleSteps = 60'000'000;  // about 2 s
 
 std::string triangles(std::size_t count) { return counted(count, "triangle", "triangles"); }
 
@@ -61,7 +61,7 @@ class Repair final {
   }
 
  private:
-  void report(const std::string& words) { repaired_.repairs.push_back(words); }
+  void report(const std::string& message) { repaired_.repairs.push_back(message); }
   /// Reports a repair, such as "dropped 2 small components (6 triangles)", if there was any.
   void report(const RepairCount& done, std::string_view one, std::string_view more,
               std::string_view measure = "", std::string_view why = "") {
@@ -69,7 +69,7 @@ class Repair final {
     report(fmt::format("dropped {} ({}{}){}", counted(done.times, one, more), triangles(done.triangles),
                        measure, why));
   }
-  void refuse(const std::string& words) { repaired_.refusal = words; }
+  void refuse(const std::string& message) { repaired_.refusal = message; }
 
   void drop_and_weld() {
     if (const std::size_t count = drop_collapsed(surface_); count > 0) {
@@ -94,8 +94,8 @@ class Repair final {
     if (!repaired_.refusal.empty()) return;
     Opposites opposite = pair_half_edges(surface_);
     std::size_t added = split_bow_tie_vertices(surface_, opposite);
-    constexpr int kMostRounds = 4;  // a triangle may have three such edges
-    for (int round = 0; round < kMostRounds; ++round) {
+    constexpr int kMaxRounds = 4;  // a triangle may have three such edges
+    for (int round = 0; round < kMaxRounds; ++round) {
       const std::size_t middles = split_non_manifold_edges(surface_, opposite);
       if (middles == 0) break;
       opposite = pair_half_edges(surface_);
@@ -135,9 +135,9 @@ class Repair final {
     std::uint64_t steps = 0;
     for (const Hole& hole : holes) {
       const std::uint64_t n = hole.loop.size();
-      if (n <= kMostHoleEdges) steps += n * n * n / 6 + 1;
+      if (n <= kMaxHoleEdges) steps += n * n * n / 6 + 1;
     }
-    if (steps > kMostHoleSteps) {
+    if (steps > kMaxHoleSteps) {
       return refuse(counted(holes.size(), "hole", "holes") + ": too many to be damage");
     }
     const std::vector<std::uint64_t> edges = edges_of(surface_);
@@ -145,7 +145,7 @@ class Repair final {
     std::size_t added = 0;
     double widest = 0.0;
     for (const Hole& hole : holes) {
-      const bool is_narrow = hole.loop.size() <= kMostHoleEdges && hole.width <= kMostHoleWidth * diagonal;
+      const bool is_narrow = hole.loop.size() <= kMaxHoleEdges && hole.width <= kMaxHoleWidth * diagonal;
       HolePatch patch;
       if (is_narrow || hole.loop.size() <= kFewHoleEdges) patch = patch_of(surface_, edges, hole);
       if (patch.triangles.empty() || (patch.area > kFewHoleArea * area && !is_narrow)) {
@@ -171,8 +171,8 @@ class Repair final {
         "{} of {} edges, {} mm across, at {} (closed are those of up to {} edges and {} mm, a fifth of its "
         "diagonal)",
         holes.size() == 1 ? "a hole" : std::to_string(holes.size()) + " holes, the largest",
-        widest.loop.size(), millimetres(widest.width), position_text(widest.middle), kMostHoleEdges,
-        millimetres(kMostHoleWidth * diagonal)));
+        widest.loop.size(), millimetres(widest.width), position_text(widest.middle), kMaxHoleEdges,
+        millimetres(kMaxHoleWidth * diagonal)));
   }
 
   void finish() {

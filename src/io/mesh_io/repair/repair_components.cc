@@ -11,9 +11,9 @@ namespace palpate::geometry {
 namespace {
 
 constexpr double kSmall = 0.01;  // of the largest component's volume; of an open one, of the surface's area
-constexpr std::size_t kMostComponents = 32;  // that are not small
-constexpr double kMostCrossing = 0.05;       // of the surface's area
-constexpr double kNoVolume = 1e-9;           // of the surface's area to the power of 3/2
+constexpr std::size_t kMaxComponents = 32;  // that are not small
+constexpr double kMaxCrossing = 0.05;       // of the surface's area
+constexpr double kNoVolume = 1e-9;          // of the surface's area to the power of 3/2
 
 struct Component {
   double volume = 0.0;
@@ -96,9 +96,9 @@ void drop_small(WorkSurface& surface, ComponentRepairs& done) {
     }
   }
   done.small = drop_components(surface, component_of, goes);
-  if (done.kept > kMostComponents) {
+  if (done.kept > kMaxComponents) {
     done.refusal = fmt::format("it is {} separate components of like size, at most {} can be one organ",
-                               done.kept, kMostComponents);
+                               done.kept, kMaxComponents);
   }
 }
 
@@ -168,7 +168,7 @@ ComponentRepairs clean_components(WorkSurface& surface) {
     if (done.inner.times > 0) crossings = find_crossings(surface.mesh);
   }
   account_for(surface, crossings, done);
-  if (!crossings.all || done.crossing_share > kMostCrossing) {
+  if (!crossings.all || done.crossing_share > kMaxCrossing) {
     done.refusal = fmt::format("{}{} pairs of its triangles go through each other",
                                crossings.all ? "" : "at least ", done.crossing_pairs);
   }

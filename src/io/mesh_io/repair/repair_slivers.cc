@@ -8,7 +8,7 @@ namespace palpate::geometry {
 namespace {
 
 // A round tries each sliver once; removing one may make the next removable.
-constexpr int kMostRounds = 20;
+constexpr int kMaxRounds = 20;
 // An edge shorter than this fraction of its triangle's longest edge is collapsed.
 constexpr double kNoLength = 4e-7;
 
@@ -139,7 +139,7 @@ std::size_t count_slivers(const TriangleMesh& mesh) {
 std::size_t remove_slivers(WorkSurface& surface) {
   const std::size_t before = count_slivers(surface.mesh);
   if (before == 0) return 0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     if (!Round(surface).run()) break;
   }
   const std::size_t after = count_slivers(surface.mesh);

@@ -63,9 +63,9 @@ RepairCount drop_patches_once(WorkSurface& surface, const IsDoomed& is_doomed) {
 /// Drops patches at non-manifold edges until nothing changes.
 template <typename IsDoomed>
 RepairCount drop_patches(WorkSurface& surface, const IsDoomed& is_doomed) {
-  constexpr int kMostRounds = 8;  // dropping one may make the next droppable
+  constexpr int kMaxRounds = 8;  // dropping one may make the next droppable
   RepairCount done;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const RepairCount once = drop_patches_once(surface, is_doomed);
     if (once.triangles == 0) break;
     done.times += once.times;
@@ -304,8 +304,8 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
 }
 
 RepairCount drop_dangling_faces(WorkSurface& surface) {
-  constexpr double kMostOfArea = 0.05;
-  const double most = kMostOfArea * surface.area();
+  constexpr double kMaxAreaShare = 0.05;
+  const double most = kMaxAreaShare * surface.area();
   return drop_patches(surface, [&](const Patch& p) { return p.has_boundary && p.area <= most; });
 }
 

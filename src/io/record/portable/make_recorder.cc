@@ -7,9 +7,9 @@
 
 namespace palpate::record {
 
-std::unique_ptr<RunRecorder> make_recorder(const std::filesystem::path& file, const scene::Scene& setup,
+std::unique_ptr<RunRecorder> make_recorder(const std::filesystem::path& file, const scene::Scene& scene,
                                            bool waits) {
-  if (file.extension() == ".csv") return std::make_unique<CsvRecorder>(file, setup, waits);
+  if (file.extension() == ".csv") return std::make_unique<CsvRecorder>(file, scene, waits);
   throw InputError(to_text(file) + ": this build of palpate has no HDF5, a recording must be a .csv file");
 }
 

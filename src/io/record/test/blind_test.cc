@@ -32,7 +32,7 @@ constexpr const char* kUnblinded = "{\"time\":\"2026\",\"proof\":\"the proof\"}\
 struct Study {
   Study() {
     fs::create_directory(folder / "recordings");
-    Recorder recorder(file, setup, true, {}, mark);
+    Recorder recorder(file, scene, true, {}, mark);
     recorder.on_start(kStarted);
     for (std::uint64_t tick = 0; tick < 5; ++tick) recorder.on_row(sample_row(tick, 0));
     recorder.finish({});
@@ -42,7 +42,7 @@ struct Study {
 
   TemporaryFolder folder;
   StudyMark mark{"touch-noise-1", sha256("the proof")};
-  scene::Scene setup = sample_setup(1);
+  scene::Scene scene = sample_setup(1);
   fs::path file = folder / "recordings" / "block-1.h5";
 };
 
@@ -124,7 +124,7 @@ TEST(BlindRecording, OfAnOlderPalpateWithoutACommitmentStaysBlind) {
   Study study;
   study.mark.commitment.clear();
   {
-    Recorder recorder(study.file, study.setup, true, {}, study.mark);
+    Recorder recorder(study.file, study.scene, true, {}, study.mark);
     recorder.on_start(kStarted);
     recorder.on_row(sample_row(0, 0));
     recorder.finish({});
@@ -193,7 +193,7 @@ TEST(BlindRecording, ALogThatIsALinkIsNotFollowed) {
 TEST(BlindRecording, RepairKeepsItBlind) {
   const Study study;
   {
-    Recorder recorder(study.file, study.setup, true, {}, study.mark);
+    Recorder recorder(study.file, study.scene, true, {}, study.mark);
     recorder.on_start(kStarted);
     for (std::uint64_t tick = 0; tick < 3000; ++tick) recorder.on_row(sample_row(tick, 0));
     recorder.finish({});
@@ -207,8 +207,8 @@ TEST(BlindRecording, RepairKeepsItBlind) {
 
 TEST(BlindRecording, TheTicksBeforeAFaultAreBlindToo) {
   const TemporaryFolder folder;
-  const scene::Scene setup = sample_setup(1);
-  FlightRecorder flight(setup, {"touch-noise-1", ""});
+  const scene::Scene scene = sample_setup(1);
+  FlightRecorder flight(scene, {"touch-noise-1", ""});
   flight.on_row(sample_row(0, 0));
   flight.write(folder / "fault.h5", {});
   EXPECT_THROW((void)read_recording(folder / "fault.h5"), InputError);

@@ -23,14 +23,14 @@ haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
 }
 
 scene::Scene two_hands() {
-  scene::Scene setup = sample_setup(2);
-  setup.rate_Hz = 1000.0;
-  return setup;
+  scene::Scene scene = sample_setup(2);
+  scene.rate_Hz = 1000.0;
+  return scene;
 }
 
 TEST(FlightRecorder, KeepsTwoSecondsBeforeTheFirstFaultAndAQuarterFromItOn) {
-  const scene::Scene setup = two_hands();
-  FlightRecorder recorder(setup);
+  const scene::Scene scene = two_hands();
+  FlightRecorder recorder(scene);
   for (std::uint64_t tick = 0; tick < 20'000; ++tick) {
     for (std::uint32_t hand = 0; hand < 2; ++hand) {
       const bool faulty = hand == 1 && tick >= 9000;
@@ -50,8 +50,8 @@ TEST(FlightRecorder, KeepsTwoSecondsBeforeTheFirstFaultAndAQuarterFromItOn) {
 }
 
 TEST(FlightRecorder, AShortRunIsKeptWhole) {
-  const scene::Scene setup = two_hands();
-  FlightRecorder recorder(setup);
+  const scene::Scene scene = two_hands();
+  FlightRecorder recorder(scene);
   for (std::uint64_t tick = 0; tick < 10; ++tick) {
     recorder.on_row(row_of(tick, 0));
     recorder.on_row(row_of(tick, 1));
@@ -62,8 +62,8 @@ TEST(FlightRecorder, AShortRunIsKeptWhole) {
 
 TEST(FlightRecorder, WritesARecordingThatOpens) {
   const TemporaryFolder folder;
-  const scene::Scene setup = two_hands();
-  FlightRecorder recorder(setup);
+  const scene::Scene scene = two_hands();
+  FlightRecorder recorder(scene);
   recorder.on_start(kStarted);
   for (std::uint64_t tick = 0; tick < 5000; ++tick) {
     recorder.on_row(row_of(tick, 0));
@@ -82,8 +82,8 @@ TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
   const char* const before = std::getenv("XDG_STATE_HOME");
   const std::string kept = before == nullptr ? "" : before;
   setenv("XDG_STATE_HOME", folder.path().c_str(), 1);
-  const scene::Scene setup = two_hands();
-  FlightRecorder recorder(setup);
+  const scene::Scene scene = two_hands();
+  FlightRecorder recorder(scene);
   recorder.on_row(row_of(0, 0, haptics::Fault::kDevice));
   recorder.on_row(row_of(0, 1));
   const std::filesystem::path file = write_flight_recording(recorder, {});
@@ -97,8 +97,8 @@ TEST(KeepFlight, PutsWhatLedToAFaultIntoTheUsersStateFolder) {
 }
 
 TEST(FlightRecorder, AFolderThatIsNotThereIsNamed) {
-  const scene::Scene setup = two_hands();
-  const FlightRecorder recorder(setup);
+  const scene::Scene scene = two_hands();
+  const FlightRecorder recorder(scene);
   EXPECT_THROW(recorder.write("/none/fault.h5", {}), InputError);
 }
 

@@ -233,10 +233,10 @@ TEST(ForeignFile, ANegativeCountOfARunIsRefused) {
 
 TEST(ForeignFile, BadSceneIsRefusedWithTheFilesName) {
   const TemporaryFolder folder;
-  scene::Scene setup = sample_setup(1);
-  setup.rate_Hz = 0.0;
+  scene::Scene scene = sample_setup(1);
+  scene.rate_Hz = 0.0;
   {
-    Recorder recorder(folder / "a.h5", setup, true);
+    Recorder recorder(folder / "a.h5", scene, true);
     recorder.on_start(0);
     recorder.finish({});
   }

@@ -34,18 +34,18 @@ using ::testing::StartsWith;
 constexpr double kBallRadius = 3e-3;  // m
 
 scene::Scene block_and_ball() {
-  scene::Scene setup;
-  setup.name = "block and ball";
-  setup.seed = 9;
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  setup.tissue = model::tissue_preset("gallbladder");
-  setup.tools.push_back(
+  scene::Scene scene;
+  scene.name = "block and ball";
+  scene.seed = 9;
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  scene.tissue = model::tissue_preset("gallbladder");
+  scene.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
-  setup.devices.emplace_back();
-  setup.inclusions.resize(2);
-  setup.inclusions[1].inclusion = {Vec3(0.002, 0.0, 0.012), 3e-3, 20.0, 1e-3, 0.5};  // 8 mm deep, it pulses
-  return setup;
+  scene.devices.emplace_back();
+  scene.inclusions.resize(2);
+  scene.inclusions[1].inclusion = {Vec3(0.002, 0.0, 0.012), 3e-3, 20.0, 1e-3, 0.5};  // 8 mm deep, it pulses
+  return scene;
 }
 
 /// Offers a random tissue or noise, as a user at the sliders would.
@@ -95,19 +95,19 @@ class RestlessDevice final : public haptics::Device {
 /// A run with an update about every 40 ticks.
 Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_recorder = false) {
   const TemporaryFolder folder;
-  const scene::Scene setup = block_and_ball();
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  const scene::Scene scene = block_and_ball();
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
   haptics::SimulationState state(world);
-  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(scene, world);
   RestlessDevice device(*changes, seed);
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(changes.get());
   const haptics::LoopOptions options{.ticks = ticks, .offline = true, .control = &control};
   if (by_flight_recorder) {
-    FlightRecorder flight(setup);
+    FlightRecorder flight(scene);
     flight.write(folder / "a.h5", run_loop(world, state, devices, {&flight}, options));
   } else {
-    Recorder recorder(folder / "a.h5", setup, true);
+    Recorder recorder(folder / "a.h5", scene, true);
     recorder.finish(run_loop(world, state, devices, {&recorder}, options));
   }
   return read_recording(folder / "a.h5");
@@ -258,7 +258,7 @@ TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   const TemporaryFolder folder;
   Recording recording = restless_run(9, 500);
   haptics::ParameterUpdate& first = recording.changes.front();
-  first = haptics::parameter_update(recording.setup.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
+  first = haptics::parameter_update(recording.scene.tissue, {true, 5e-5, 5e-3}, haptics::kTissueChanged);
   first.tick = 12;
   first.number = 1;
   first.tissue.law = model::LawKind::kSmooth;
@@ -422,55 +422,55 @@ TEST(ParameterUpdatesRecorded, ANumberThatAnOldFileLacksHasItsDefault) {
 }
 
 TEST(ParameterUpdatesRecorded, RemarksOfTheStabilityCheckComeBackWithAnOffer) {
-  scene::Scene setup = block_and_ball();
-  setup.devices[0].kind = "emulated";
-  setup.devices[0].dynamics = {0.1, 0.1, 1e-5};
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
-  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
-  model::TissueParameters stiff = setup.tissue;
+  scene::Scene scene = block_and_ball();
+  scene.devices[0].kind = "emulated";
+  scene.devices[0].dynamics = {0.1, 0.1, 1e-5};
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(scene, world);
+  model::TissueParameters stiff = scene.tissue;
   stiff.k1 *= 100.0;
   const haptics::ParameterUpdates::Accepted accepted = changes->offer(stiff);
   EXPECT_THAT(accepted.warnings, testing::Contains(HasSubstr("the device may tremble")));
 }
 
 TEST(ParameterUpdatesRecorded, AnInclusionThatBecomesTooHardForTheDeviceIsWarnedOf) {
-  scene::Scene setup = block_and_ball();
-  setup.devices[0].kind = "emulated";
-  setup.inclusions = {{"lump", true, {Vec3(0.0, 0.0, 0.014), 4e-3, 1.0}}};  // 6 mm deep
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  scene::Scene scene = block_and_ball();
+  scene.devices[0].kind = "emulated";
+  scene.inclusions = {{"lump", true, {Vec3(0.0, 0.0, 0.014), 4e-3, 1.0}}};  // 6 mm deep
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
   const auto damping_needed = [&](double ratio) {
-    const contact::TissueLaws laws(setup.tissue, 1.0 / setup.rate_Hz);
-    const contact::StiffnessReach reach{model::Direction::kPress, setup.safety.max_force, 15e-3};
+    const contact::TissueLaws laws(scene.tissue, 1.0 / scene.rate_Hz);
+    const contact::StiffnessReach reach{model::Direction::kPress, scene.safety.max_force, 15e-3};
     std::vector<model::Inclusion> inclusions = world.contact.inclusions();
     inclusions[0].ratio = ratio;
-    return 0.5 / setup.rate_Hz * contact::largest_stiffness(world.contact, laws, inclusions, 0, reach) +
-           setup.tissue.contact.damping;
+    return 0.5 / scene.rate_Hz * contact::largest_stiffness(world.contact, laws, inclusions, 0, reach) +
+           scene.tissue.contact.damping;
   };
   const double stone = damping_needed(100.0);
   const double uniform = damping_needed(1.0);
-  setup.devices[0].dynamics = {0.5 * (uniform + stone), 100.0, 1e-6};
-  EXPECT_THAT(scene::stability_remarks(setup, world), testing::IsEmpty());
-  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(setup, world);
+  scene.devices[0].dynamics = {0.5 * (uniform + stone), 100.0, 1e-6};
+  EXPECT_THAT(scene::stability_remarks(scene, world), testing::IsEmpty());
+  const std::unique_ptr<haptics::ParameterUpdates> changes = scene::make_parameter_updates(scene, world);
   const auto warnings_with = [&](double ratio) {
     return changes->offer(haptics::LiveInclusion{0, {0.0, 0.0, 0.014}, ratio}).warnings;
   };
   const auto trembles = testing::Contains(HasSubstr("the device may tremble"));
   EXPECT_THAT(warnings_with(100.0), trembles);
-  EXPECT_THAT(changes->offer(setup.tissue).warnings, trembles) << "a later tissue has the hard inclusion";
+  EXPECT_THAT(changes->offer(scene.tissue).warnings, trembles) << "a later tissue has the hard inclusion";
   EXPECT_THAT(warnings_with(1.0), testing::IsEmpty());
 }
 
 TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
-  scene::Scene setup = block_and_ball();
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
-  EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "the tissue does not say";
-  setup.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};
-  EXPECT_THAT(scene::radius_remarks(setup, world), testing::IsEmpty()) << "less than twofold";
-  setup.tissue.source->radius = 0.4 * kBallRadius;
-  EXPECT_THAT(scene::radius_remarks(setup, world),
+  scene::Scene scene = block_and_ball();
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
+  EXPECT_THAT(scene::radius_remarks(scene, world), testing::IsEmpty()) << "the tissue does not say";
+  scene.tissue.source = model::SourceParameters{"ball", 0.6 * kBallRadius};
+  EXPECT_THAT(scene::radius_remarks(scene, world), testing::IsEmpty()) << "less than twofold";
+  scene.tissue.source->radius = 0.4 * kBallRadius;
+  EXPECT_THAT(scene::radius_remarks(scene, world),
               testing::ElementsAre(AllOf(HasSubstr("1.2 mm radius"), HasSubstr("'ball' has 3 mm"))));
-  setup.tissue.source->radius = 2.5 * kBallRadius;
-  EXPECT_THAT(scene::radius_remarks(setup, world), testing::SizeIs(1));
+  scene.tissue.source->radius = 2.5 * kBallRadius;
+  EXPECT_THAT(scene::radius_remarks(scene, world), testing::SizeIs(1));
 }
 
 }  // namespace

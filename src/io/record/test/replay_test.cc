@@ -22,19 +22,19 @@ constexpr double kReplayedBallRadius = 3e-3;  // m
 
 /// A ball in each hand above a block whose top is at z = 0.
 scene::Scene block_and_balls(std::size_t hands) {
-  scene::Scene setup;
-  setup.name = "block and balls";
-  setup.seed = 9;
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  setup.tissue = model::tissue_preset("gallbladder");
+  scene::Scene scene;
+  scene.name = "block and balls";
+  scene.seed = 9;
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  scene.tissue = model::tissue_preset("gallbladder");
   for (std::size_t hand = 0; hand < hands; ++hand) {
-    setup.tools.push_back({"ball",
+    scene.tools.push_back({"ball",
                            {{.name = "ball", .mesh = geometry::make_ball(kReplayedBallRadius, 80)}},
                            kReplayedBallRadius});
-    setup.devices.emplace_back();
+    scene.devices.emplace_back();
   }
-  return setup;
+  return scene;
 }
 
 /// Presses at 20 mm/s from 2 mm above to 3 mm deep, with a lateral offset between hands.
@@ -55,18 +55,18 @@ class PressingDevice final : public haptics::Device {
 };
 
 /// The loop's rows of a run, recorded and read back.
-Recording run(const scene::Scene& setup, std::uint64_t ticks) {
+Recording run(const scene::Scene& scene, std::uint64_t ticks) {
   const TemporaryFolder folder;
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
   haptics::SimulationState state(world);
   PressingDevice left(0.01);
   PressingDevice right(-0.01);
   haptics::Device* const devices[] = {&left, &right};
-  Recorder recorder(folder / "a.h5", setup, true);
+  Recorder recorder(folder / "a.h5", scene, true);
   haptics::LoopOptions options;
   options.ticks = ticks;
   options.offline = true;
-  recorder.finish(run_loop(world, state, std::span(devices, setup.tools.size()), {&recorder}, options));
+  recorder.finish(run_loop(world, state, std::span(devices, scene.tools.size()), {&recorder}, options));
   return read_recording(folder / "a.h5");
 }
 
@@ -83,12 +83,12 @@ TEST(Replay, RecordedRunComesOutTheSameBitForBit) {
 
 /// The scene of block_and_balls() with breathing and heartbeat.
 scene::Scene breathing_block() {
-  scene::Scene setup = block_and_balls(1);
-  setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kBreathing),
+  scene::Scene scene = block_and_balls(1);
+  scene.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kBreathing),
                         model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
-  setup.organ_motion[0].phase = 0.3;
-  setup.organ_motion[1].axis_W = Vec3(1, 2, 2) / 3.0;
-  return setup;
+  scene.organ_motion[0].phase = 0.3;
+  scene.organ_motion[1].axis_W = Vec3(1, 2, 2) / 3.0;
+  return scene;
 }
 
 TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
@@ -97,31 +97,31 @@ TEST(Replay, ARunOnAMovingOrganComesOutTheSameBitForBit) {
   EXPECT_EQ(result.rows_compared, 1500U);
   EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
   Recording still = recording;
-  still.setup.organ_motion.clear();
+  still.scene.organ_motion.clear();
   EXPECT_GT(replay(still, {}, prepared_once()).rows_different, 1000U) << "the motion is what was recorded";
 }
 
 TEST(Replay, ARunOnASmoothTissueThatRelaxesComesOutTheSameBitForBit) {
-  scene::Scene setup = block_and_balls(2);
-  setup.tissue.law = model::LawKind::kSmooth;
-  setup.tissue.relaxation = {{0.3, 0.05}, {0.2, 1.0 / 3.0}, {0.1, 7.0}};
-  const Recording recording = run(setup, 600);
+  scene::Scene scene = block_and_balls(2);
+  scene.tissue.law = model::LawKind::kSmooth;
+  scene.tissue.relaxation = {{0.3, 0.05}, {0.2, 1.0 / 3.0}, {0.1, 7.0}};
+  const Recording recording = run(scene, 600);
   const ReplayResult result = replay(recording, {}, prepared_once());
   EXPECT_EQ(result.rows_compared, 1200U);
   EXPECT_EQ(result.rows_different, 0U) << result.first_difference;
   Recording elastic = recording;
-  elastic.setup.tissue.relaxation.pop_back();
+  elastic.scene.tissue.relaxation.pop_back();
   EXPECT_GT(replay(elastic, {}, prepared_once()).rows_different, 500U) << "relaxation is what was recorded";
 }
 
 TEST(SnapshotsAt, CarryTheOrgansPoseOfTheirTick) {
-  const scene::Scene setup = breathing_block();
-  const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(setup, 1000), {0, 999}, prepared_once());
-  EXPECT_EQ(snapshots[0].organ_W.position, setup.organ_pose.position);
-  const Pose moved = scene::organ_motion_of(setup).pose_at(setup.organ_pose, 999, setup.rate_Hz);
+  const scene::Scene scene = breathing_block();
+  const std::vector<haptics::Snapshot> snapshots = snapshots_at(run(scene, 1000), {0, 999}, prepared_once());
+  EXPECT_EQ(snapshots[0].organ_W.position, scene.organ_pose.position);
+  const Pose moved = scene::organ_motion_of(scene).pose_at(scene.organ_pose, 999, scene.rate_Hz);
   EXPECT_EQ(snapshots[1].organ_W.position, moved.position);
   EXPECT_EQ(snapshots[1].organ_W.rotation.coeffs(), moved.rotation.coeffs());
-  EXPECT_GT((moved.position - setup.organ_pose.position).norm(), 1e-3);
+  EXPECT_GT((moved.position - scene.organ_pose.position).norm(), 1e-3);
 }
 
 TEST(Replay, ChangedValueIsFoundAndNamed) {

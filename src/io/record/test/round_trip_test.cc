@@ -93,7 +93,7 @@ TEST(RoundTrip, SceneComesBackToTheBit) {
   const TemporaryFolder folder;
   record_sample(folder / "a.h5", 3, 2);
   const scene::Scene want = sample_setup(2);
-  const scene::Scene got = read_recording(folder / "a.h5").setup;
+  const scene::Scene got = read_recording(folder / "a.h5").scene;
   EXPECT_EQ(words(got), words(want));
   EXPECT_EQ(bits(numbers(got)), bits(numbers(want)));
   expect_same_mesh(got.organ, want.organ);
@@ -105,18 +105,18 @@ TEST(RoundTrip, SceneComesBackToTheBit) {
 }
 
 TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
-  scene::Scene setup = sample_setup(1);
-  setup.tissue.source.reset();
-  setup.tissue.contact.tangential_stiffness.reset();
-  setup.tools[0].tip_radius.reset();
-  const scene::Scene got = setup_from_json(setup_to_json(setup));
+  scene::Scene scene = sample_setup(1);
+  scene.tissue.source.reset();
+  scene.tissue.contact.tangential_stiffness.reset();
+  scene.tools[0].tip_radius.reset();
+  const scene::Scene got = setup_from_json(setup_to_json(scene));
   EXPECT_FALSE(got.tissue.source.has_value());
   EXPECT_FALSE(got.tissue.contact.tangential_stiffness.has_value());
   EXPECT_FALSE(got.tools[0].tip_radius.has_value());
 }
 
 TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
-  scene::Scene setup = sample_setup(1);
+  scene::Scene scene = sample_setup(1);
   model::OrganMotionParameters motion;
   motion.kind = model::OrganMotionKind::kHeartbeat;
   motion.amplitude = 0.1 / 3;
@@ -125,8 +125,8 @@ TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
   motion.axis_W = Vec3(3, -2, 1).normalized();
   motion.period = 60.0 / 70.0;
   motion.phase = 1.0 / 3.0;
-  setup.organ_motion = {motion, model::OrganMotionParameters{}};
-  const scene::Scene got = setup_from_json(setup_to_json(setup));
+  scene.organ_motion = {motion, model::OrganMotionParameters{}};
+  const scene::Scene got = setup_from_json(setup_to_json(scene));
   ASSERT_EQ(got.organ_motion.size(), 2U);
   EXPECT_EQ(got.organ_motion[0].kind, motion.kind);
   EXPECT_EQ(got.organ_motion[0].amplitude, motion.amplitude);
@@ -147,15 +147,15 @@ TEST(RoundTrip, ARecordingFromBeforeOrgansMovedHasAnOrganThatLiesStill) {
 }
 
 TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
-  scene::Scene setup = sample_setup(2);
-  scene::DeviceSetup& device = setup.devices[1];
+  scene::Scene scene = sample_setup(2);
+  scene::DeviceSetup& device = scene.devices[1];
   device.kind = "emulated";
   device.emulated.mass = 0.1 / 3;
   device.emulated.grip = {123.4, 5.6 / 7};
   for (const scene::EmulatedFaultName& known : scene::emulated_fault_names()) {
     device.emulated.faults.push_back({known.kind, 1.0 / 3, 0.1, 7e-3});
   }
-  const scene::Scene got = setup_from_json(setup_to_json(setup));
+  const scene::Scene got = setup_from_json(setup_to_json(scene));
   const scene::EmulatedHand& hand = got.devices[1].emulated;
   EXPECT_EQ(hand.mass, 0.1 / 3);
   EXPECT_EQ(hand.grip.stiffness, 123.4);
@@ -171,19 +171,19 @@ TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
 }
 
 TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
-  scene::Scene setup = sample_setup(1);
-  setup.devices[0].kind = "emulated";
-  setup.devices[0].emulated.faults.push_back({});
-  std::string text = setup_to_json(setup);
+  scene::Scene scene = sample_setup(1);
+  scene.devices[0].kind = "emulated";
+  scene.devices[0].emulated.faults.push_back({});
+  std::string text = setup_to_json(scene);
   text.replace(text.find("\"freeze\""), 8, "\"flood!\"");
   EXPECT_THROW((void)setup_from_json(text), InputError);
 }
 
 TEST(RoundTrip, LawAndRelaxationComeBack) {
-  scene::Scene setup = sample_setup(1);
-  setup.tissue.law = model::LawKind::kSmooth;
-  setup.tissue.relaxation = {{0.1, 0.1 + 0.2}, {0.3, 7.0}};
-  const model::TissueParameters got = setup_from_json(setup_to_json(setup)).tissue;
+  scene::Scene scene = sample_setup(1);
+  scene.tissue.law = model::LawKind::kSmooth;
+  scene.tissue.relaxation = {{0.1, 0.1 + 0.2}, {0.3, 7.0}};
+  const model::TissueParameters got = setup_from_json(setup_to_json(scene)).tissue;
   EXPECT_EQ(got.law, model::LawKind::kSmooth);
   ASSERT_EQ(got.relaxation.size(), 2U);
   EXPECT_EQ(got.relaxation[0].g, 0.1);
@@ -191,8 +191,8 @@ TEST(RoundTrip, LawAndRelaxationComeBack) {
 }
 
 /// The tissue of a recorded scene without these keys, as older recordings have it.
-model::TissueParameters tissue_without(const scene::Scene& setup, const std::vector<std::string>& keys) {
-  std::string text = setup_to_json(setup);
+model::TissueParameters tissue_without(const scene::Scene& scene, const std::vector<std::string>& keys) {
+  std::string text = setup_to_json(scene);
   for (const std::string& key : keys) {
     const std::size_t at = text.find("\"" + key + "\"");
     EXPECT_NE(at, std::string::npos) << key;
@@ -202,27 +202,27 @@ model::TissueParameters tissue_without(const scene::Scene& setup, const std::vec
 }
 
 TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) {
-  scene::Scene setup = sample_setup(1);
-  setup.tissue.law = model::LawKind::kSmooth;
-  setup.tissue.relaxation = {{0.1, 0.3}};
-  const model::TissueParameters got = tissue_without(setup, {"law", "relaxation"});
+  scene::Scene scene = sample_setup(1);
+  scene.tissue.law = model::LawKind::kSmooth;
+  scene.tissue.relaxation = {{0.1, 0.3}};
+  const model::TissueParameters got = tissue_without(scene, {"law", "relaxation"});
   EXPECT_EQ(got.law, model::LawKind::kLayered);
   EXPECT_TRUE(got.relaxation.empty());
 }
 
 TEST(RoundTrip, ANumberThatAnOldRecordingLacksHasItsDefault) {
-  scene::Scene setup = sample_setup(1);
-  setup.tissue.reach.depth_exponent = 0.4;
-  setup.tissue.contact.tangential_damping = 0.75;
-  EXPECT_EQ(tissue_without(setup, {"depth_exponent"}).reach.depth_exponent, 0.5);
-  EXPECT_EQ(tissue_without(setup, {"tangential_damping_N_s_per_m"}).contact.tangential_damping, 0.0);
-  EXPECT_ANY_THROW((void)tissue_without(setup, {"grip_limit_N"})) << "always was a parameter";
+  scene::Scene scene = sample_setup(1);
+  scene.tissue.reach.depth_exponent = 0.4;
+  scene.tissue.contact.tangential_damping = 0.75;
+  EXPECT_EQ(tissue_without(scene, {"depth_exponent"}).reach.depth_exponent, 0.5);
+  EXPECT_EQ(tissue_without(scene, {"tangential_damping_N_s_per_m"}).contact.tangential_damping, 0.0);
+  EXPECT_ANY_THROW((void)tissue_without(scene, {"grip_limit_N"})) << "always was a parameter";
 }
 
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
-  scene::Scene setup = sample_setup(1);
-  setup.organ_motion.emplace_back();
-  std::string text = setup_to_json(setup);
+  scene::Scene scene = sample_setup(1);
+  scene.organ_motion.emplace_back();
+  std::string text = setup_to_json(scene);
   text.replace(text.find("breathing"), 9, "digesting");
   EXPECT_THROW((void)setup_from_json(text), InputError);
 }

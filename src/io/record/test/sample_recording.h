@@ -26,32 +26,32 @@ inline geometry::TriangleMesh tetrahedron(double size) {
 
 /// A scene in which no field has its default, with numbers that need all their digits.
 inline scene::Scene sample_setup(std::size_t hands) {
-  scene::Scene setup;
-  setup.name = "an odd \"name\"\nwith \xc3\xa4";
-  setup.task = scene::Task::kPull;
-  setup.rate_Hz = 1000.0;
-  setup.seed = 0xfedcba9876543210ULL;
-  setup.organ_name = "tetrahedron";
-  setup.organ = tetrahedron(0.1);
-  setup.organ_pose = {Quat(0.5, -0.5, 0.5, 0.5000000000000001), Vec3(0.1, -0.0, 1e-300)};
-  setup.tissue.name = "soft";
-  setup.tissue.k1 = 18.0 / 7.0;
-  setup.tissue.beta = 1.6;
-  setup.tissue.q = 0.7;
-  setup.tissue.rest_length = 0.1 + 0.2;
-  setup.tissue.max_length = 22e-3 / 3;
-  setup.tissue.min_length = 4.9406564584124654e-324;
-  setup.tissue.t1 = 1e-6 / 3;
-  setup.tissue.reach = {1.1, 0.43, 1.8, 0.58, 1.1 / 3};
-  setup.tissue.contact.friction = 0.30000000000000004;
-  setup.tissue.contact.tangential_stiffness = 180.0 / 7;
-  setup.tissue.contact.tangential_damping = 0.7 / 3;
-  setup.tissue.contact.damping = 0.25;
-  setup.tissue.contact.reference_radius = 0.011;
-  setup.tissue.contact.grip_limit = 7.7;
-  setup.tissue.law = model::LawKind::kSmooth;
-  setup.tissue.relaxation = {{0.1 + 0.2, 1.0 / 3}, {1e-3, 70.1}};
-  setup.tissue.source = model::SourceParameters{"ball", 3e-3};
+  scene::Scene scene;
+  scene.name = "an odd \"name\"\nwith \xc3\xa4";
+  scene.task = scene::Task::kPull;
+  scene.rate_Hz = 1000.0;
+  scene.seed = 0xfedcba9876543210ULL;
+  scene.organ_name = "tetrahedron";
+  scene.organ = tetrahedron(0.1);
+  scene.organ_pose = {Quat(0.5, -0.5, 0.5, 0.5000000000000001), Vec3(0.1, -0.0, 1e-300)};
+  scene.tissue.name = "soft";
+  scene.tissue.k1 = 18.0 / 7.0;
+  scene.tissue.beta = 1.6;
+  scene.tissue.q = 0.7;
+  scene.tissue.rest_length = 0.1 + 0.2;
+  scene.tissue.max_length = 22e-3 / 3;
+  scene.tissue.min_length = 4.9406564584124654e-324;
+  scene.tissue.t1 = 1e-6 / 3;
+  scene.tissue.reach = {1.1, 0.43, 1.8, 0.58, 1.1 / 3};
+  scene.tissue.contact.friction = 0.30000000000000004;
+  scene.tissue.contact.tangential_stiffness = 180.0 / 7;
+  scene.tissue.contact.tangential_damping = 0.7 / 3;
+  scene.tissue.contact.damping = 0.25;
+  scene.tissue.contact.reference_radius = 0.011;
+  scene.tissue.contact.grip_limit = 7.7;
+  scene.tissue.law = model::LawKind::kSmooth;
+  scene.tissue.relaxation = {{0.1 + 0.2, 1.0 / 3}, {1e-3, 70.1}};
+  scene.tissue.source = model::SourceParameters{"ball", 3e-3};
   for (std::size_t hand = 0; hand < hands; ++hand) {
     geometry::Tool tool;
     tool.name = "tool " + std::to_string(hand);
@@ -61,8 +61,8 @@ inline scene::Scene sample_setup(std::size_t hands) {
         "jaw", tetrahedron(0.01 / 3), true, Vec3(0.1, 0.2, 0.3), Vec3(0, 0.6, 0.8), -0.26179938779914941};
     tool.parts[1].name = "shaft";
     tool.parts[1].mesh = tetrahedron(0.2);
-    setup.tools.push_back(tool);
-    scene::DeviceSetup& device = setup.devices.emplace_back();
+    scene.tools.push_back(tool);
+    scene::DeviceSetup& device = scene.devices.emplace_back();
     device.kind = "replay";
     device.path = "a/path.h5";
     device.interpolation = scene::PathInterpolation::kCubic;
@@ -73,11 +73,11 @@ inline scene::Scene sample_setup(std::size_t hands) {
     device.dynamics.resolution = 1e-5;
     device.clutch_button = 3U;
   }
-  setup.noise = {false, 5e-5 / 7, 4e-3, 500.0, 77};
-  setup.safety = {19.0, 4000.0, 0.1, 40.0};
-  setup.repairs = {"box.stl: turned 12 triangles outwards"};
-  setup.remarks = {"two vertices merged", "not closed"};
-  return setup;
+  scene.noise = {false, 5e-5 / 7, 4e-3, 500.0, 77};
+  scene.safety = {19.0, 4000.0, 0.1, 40.0};
+  scene.repairs = {"box.stl: turned 12 triangles outwards"};
+  scene.remarks = {"two vertices merged", "not closed"};
+  return scene;
 }
 
 /// A row whose columns all differ from those of every other row.

@@ -21,13 +21,13 @@ using ::testing::StartsWith;
 
 /// A scene with heartbeat and a failing device, as JSON with `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
-  scene::Scene setup = sample_setup(1);
-  setup.organ_motion.resize(1);
-  setup.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
-  setup.devices[0].kind = "emulated";
-  setup.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
-  setup.inclusions.resize(1);
-  std::string text = setup_to_json(setup);
+  scene::Scene scene = sample_setup(1);
+  scene.organ_motion.resize(1);
+  scene.organ_motion[0].kind = model::OrganMotionKind::kHeartbeat;
+  scene.devices[0].kind = "emulated";
+  scene.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
+  scene.inclusions.resize(1);
+  std::string text = setup_to_json(scene);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
@@ -55,14 +55,14 @@ TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) 
 }
 
 TEST(SceneJson, ASearchMakesTheRoundTrip) {
-  scene::Scene setup = sample_setup(1);
-  setup.task = scene::Task::kPalpate;
-  setup.search = {7e-3, 5};
-  const scene::Scene read = setup_from_json(setup_to_json(setup));
+  scene::Scene scene = sample_setup(1);
+  scene.task = scene::Task::kPalpate;
+  scene.search = {7e-3, 5};
+  const scene::Scene read = setup_from_json(setup_to_json(scene));
   EXPECT_EQ(read.task, scene::Task::kPalpate);
   EXPECT_EQ(read.search.tolerance, 7e-3);
   EXPECT_EQ(read.search.mark_button, 5U);
-  std::string text = setup_to_json(setup);
+  std::string text = setup_to_json(scene);
   text.replace(text.find("\"mark_button\": 5"), 16, "\"mark_button\": 32");
   EXPECT_EQ(refusal(text), "scene: search.mark_button = 32: must be a whole number from 0 to 31");
 }
@@ -83,22 +83,22 @@ TEST(SceneJson, AKeyThatIsMissingAndTextThatIsNoJsonAreRefusedInTheScene) {
 }
 
 TEST(SceneJson, ALibraryThatARecordingNamesIsForgottenSoThatNothingRunFromItLoadsCode) {
-  scene::Scene setup = sample_setup(2);
-  setup.devices.resize(2);
-  setup.devices[0].kind = "forcedimension";
-  setup.devices[0].path = "/tmp/libevil.so";
-  setup.devices[1].kind = "scripted";
-  setup.devices[1].path = "press.csv";
-  const scene::Scene read = setup_from_json(setup_to_json(setup));
+  scene::Scene scene = sample_setup(2);
+  scene.devices.resize(2);
+  scene.devices[0].kind = "forcedimension";
+  scene.devices[0].path = "/tmp/libevil.so";
+  scene.devices[1].kind = "scripted";
+  scene.devices[1].path = "press.csv";
+  const scene::Scene read = setup_from_json(setup_to_json(scene));
   EXPECT_EQ(read.devices[0].kind, "forcedimension");
   EXPECT_EQ(read.devices[0].path, "");
   EXPECT_EQ(read.devices[1].path, "press.csv");
 }
 
 TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
-  scene::Scene setup = sample_setup(1);
-  setup.noise.seed = 77;
-  const std::string written = setup_to_json(setup);
+  scene::Scene scene = sample_setup(1);
+  scene.noise.seed = 77;
+  const std::string written = setup_to_json(scene);
   const auto with = [&written](const std::string& name, const std::string& value, const std::string& other) {
     const std::string field = '"' + name + "\": ";
     return std::regex_replace(written, std::regex(field + value), field + other);
@@ -149,9 +149,9 @@ TEST(SceneJson, AValueOfAnotherTypeIsNamedWithItsFieldInPlainWords) {
 }
 
 TEST(SceneJson, TheLargestSeedIsReadBack) {
-  scene::Scene setup = sample_setup(1);
-  setup.seed = std::numeric_limits<std::uint64_t>::max();
-  EXPECT_EQ(setup_from_json(setup_to_json(setup)).seed, setup.seed);
+  scene::Scene scene = sample_setup(1);
+  scene.seed = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(setup_from_json(setup_to_json(scene)).seed, scene.seed);
 }
 
 TEST(SceneJson, ARefusalIsOneLineWhateverWordIsRefused) {

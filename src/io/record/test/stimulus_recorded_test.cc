@@ -32,15 +32,15 @@ using ::testing::ElementsAre;
 constexpr double kProbeRadius = 3e-3;  // m
 
 scene::Scene block_and_probe() {
-  scene::Scene setup;
-  setup.name = "block and probe";
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  setup.tissue = model::tissue_preset("gallbladder");
-  setup.tools.push_back(
+  scene::Scene scene;
+  scene.name = "block and probe";
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  scene.tissue = model::tissue_preset("gallbladder");
+  scene.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kProbeRadius, 80)}}, kProbeRadius});
-  setup.devices.emplace_back();
-  return setup;
+  scene.devices.emplace_back();
+  return scene;
 }
 
 /// Presses and lifts in turn.
@@ -60,10 +60,10 @@ class SlowDevice final : public haptics::Device {
 /// tissue.
 Recording trial(std::uint64_t ticks = 1000) {
   const TemporaryFolder folder;
-  const scene::Scene setup = block_and_probe();
-  const haptics::SimulationWorld world = scene::make_world(setup, prepared_once());
+  const scene::Scene scene = block_and_probe();
+  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
   haptics::SimulationState state(world);
-  const std::unique_ptr<haptics::ParameterUpdates> updates = scene::make_parameter_updates(setup, world);
+  const std::unique_ptr<haptics::ParameterUpdates> updates = scene::make_parameter_updates(scene, world);
   (void)updates->offer(LiveNoise{false, 5e-5, 5e-3}, 99);
   (void)updates->offer(LiveStimulus{0.0, 50e-3, 1}, 100);
   (void)updates->offer(LiveStimulus{0.0, 50e-3, 0}, 300);
@@ -73,7 +73,7 @@ Recording trial(std::uint64_t ticks = 1000) {
   SlowDevice device;
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(updates.get());
-  Recorder recorder(folder / "a.h5", setup, true);
+  Recorder recorder(folder / "a.h5", scene, true);
   recorder.finish(
       run_loop(world, state, devices, {&recorder}, {.ticks = ticks, .offline = true, .control = &control}));
   return read_recording(folder / "a.h5");
@@ -167,7 +167,7 @@ void remove_stimulus(const std::filesystem::path& path) {
 }
 
 void record_rows(const std::filesystem::path& file, const Recording& recording) {
-  Recorder recorder(file, recording.setup, true);
+  Recorder recorder(file, recording.scene, true);
   recorder.on_start(kStarted);
   for (const haptics::TickRow& row : recording.rows) recorder.on_row(row);
   recorder.finish({});

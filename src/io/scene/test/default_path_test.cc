@@ -26,11 +26,11 @@ struct Hanging {
   Vec3 tip = Vec3::Zero();
 };
 
-Hanging hang(const Scene& setup, std::size_t hand, const PathRow& row, double gripper) {
-  const DeviceSetup& device = setup.devices[hand];
+Hanging hang(const Scene& scene, std::size_t hand, const PathRow& row, double gripper) {
+  const DeviceSetup& device = scene.devices[hand];
   const Pose handle = device.base * Pose{row.orientation, device.workspace_scale * row.position};
   Hanging result;
-  for (const geometry::ToolPart& part : setup.tools[hand].parts) {
+  for (const geometry::ToolPart& part : scene.tools[hand].parts) {
     for (const Vec3& v : part.mesh.vertices) {
       const Vec3 p = handle * (geometry::part_pose(part, gripper) * v);
       if (p.z() >= result.lowest) continue;
@@ -42,9 +42,9 @@ Hanging hang(const Scene& setup, std::size_t hand, const PathRow& row, double gr
 }
 
 /// Height of the organ's surface at (x, y), by brute force over all triangles.
-double surface_height(const Scene& setup, double x, double y) {
-  geometry::TriangleMesh organ = setup.organ;
-  geometry::transform(organ, setup.organ_pose);
+double surface_height(const Scene& scene, double x, double y) {
+  geometry::TriangleMesh organ = scene.organ;
+  geometry::transform(organ, scene.organ_pose);
   double height = -std::numeric_limits<double>::infinity();
   for (const geometry::Triangle& t : organ.triangles) {
     const auto corner = [&](std::size_t i) { return organ.vertices[static_cast<std::size_t>(t[i])]; };
@@ -61,15 +61,15 @@ double surface_height(const Scene& setup, double x, double y) {
   return height;
 }
 
-Vec3 middle_of(const Scene& setup) {
-  geometry::TriangleMesh organ = setup.organ;
-  geometry::transform(organ, setup.organ_pose);
+Vec3 middle_of(const Scene& scene) {
+  geometry::TriangleMesh organ = scene.organ;
+  geometry::transform(organ, scene.organ_pose);
   return geometry::bounds(organ).middle();
 }
 
-double lowest_over_time(const Scene& setup, const ToolPath& path) {
+double lowest_over_time(const Scene& scene, const ToolPath& path) {
   double lowest = std::numeric_limits<double>::infinity();
-  for (const PathRow& row : path.rows()) lowest = std::min(lowest, hang(setup, 0, row, 0.0).lowest);
+  for (const PathRow& row : path.rows()) lowest = std::min(lowest, hang(scene, 0, row, 0.0).lowest);
   return lowest;
 }
 
@@ -89,13 +89,13 @@ TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
   for (const std::string organ : {"gallbladder", "liver", "kidney", "ball", "box"}) {
     Overrides request;
     request.organ = organ;
-    const scene::Scene setup = load(request);
-    const ToolPath path = default_path(setup, 0);
-    const Vec3 middle = middle_of(setup);
-    const double surface = surface_height(setup, middle.x(), middle.y());
-    EXPECT_NEAR(hang(setup, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7) << organ;
-    EXPECT_NEAR(lowest_over_time(setup, path), surface - 12e-3, 1e-7) << organ;
-    EXPECT_NEAR(hang(setup, 0, path.rows().back(), 0.0).lowest, surface + 10e-3, 1e-7) << organ;
+    const scene::Scene scene = load(request);
+    const ToolPath path = default_path(scene, 0);
+    const Vec3 middle = middle_of(scene);
+    const double surface = surface_height(scene, middle.x(), middle.y());
+    EXPECT_NEAR(hang(scene, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7) << organ;
+    EXPECT_NEAR(lowest_over_time(scene, path), surface - 12e-3, 1e-7) << organ;
+    EXPECT_NEAR(hang(scene, 0, path.rows().back(), 0.0).lowest, surface + 10e-3, 1e-7) << organ;
     const double bottom = path.at(path.end_time() / 2.0).position.z();
     EXPECT_NEAR(path.at(path.end_time() / 2.0 - 0.49).position.z(), bottom, 1e-9);
     EXPECT_NEAR(path.at(path.end_time() / 2.0 + 0.49).position.z(), bottom, 1e-9);
@@ -107,10 +107,10 @@ TEST(DefaultPath, PressStarts10MmClearReaches12MmHoldsASecondAndComesBack) {
 TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
   Overrides request;
   request.tools = {"sphere:3"};
-  const scene::Scene setup = load(request);
-  const ToolPath path = default_path(setup, 0);
+  const scene::Scene scene = load(request);
+  const ToolPath path = default_path(scene, 0);
   const PathRow& first = path.rows().front();
-  const Vec3 middle = middle_of(setup);
+  const Vec3 middle = middle_of(scene);
   EXPECT_NEAR(first.position.x(), middle.x(), 0.3e-3);  // the lowest vertices of a ball are around its pole
   EXPECT_NEAR(first.position.y(), middle.y(), 0.3e-3);
   EXPECT_NEAR((first.orientation * Vec3(0.0, 0.0, 1.0) - Vec3(0.0, 0.0, -1.0)).norm(), 0.0, 1e-15);
@@ -119,22 +119,22 @@ TEST(DefaultPath, TheTipComesDownOnTheOrgansMiddleWithItsZAxisDown) {
 TEST(DefaultPath, PullClosesAtTouchLifts12MmHoldsAndLetsGo) {
   Overrides request;
   request.task = "pull";
-  const scene::Scene setup = load(request);
-  const ToolPath path = default_path(setup, 0);
-  const Vec3 middle = middle_of(setup);
-  const double surface = surface_height(setup, middle.x(), middle.y());
+  const scene::Scene scene = load(request);
+  const ToolPath path = default_path(scene, 0);
+  const Vec3 middle = middle_of(scene);
+  const double surface = surface_height(scene, middle.x(), middle.y());
   EXPECT_TRUE(path.has_gripper());
   EXPECT_EQ(path.rows().front().gripper, 1.0);
   EXPECT_EQ(path.rows().back().gripper, 1.0);
-  EXPECT_NEAR(hang(setup, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7);
-  EXPECT_NEAR(lowest_over_time(setup, path), surface - 0.2e-3, 1e-7);
+  EXPECT_NEAR(hang(scene, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7);
+  EXPECT_NEAR(lowest_over_time(scene, path), surface - 0.2e-3, 1e-7);
   double closing = -1.0;
   double closed_height = 0.0;
   double held_top = -1.0;
   double time_at_top = 0.0;
   double last_time = 0.0;
   for (const PathRow& row : path.rows()) {
-    const double height = hang(setup, 0, row, 0.0).lowest - surface;
+    const double height = hang(scene, 0, row, 0.0).lowest - surface;
     if (closing < 0.0 && row.gripper < 0.3) {
       closing = row.time;
       closed_height = height;
@@ -166,29 +166,29 @@ TEST(DefaultPath, IsGivenInTheDevicesFrame) {
 }
 
 TEST(DefaultPath, FollowsTheOrgansPose) {
-  scene::Scene setup = load({});
-  setup.organ_pose = {rotation_from_degrees({90.0, 0.0, 0.0}), {0.5, 0.0, -0.1}};
-  const ToolPath path = default_path(setup, 0);
-  const Vec3 middle = middle_of(setup);
-  const double surface = surface_height(setup, middle.x(), middle.y());
-  EXPECT_NEAR(hang(setup, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7);
+  scene::Scene scene = load({});
+  scene.organ_pose = {rotation_from_degrees({90.0, 0.0, 0.0}), {0.5, 0.0, -0.1}};
+  const ToolPath path = default_path(scene, 0);
+  const Vec3 middle = middle_of(scene);
+  const double surface = surface_height(scene, middle.x(), middle.y());
+  EXPECT_NEAR(hang(scene, 0, path.rows().front(), 0.0).lowest, surface + 10e-3, 1e-7);
 }
 
 TEST(DefaultPath, TwoHandsComeDownSideBySide) {
-  scene::Scene setup = load({});
-  setup.tools.push_back(setup.tools[0]);
-  setup.devices.push_back(setup.devices[0]);
-  const Vec3 left = default_path(setup, 0).rows().front().position;
-  const Vec3 right = default_path(setup, 1).rows().front().position;
+  scene::Scene scene = load({});
+  scene.tools.push_back(scene.tools[0]);
+  scene.devices.push_back(scene.devices[0]);
+  const Vec3 left = default_path(scene, 0).rows().front().position;
+  const Vec3 right = default_path(scene, 1).rows().front().position;
   const Vec3 apart = right - left;
   EXPECT_GT(std::hypot(apart.x(), apart.y()), 15e-3);
   EXPECT_LE(std::hypot(apart.x(), apart.y()), 30e-3 + 1e-12);
 }
 
 TEST(DefaultPath, RefusesAnOpenOrgan) {
-  scene::Scene setup = load({});
-  setup.organ.triangles.pop_back();
-  EXPECT_THROW((void)default_path(setup, 0), InputError);
+  scene::Scene scene = load({});
+  scene.organ.triangles.pop_back();
+  EXPECT_THROW((void)default_path(scene, 0), InputError);
 }
 
 constexpr int kAround = 48;
@@ -231,10 +231,10 @@ scene::Scene press_of(const geometry::TriangleMesh& organ, const Vec3& turned_de
                       const std::string& tool = "curved-forceps") {
   Overrides request;
   request.tools = {tool};
-  scene::Scene setup = load(request);
-  setup.organ = organ;
-  setup.organ_pose.rotation = rotation_from_degrees(turned_deg);
-  return setup;
+  scene::Scene scene = load(request);
+  scene.organ = organ;
+  scene.organ_pose.rotation = rotation_from_degrees(turned_deg);
+  return scene;
 }
 
 /// The tool at the deepest point of its path, computed by contact itself.
@@ -244,15 +244,15 @@ struct Pressed {
   double angle = 0.0;  // degrees, between the motion and the normal
 };
 
-Pressed pressed(const scene::Scene& setup, const ToolPath& path) {
-  const haptics::SimulationWorld world = make_world(setup, {});
+Pressed pressed(const scene::Scene& scene, const ToolPath& path) {
+  const haptics::SimulationWorld world = make_world(scene, {});
   contact::State state(world.contact);
   contact::ToolResult result;
   Pressed pressed;
   for (int tick = 0; tick * 1e-3 < 0.5 * path.end_time(); ++tick) {
     const PathRow row = path.at(tick * 1e-3);
     const contact::ToolInput input{{row.orientation, row.position}, row.gripper};
-    contact::advance(world.contact, setup.organ_pose, {&input, 1}, state, {&result, 1});
+    contact::advance(world.contact, scene.organ_pose, {&input, 1}, state, {&result, 1});
     if (tick == 0) pressed.status_at_start = result.status;
   }
   const Vec3 way = path.rows().front().orientation * Vec3::UnitZ();
@@ -279,12 +279,12 @@ double turns_around(const geometry::TriangleMesh& mesh, const Vec3& p) {
   return sum / (4.0 * portable::kPi);
 }
 
-int points_inside(const scene::Scene& setup, const PathRow& row) {
-  geometry::TriangleMesh organ = setup.organ;
-  geometry::transform(organ, setup.organ_pose);
+int points_inside(const scene::Scene& scene, const PathRow& row) {
+  geometry::TriangleMesh organ = scene.organ;
+  geometry::transform(organ, scene.organ_pose);
   const Pose handle{row.orientation, row.position};
   int inside = 0;
-  for (const geometry::ToolPart& part : setup.tools[0].parts) {
+  for (const geometry::ToolPart& part : scene.tools[0].parts) {
     for (const Vec3& v : geometry::refine(part.mesh, 10e-3).vertices)
       inside += turns_around(organ, handle * v) > 0.5 ? 1 : 0;
   }
@@ -316,10 +316,10 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
   for (const std::string tool : {"curved-forceps", "straight-forceps"}) {
     for (const Shape& shape : shapes()) {
       SCOPED_TRACE(tool + std::string(" on a ") + shape.name);
-      const scene::Scene setup = press_of(shape.mesh, shape.turned_deg, tool);
-      const ToolPath path = default_path(setup, 0);
-      EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
-      const Pressed press = pressed(setup, path);
+      const scene::Scene scene = press_of(shape.mesh, shape.turned_deg, tool);
+      const ToolPath path = default_path(scene, 0);
+      EXPECT_EQ(points_inside(scene, path.rows().front()), 0);
+      const Pressed press = pressed(scene, path);
       EXPECT_EQ(press.status_at_start & contact::kStartedInside, 0U);
       EXPECT_NEAR(press.depth, 12e-3, 0.05 * 12e-3);
       EXPECT_LT(press.angle, 20.0);
@@ -338,30 +338,30 @@ geometry::TriangleMesh ridged_tube() {
 }
 
 TEST(DefaultPath, NoToolStartsInsideAnOrganThatIsFlatOnlyWhereItCannotGetTo) {
-  const scene::Scene setup = press_of(ridged_tube(), {90.0, 0.0, 0.0});
-  const ToolPath path = default_path(setup, 0);
-  EXPECT_EQ(points_inside(setup, path.rows().front()), 0);
+  const scene::Scene scene = press_of(ridged_tube(), {90.0, 0.0, 0.0});
+  const ToolPath path = default_path(scene, 0);
+  EXPECT_EQ(points_inside(scene, path.rows().front()), 0);
 }
 
 TEST(DefaultPath, AnOrganTooCurvedForItsDepthIsPressedLessDeepAndThatIsReported) {
-  const scene::Scene setup = press_of(torus(40e-3, 12e-3));
-  const ToolPath path = default_path(setup, 0);
+  const scene::Scene scene = press_of(torus(40e-3, 12e-3));
+  const ToolPath path = default_path(scene, 0);
   const double way = (path.at(0.5 * path.end_time()).position - path.rows().front().position).norm();
   const double depth = way - 10e-3;
   EXPECT_GE(depth, 3e-3);
   EXPECT_LT(depth, 6.5e-3);  // half of its section: deeper inside, another side is nearer
-  const Pressed press = pressed(setup, path);
+  const Pressed press = pressed(scene, path);
   EXPECT_NEAR(press.depth, depth, 0.05 * depth);
   EXPECT_LT(press.angle, 20.0);
   EXPECT_THAT(
-      default_path_remarks(setup),
+      default_path_remarks(scene),
       testing::ElementsAre(testing::HasSubstr("the path presses " + brief(depth * 1e3, 3) + " mm deep")));
 }
 
 TEST(DefaultPath, AnOrganThatIsPressedLessDeepIsPressedFromAboveItsMiddleWhereThatIsGood) {
-  const scene::Scene setup = press_of(geometry::make_ball(12e-3, 5120));
-  const ToolPath path = default_path(setup, 0);
-  EXPECT_THAT(default_path_remarks(setup), testing::ElementsAre(testing::HasSubstr("mm deep")));
+  const scene::Scene scene = press_of(geometry::make_ball(12e-3, 5120));
+  const ToolPath path = default_path(scene, 0);
+  EXPECT_THAT(default_path_remarks(scene), testing::ElementsAre(testing::HasSubstr("mm deep")));
   for (const PathRow& row : {path.rows().front(), path.at(0.5 * path.end_time())})
     EXPECT_LT((row.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-9);
 }
@@ -392,17 +392,17 @@ TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
 }
 
 TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsReported) {
-  const scene::Scene setup = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
-  EXPECT_THAT(default_path_remarks(setup),
+  const scene::Scene scene = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
+  EXPECT_THAT(default_path_remarks(scene),
               testing::ElementsAre(testing::HasSubstr(
                   "the organ is 6 mm thick where the default path presses it 12 mm deep")));
 }
 
 TEST(DefaultPath, NothingIsReportedForAThickOrganOrOfAPathFromAFile) {
   EXPECT_THAT(default_path_remarks(load({})), testing::IsEmpty());
-  scene::Scene setup = press_of(torus(40e-3, 12e-3));
-  setup.devices[0].path = "press.csv";
-  EXPECT_THAT(default_path_remarks(setup), testing::IsEmpty());
+  scene::Scene scene = press_of(torus(40e-3, 12e-3));
+  scene.devices[0].path = "press.csv";
+  EXPECT_THAT(default_path_remarks(scene), testing::IsEmpty());
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ const std::string kBox =
     "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 "
     "5 8\n";
 
-Overrides scene(const std::filesystem::path& file) {
+Overrides scene_of(const std::filesystem::path& file) {
   Overrides request;
   request.scene = file;
   return request;
@@ -35,30 +35,30 @@ std::string error_in(const Overrides& request) {
 }
 
 TEST(Load, NothingAskedForIsTheGallbladderPress) {
-  const scene::Scene setup = load({});
-  EXPECT_EQ(setup.name, "gallbladder press");
-  EXPECT_EQ(setup.task, Task::kPress);
-  EXPECT_EQ(setup.organ_name, "gallbladder");
-  EXPECT_EQ(setup.organ.vertices.size(), 1057U);
-  EXPECT_EQ(setup.tissue.name, "gallbladder");
-  ASSERT_EQ(setup.tools.size(), 1U);
-  EXPECT_EQ(setup.tools[0].name, "curved-forceps");
-  ASSERT_EQ(setup.devices.size(), 1U);
-  EXPECT_EQ(setup.devices[0].kind, "scripted");
-  EXPECT_EQ(setup.devices[0].path, "");
-  EXPECT_EQ(setup.rate_Hz, 1000.0);
-  EXPECT_TRUE(setup.noise.enabled);
+  const scene::Scene scene = load({});
+  EXPECT_EQ(scene.name, "gallbladder press");
+  EXPECT_EQ(scene.task, Task::kPress);
+  EXPECT_EQ(scene.organ_name, "gallbladder");
+  EXPECT_EQ(scene.organ.vertices.size(), 1057U);
+  EXPECT_EQ(scene.tissue.name, "gallbladder");
+  ASSERT_EQ(scene.tools.size(), 1U);
+  EXPECT_EQ(scene.tools[0].name, "curved-forceps");
+  ASSERT_EQ(scene.devices.size(), 1U);
+  EXPECT_EQ(scene.devices[0].kind, "scripted");
+  EXPECT_EQ(scene.devices[0].path, "");
+  EXPECT_EQ(scene.rate_Hz, 1000.0);
+  EXPECT_TRUE(scene.noise.enabled);
 }
 
 TEST(Load, TaskPullAloneIsTheHeart) {
   Overrides request;
   request.task = "pull";
-  const scene::Scene setup = load(request);
-  EXPECT_EQ(setup.name, "heart pull");
-  EXPECT_EQ(setup.task, Task::kPull);
-  EXPECT_EQ(setup.organ_name, "heart");
-  EXPECT_EQ(setup.tissue.name, "heart");
-  EXPECT_EQ(setup.tools[0].name, "straight-forceps");
+  const scene::Scene scene = load(request);
+  EXPECT_EQ(scene.name, "heart pull");
+  EXPECT_EQ(scene.task, Task::kPull);
+  EXPECT_EQ(scene.organ_name, "heart");
+  EXPECT_EQ(scene.tissue.name, "heart");
+  EXPECT_EQ(scene.tools[0].name, "straight-forceps");
 }
 
 TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
@@ -102,25 +102,25 @@ TEST(Load, ReadsFilesRelativeToTheScene) {
                      "[tissue]\nk1_N_per_m=10\nbeta=1\nq=0.5\nrest_length_mm=10\nmax_length_mm=12\n"
                      "min_length_mm=5\nt1_us=1\n");
   (void)folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
-  const scene::Scene setup =
-      load(scene(folder.write("s.toml",
-                              "[scene]\ntask=\"pull\"\n[organ]\nmesh=\"box.obj\"\nunit=\"mm\"\n"
-                              "tissue=\"soft.toml\"\n[tool]\nmesh=\"sphere:3\"\n"
-                              "[device]\npath=\"way.csv\"\nworkspace_scale=3\n")));
-  EXPECT_EQ(setup.organ_name, "box.obj");
-  EXPECT_EQ(setup.organ.triangles.size(), 12U);
-  EXPECT_NEAR(geometry::bounds(setup.organ).high.x(), 0.020, 1e-9);
-  EXPECT_EQ(setup.tissue.name, "soft");
-  EXPECT_EQ(setup.tissue.k1, 10.0);
-  EXPECT_EQ(setup.devices[0].path, (folder.path() / "way.csv").string());
-  EXPECT_EQ(setup.devices[0].workspace_scale, 3.0);
+  const scene::Scene scene =
+      load(scene_of(folder.write("s.toml",
+                                 "[scene]\ntask=\"pull\"\n[organ]\nmesh=\"box.obj\"\nunit=\"mm\"\n"
+                                 "tissue=\"soft.toml\"\n[tool]\nmesh=\"sphere:3\"\n"
+                                 "[device]\npath=\"way.csv\"\nworkspace_scale=3\n")));
+  EXPECT_EQ(scene.organ_name, "box.obj");
+  EXPECT_EQ(scene.organ.triangles.size(), 12U);
+  EXPECT_NEAR(geometry::bounds(scene.organ).high.x(), 0.020, 1e-9);
+  EXPECT_EQ(scene.tissue.name, "soft");
+  EXPECT_EQ(scene.tissue.k1, 10.0);
+  EXPECT_EQ(scene.devices[0].path, (folder.path() / "way.csv").string());
+  EXPECT_EQ(scene.devices[0].workspace_scale, 3.0);
 }
 
 TEST(Load, FlagsOverrideTheScene) {
   const TemporaryFolder folder;
   const auto box = folder.write("box.obj", kBox);
   const auto way = folder.write("way.csv", "time_s,x_m,y_m,z_m,gripper\n0,0,0,0,1\n");
-  Overrides request = scene(
+  Overrides request = scene_of(
       folder.write("s.toml", kShortLoaded + "[scene]\nname = \"mine\"\n[device]\nworkspace_scale = 2\n"));
   request.task = "pull";
   request.organ = box.string();
@@ -131,18 +131,18 @@ TEST(Load, FlagsOverrideTheScene) {
   request.rate_Hz = 2000.0;
   request.seed = 99;
   request.no_noise = true;
-  const scene::Scene setup = load(request);
-  EXPECT_EQ(setup.name, "mine");
-  EXPECT_EQ(setup.task, Task::kPull);
-  EXPECT_EQ(setup.organ.triangles.size(), 12U);
-  EXPECT_EQ(setup.tissue.name, "kidney");
-  EXPECT_DOUBLE_EQ(*setup.tools[0].tip_radius, 2e-3);
-  EXPECT_EQ(setup.devices[0].path, way.string());
-  EXPECT_EQ(setup.devices[0].workspace_scale, 2.0);
-  EXPECT_EQ(setup.rate_Hz, 2000.0);
-  EXPECT_EQ(setup.seed, 99U);
-  EXPECT_EQ(setup.noise.seed, 99U);
-  EXPECT_FALSE(setup.noise.enabled);
+  const scene::Scene scene = load(request);
+  EXPECT_EQ(scene.name, "mine");
+  EXPECT_EQ(scene.task, Task::kPull);
+  EXPECT_EQ(scene.organ.triangles.size(), 12U);
+  EXPECT_EQ(scene.tissue.name, "kidney");
+  EXPECT_DOUBLE_EQ(*scene.tools[0].tip_radius, 2e-3);
+  EXPECT_EQ(scene.devices[0].path, way.string());
+  EXPECT_EQ(scene.devices[0].workspace_scale, 2.0);
+  EXPECT_EQ(scene.rate_Hz, 2000.0);
+  EXPECT_EQ(scene.seed, 99U);
+  EXPECT_EQ(scene.noise.seed, 99U);
+  EXPECT_FALSE(scene.noise.enabled);
 }
 
 TEST(Load, SeveralToolFlagsAreJawsThatOpenApart) {
@@ -156,12 +156,12 @@ TEST(Load, SeveralToolFlagsAreJawsThatOpenApart) {
   Overrides request;
   request.tools = {jaw("a.obj", "0", "2"), jaw("b.obj", "-0.1", "-2")};
   request.tool_unit = "mm";
-  const scene::Scene setup = load(request);
-  ASSERT_EQ(setup.tools.size(), 1U);
-  ASSERT_EQ(setup.tools[0].parts.size(), 2U);
+  const scene::Scene scene = load(request);
+  ASSERT_EQ(scene.tools.size(), 1U);
+  ASSERT_EQ(scene.tools[0].parts.size(), 2U);
   double gap = 0.0;
   for (const std::size_t i : {0U, 1U}) {
-    const geometry::ToolPart& part = setup.tools[0].parts[i];
+    const geometry::ToolPart& part = scene.tools[0].parts[i];
     EXPECT_TRUE(part.is_jaw);
     const double y = (geometry::part_pose(part, 1.0) * Vec3(0.0, 0.0, 20e-3)).y();
     gap += i == 0 ? y : -y;
@@ -177,7 +177,7 @@ TEST(Load, ANoiseClockThatIsNotGivenNeverRunsFasterThanTheLoop) {
   EXPECT_EQ(load(request).noise.rate_Hz, 1000.0);
   const TemporaryFolder folder;
   const Overrides given =
-      scene(folder.write("s.toml", kShortLoaded + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
+      scene_of(folder.write("s.toml", kShortLoaded + "[scene]\nrate_Hz = 500\n[noise]\nrate_Hz = 600\n"));
   EXPECT_THAT(error_in(given),
               HasSubstr("s.toml:8: noise.rate_Hz = 600: must be at most the loop's rate, 500 Hz"));
 }
@@ -218,9 +218,9 @@ TEST(Load, RefusesBadFlagsByTheirName) {
 TEST(Load, ATouchIsNamedAndItsNameIsNoFile) {
   Overrides request;
   request.device = "touch:Left Device";
-  const scene::Scene setup = load(request);
-  EXPECT_EQ(setup.devices[0].kind, "touch");
-  EXPECT_EQ(setup.devices[0].path, "Left Device");
+  const scene::Scene scene = load(request);
+  EXPECT_EQ(scene.devices[0].kind, "touch");
+  EXPECT_EQ(scene.devices[0].path, "Left Device");
 }
 
 TEST(Load, AClientsNameIsNoFileAndOnlyTheCommandLineLetsOtherMachinesConnect) {
@@ -265,7 +265,7 @@ TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
   for (const std::string& named : {std::string("libevil.so"), library}) {
     const std::string device = "[device]\nkind=\"forcedimension\"\npath=\"" + named + "\"\n";
     const std::filesystem::path file = folder.write("s.toml", kShortLoaded + device);
-    EXPECT_EQ(error_in(scene(file)),
+    EXPECT_EQ(error_in(scene_of(file)),
               file.string() + ":7: device.path = \"" + named +
                   "\": must be left out: a scene may not name a library; link it into ~/.config/palpate, or "
                   "give its absolute path on the command line (docs/devices.md)");
@@ -282,7 +282,7 @@ TEST(Load, ALibraryIsNamedByItsAbsolutePathOnTheCommandLineAndNeverByAScene) {
 
 /// The error of a scene in that folder when its files must be inside the folder too.
 std::string error_when_kept_inside(const TemporaryFolder& folder, const std::string& content) {
-  Overrides request = scene(folder.write("s.toml", content));
+  Overrides request = scene_of(folder.write("s.toml", content));
   request.files_below = folder.path();
   return error_in(request);
 }
@@ -311,7 +311,7 @@ TEST(Load, ASceneKeptToAFolderNamesNoFileOutsideAndQuotesNone) {
       EXPECT_THAT(error, Not(HasSubstr("secret")));
     }
   }
-  Overrides request = scene(file);
+  Overrides request = scene_of(file);
   request.files_below = folder.path();
   EXPECT_EQ(error_in(request), "scene = \"" + file + "\": must be a file below " + folder.path().string());
 }
@@ -322,7 +322,7 @@ TEST(Load, ASceneKeptToAFolderTakesItsFilesBuiltInNamesAndAddresses) {
   (void)folder.write("meshes/box.obj", kBox);
   std::filesystem::create_symlink("meshes/box.obj", folder / "same.obj");
   for (const char* mesh : {"meshes/box.obj", "same.obj", "meshes/../same.obj"}) {
-    Overrides request = scene(folder.write(
+    Overrides request = scene_of(folder.write(
         "s.toml", "[organ]\nmesh = \"" + std::string(mesh) +
                       "\"\nunit = \"mm\"\ntissue = \"liver\"\n[tool]\nmesh = \"sphere:3\"\n[device]\n"
                       "kind = \"haply\"\npath = \"ws://localhost:10001\"\n"));
@@ -335,7 +335,7 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
   const TemporaryFolder folder;
   const std::string name = (folder.path() / "s.toml").string();
   const auto error_with = [&](const std::string& content) {
-    return error_in(scene(folder.write("s.toml", content)));
+    return error_in(scene_of(folder.write("s.toml", content)));
   };
   EXPECT_THAT(error_with("[tool]\nmesh=\"sphere:3\"\n"),
               HasSubstr(name + ":1: organ.mesh: missing, must be a built-in"));
@@ -370,12 +370,12 @@ TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
   const auto damaged = folder.write("box.obj", kBox + "f 1 2 3\nf 1 1 2\n");
   request.organ = damaged.string();
   request.organ_unit = "mm";
-  const scene::Scene setup = load(request);
-  EXPECT_EQ(setup.organ.triangles.size(), 12U);
-  EXPECT_THAT(setup.repairs,
+  const scene::Scene scene = load(request);
+  EXPECT_EQ(scene.organ.triangles.size(), 12U);
+  EXPECT_THAT(scene.repairs,
               testing::ElementsAre(damaged.string() + ": dropped 1 triangle with two corners in one place",
                                    damaged.string() + ": dropped 1 duplicate triangle"));
-  EXPECT_THAT(setup.remarks, testing::IsEmpty());
+  EXPECT_THAT(scene.remarks, testing::IsEmpty());
 }
 
 TEST(Load, RefusesOrgansThatAreTooLargeOrCannotBeRepaired) {
@@ -407,13 +407,13 @@ TEST(Load, RefusesHandsThatDoNotMatchUp) {
   const std::string organ = "[organ]\nmesh=\"heart\"\n";
   const std::string tool = "[[tool]]\nmesh=\"sphere:3\"\n";
   const std::string device = "[[device]]\nkind=\"scripted\"\n";
-  EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool))).devices.size(), 2U);
-  EXPECT_EQ(load(scene(folder.write("s.toml", organ + tool + tool + device + device))).tools.size(), 2U);
-  EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + device))),
+  EXPECT_EQ(load(scene_of(folder.write("s.toml", organ + tool + tool))).devices.size(), 2U);
+  EXPECT_EQ(load(scene_of(folder.write("s.toml", organ + tool + tool + device + device))).tools.size(), 2U);
+  EXPECT_THAT(error_in(scene_of(folder.write("s.toml", organ + tool + tool + device))),
               HasSubstr("there are 1 devices for 2 tools, must be one per tool"));
-  EXPECT_THAT(error_in(scene(folder.write("s.toml", organ + tool + tool + tool + tool + tool))),
+  EXPECT_THAT(error_in(scene_of(folder.write("s.toml", organ + tool + tool + tool + tool + tool))),
               HasSubstr("there are 5 tools, must be at most 4"));
-  Overrides request = scene(folder.write("s.toml", organ + tool + tool));
+  Overrides request = scene_of(folder.write("s.toml", organ + tool + tool));
   request.tools = {"sphere:2"};
   EXPECT_THAT(error_in(request), HasSubstr("--tool = \"sphere:2\": the scene has several tools"));
   request.tools.clear();

@@ -38,11 +38,11 @@ Overrides with_nodules(const std::string& organ, const std::string& task) {
 
 /// Everything that a session prepares from a scene.
 void prepare(const Overrides& request) {
-  const Scene setup = load(request);
-  (void)default_path_remarks(setup);
-  (void)default_path(setup, 0);
-  const haptics::SimulationWorld world = make_world(setup);
-  (void)stability_remarks(setup, world);
+  const Scene scene = load(request);
+  (void)default_path_remarks(scene);
+  (void)default_path(scene, 0);
+  const haptics::SimulationWorld world = make_world(scene);
+  (void)stability_remarks(scene, world);
 }
 
 TEST(OrganDistance, ASessionBuildsOneOfTheOrganAndOneOfItsRefinement) {
@@ -52,23 +52,23 @@ TEST(OrganDistance, ASessionBuildsOneOfTheOrganAndOneOfItsRefinement) {
 }
 
 TEST(OrganDistance, ASessionBuildsOneOfAnOrganThatNeedsNoRefinement) {
-  Scene setup = load(with_nodules("ball", "press"));
-  setup.organ = geometry::refine(setup.organ, setup.tissue.contact.reference_radius / 5.0);
+  Scene scene = load(with_nodules("ball", "press"));
+  scene.organ = geometry::refine(scene.organ, scene.tissue.contact.reference_radius / 5.0);
   EXPECT_EQ(builds_in([&] {
-              (void)default_path(setup, 0);
-              (void)make_world(setup);
-              (void)default_touch(setup, 0);
+              (void)default_path(scene, 0);
+              (void)make_world(scene);
+              (void)default_touch(scene, 0);
             }),
             1U);
 }
 
 TEST(OrganDistance, AStepOfASliderBuildsNone) {
-  const Scene setup = load(with_nodules("ball", "press"));
-  const haptics::SimulationWorld world = make_world(setup);
-  const std::unique_ptr<haptics::ParameterUpdates> updates = make_parameter_updates(setup, world);
-  model::TissueParameters stiffer = setup.tissue;
+  const Scene scene = load(with_nodules("ball", "press"));
+  const haptics::SimulationWorld world = make_world(scene);
+  const std::unique_ptr<haptics::ParameterUpdates> updates = make_parameter_updates(scene, world);
+  model::TissueParameters stiffer = scene.tissue;
   stiffer.k1 *= 1.1;
-  const Vec3 centre = setup.inclusions[0].inclusion.centre_S;
+  const Vec3 centre = scene.inclusions[0].inclusion.centre_S;
   EXPECT_EQ(builds_in([&] {
               (void)updates->offer(stiffer);
               (void)updates->offer(haptics::LiveInclusion{0, {centre.x(), centre.y(), centre.z()}, 5.0});
@@ -77,11 +77,11 @@ TEST(OrganDistance, AStepOfASliderBuildsNone) {
 }
 
 TEST(OrganDistance, CopiesOfASceneAndThreadsShareIt) {
-  const Scene setup = load(with_nodules("ball", "press"));
+  const Scene scene = load(with_nodules("ball", "press"));
   const std::uint64_t builds = builds_in([&] {
     std::vector<std::thread> threads;
     for (int i = 0; i < 4; ++i) {
-      threads.emplace_back([copy = setup] { (void)organ_distance_of(copy); });
+      threads.emplace_back([copy = scene] { (void)organ_distance_of(copy); });
     }
     for (std::thread& thread : threads) thread.join();
   });
@@ -89,15 +89,15 @@ TEST(OrganDistance, CopiesOfASceneAndThreadsShareIt) {
 }
 
 TEST(OrganDistance, IsThatOfAnotherMeshOnceTheOrganIsAnother) {
-  Scene setup = load(with_nodules("ball", "press"));
+  Scene scene = load(with_nodules("ball", "press"));
   const Vec3 outside(1.0, 0.0, 0.0);
-  const double before = organ_distance_of(setup).nearest(outside).distance;
-  for (Vec3& vertex : setup.organ.vertices) vertex *= 0.5;
-  const SignedDistance smaller = organ_distance_of(setup);
+  const double before = organ_distance_of(scene).nearest(outside).distance;
+  for (Vec3& vertex : scene.organ.vertices) vertex *= 0.5;
+  const SignedDistance smaller = organ_distance_of(scene);
   EXPECT_GT(smaller.nearest(outside).distance, before);
-  EXPECT_EQ(smaller.nearest(outside).distance, SignedDistance(setup.organ).nearest(outside).distance);
-  setup.organ.triangles.pop_back();
-  EXPECT_THROW((void)organ_distance_of(setup), InputError);
+  EXPECT_EQ(smaller.nearest(outside).distance, SignedDistance(scene.organ).nearest(outside).distance);
+  scene.organ.triangles.pop_back();
+  EXPECT_THROW((void)organ_distance_of(scene), InputError);
 }
 
 }  // namespace

@@ -122,10 +122,10 @@ TEST(OrganMotionFlag, ReplacesTheMotionsOfTheScene) {
   request.organ_motion = {"none"};
   EXPECT_TRUE(load(request).organ_motion.empty());
   request.organ_motion = {"heartbeat", "breathing"};
-  const scene::Scene setup = load(request);
-  ASSERT_EQ(setup.organ_motion.size(), 2U);
-  EXPECT_EQ(setup.organ_motion[0].kind, OrganMotionKind::kHeartbeat);
-  EXPECT_DOUBLE_EQ(setup.organ_motion[1].amplitude, 0.010);
+  const scene::Scene scene = load(request);
+  ASSERT_EQ(scene.organ_motion.size(), 2U);
+  EXPECT_EQ(scene.organ_motion[0].kind, OrganMotionKind::kHeartbeat);
+  EXPECT_DOUBLE_EQ(scene.organ_motion[1].amplitude, 0.010);
 }
 
 TEST(OrganMotionFlag, RefusesOtherWordsAndTooMany) {

@@ -23,7 +23,7 @@ Scene loaded(const TemporaryFolder& folder, const std::vector<Setting>& settings
 
 TEST(SceneKeys, ASettingTakesThePlaceOfTheScenesValue) {
   const TemporaryFolder folder;
-  const auto setup = loaded(folder, {{"scene.rate_Hz", "2000"},
+  const auto scene = loaded(folder, {{"scene.rate_Hz", "2000"},
                                      {"scene.seed", "7"},
                                      {"noise.enabled", "false"},
                                      {"path.speed", "2"},
@@ -31,14 +31,14 @@ TEST(SceneKeys, ASettingTakesThePlaceOfTheScenesValue) {
                                      {"tissue.k1_N_per_m", "33"},
                                      {"tissue.rest_length_mm", "15"},
                                      {"tissue.law", "smooth"}});
-  EXPECT_EQ(setup.rate_Hz, 2000.0);
-  EXPECT_EQ(setup.seed, 7U);
-  EXPECT_FALSE(setup.noise.enabled);
-  EXPECT_EQ(setup.devices.at(0).path_speed, 2.0);
-  EXPECT_EQ(setup.tools.at(0).tip_radius, 4e-3);
-  EXPECT_EQ(setup.tissue.k1, 33.0);
-  EXPECT_DOUBLE_EQ(setup.tissue.rest_length, 15e-3);
-  EXPECT_EQ(setup.tissue.law, model::LawKind::kSmooth);
+  EXPECT_EQ(scene.rate_Hz, 2000.0);
+  EXPECT_EQ(scene.seed, 7U);
+  EXPECT_FALSE(scene.noise.enabled);
+  EXPECT_EQ(scene.devices.at(0).path_speed, 2.0);
+  EXPECT_EQ(scene.tools.at(0).tip_radius, 4e-3);
+  EXPECT_EQ(scene.tissue.k1, 33.0);
+  EXPECT_DOUBLE_EQ(scene.tissue.rest_length, 15e-3);
+  EXPECT_EQ(scene.tissue.law, model::LawKind::kSmooth);
 }
 
 TEST(SceneKeys, AValueThatDoesNotSuitTheOthersIsReportedWithItsKey) {

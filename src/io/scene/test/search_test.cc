@@ -49,15 +49,15 @@ TEST(Search, ASeedHidesTheSameThreeNodulesAndAnotherSeedOthers) {
 TEST(Search, LumpsLieInsideUnderTheUpperSideAndApart) {
   for (const char* organ : {"liver", "kidney", "gallbladder", "box"}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Scene setup =
+      const Scene scene =
           search_scene("[search]\nlumps = 3\nradius_mm = 2\ndepth_mm = 4\ntolerance_mm = 5\n", seed, organ);
-      const geometry::SignedDistance surface(setup.organ);
-      for (const InclusionSetup& one : setup.inclusions) {
+      const geometry::SignedDistance surface(scene.organ);
+      for (const InclusionSetup& one : scene.inclusions) {
         const geometry::NearestPoint above = surface.nearest(one.inclusion.centre_S);
         EXPECT_LE(above.distance, -2e-3) << organ;
         EXPECT_GE(above.distance, -4.01e-3) << organ;
-        EXPECT_GT((setup.organ_pose.rotation * (above.point - one.inclusion.centre_S)).z(), 0.0) << organ;
-        for (const InclusionSetup& other : setup.inclusions) {
+        EXPECT_GT((scene.organ_pose.rotation * (above.point - one.inclusion.centre_S)).z(), 0.0) << organ;
+        for (const InclusionSetup& other : scene.inclusions) {
           if (&other == &one) continue;
           EXPECT_GT((other.inclusion.centre_S - one.inclusion.centre_S).norm(), 12e-3) << organ;
         }
@@ -69,16 +69,16 @@ TEST(Search, LumpsLieInsideUnderTheUpperSideAndApart) {
 // A box has one upper side. Uniform over its area, a coordinate of 300 places is in each quarter of the side
 // 75 +- 30 times (4 standard deviations of 7.5).
 TEST(Search, PlacesAreUniformOverTheUpperSide) {
-  Scene setup = search_scene("[search]\nlumps = 0\n", 1, "box");
+  Scene scene = search_scene("[search]\nlumps = 0\n", 1, "box");
   SearchTable table = read_search({});
   table.lumps = 1;
   table.lump.radius = table.depth = 0.5e-3;
-  const double half = geometry::bounds(setup.organ).high.x();
+  const double half = geometry::bounds(scene.organ).high.x();
   std::array<int, 4> quarters{};
-  for (setup.seed = 0; setup.seed < 300; ++setup.seed) {
-    setup.inclusions.clear();
-    hide_inclusions(table, setup);
-    const double x = setup.inclusions[0].inclusion.centre_S.x();
+  for (scene.seed = 0; scene.seed < 300; ++scene.seed) {
+    scene.inclusions.clear();
+    hide_inclusions(table, scene);
+    const double x = scene.inclusions[0].inclusion.centre_S.x();
     ++quarters[static_cast<std::size_t>(std::clamp(static_cast<int>(2.0 * (x / half + 1.0)), 0, 3))];
   }
   for (const int count : quarters) EXPECT_NEAR(count, 75, 30);
@@ -116,20 +116,20 @@ TEST(Search, RefusesWhatCannotBe) {
 }
 
 TEST(Search, TheDefaultPathPressesTheUpperSideFromAbove) {
-  const Scene setup = search_scene("");
-  const geometry::SignedDistance surface(setup.organ);
-  const ToolPath path = default_path(setup, 0);
+  const Scene scene = search_scene("");
+  const geometry::SignedDistance surface(scene.organ);
+  const ToolPath path = default_path(scene, 0);
   double deepest = 0.0;
   int presses = 0;
   bool inside = false;
   for (const PathRow& row : path.rows()) {
     // The lowest point of a ball of 5 mm is 5 mm below its centre, the handle.
-    const Vec3 tip_S = setup.organ_pose.inverse() * (row.position - Vec3(0.0, 0.0, 5e-3));
+    const Vec3 tip_S = scene.organ_pose.inverse() * (row.position - Vec3(0.0, 0.0, 5e-3));
     const geometry::NearestPoint nearest = surface.nearest(tip_S);
     deepest = std::min(deepest, nearest.distance);
     if (nearest.distance < -1e-3 && !inside) {
       ++presses;
-      EXPECT_GT((setup.organ_pose.rotation * nearest.normal).z(), 0.3);
+      EXPECT_GT((scene.organ_pose.rotation * nearest.normal).z(), 0.3);
     }
     inside = nearest.distance < -1e-3;
   }

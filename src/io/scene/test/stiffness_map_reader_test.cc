@@ -37,9 +37,9 @@ TEST(StiffnessMapFile, ASceneThatNamesItReadsItAndListsItAmongItsFiles) {
   const auto map = folder.write("map.csv", "x_mm,y_mm,z_mm,factor\n0,0,20,2\n");
   Overrides request;
   request.scene = folder.write("s.toml", kMappedScene + "[organ.stiffness]\nmap = \"map.csv\"\n");
-  const Scene setup = load(request);
-  ASSERT_EQ(setup.stiffness.size(), 1U);
-  EXPECT_EQ(setup.files.back().path, map);
+  const Scene scene = load(request);
+  ASSERT_EQ(scene.stiffness.size(), 1U);
+  EXPECT_EQ(scene.files.back().path, map);
 }
 
 TEST(StiffnessMapFile, APointThatIsNotNearTheSurfaceIsRefusedWithFileAndRow) {

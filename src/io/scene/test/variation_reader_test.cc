@@ -33,11 +33,11 @@ std::string variation_error(const std::string& content, const std::vector<std::s
 double top_of_box() { return geometry::bounds(scene_with("").organ).high.z(); }
 
 TEST(InclusionTable, ReadsEveryFieldIntoSi) {
-  const Scene setup = scene_with(
+  const Scene scene = scene_with(
       "[[organ.inclusion]]\nname = \"a lump\"\nposition_mm = [1, -2, 3]\nradius_mm = 4\n"
       "stiffness_ratio = 12\nvisible = false\npulse_mm = 0.5\npulse_period_s = 1.5\n");
-  ASSERT_EQ(setup.inclusions.size(), 1U);
-  const InclusionSetup& one = setup.inclusions[0];
+  ASSERT_EQ(scene.inclusions.size(), 1U);
+  const InclusionSetup& one = scene.inclusions[0];
   EXPECT_EQ(one.name, "a lump");
   EXPECT_FALSE(one.visible);
   EXPECT_NEAR((one.inclusion.centre_S - Vec3(1e-3, -2e-3, 3e-3)).norm(), 0.0, 1e-15);
@@ -49,29 +49,29 @@ TEST(InclusionTable, ReadsEveryFieldIntoSi) {
 
 TEST(InclusionTable, UnderAPlaceItLiesAtItsDepthAlongTheNormal) {
   const double top = top_of_box();
-  const Scene setup = scene_with(
+  const Scene scene = scene_with(
       "[[organ.inclusion]]\nunder = [10, 5, 1000]\ndepth_mm = 9\nradius_mm = 4\nstiffness_ratio = 12\n");
-  EXPECT_NEAR((setup.inclusions[0].inclusion.centre_S - Vec3(10e-3, 5e-3, top - 9e-3)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((scene.inclusions[0].inclusion.centre_S - Vec3(10e-3, 5e-3, top - 9e-3)).norm(), 0.0, 1e-9);
 }
 
 TEST(InclusionTable, APresetAloneLiesUnderThePlaceOfTheDefaultPath) {
   const double top = top_of_box();
-  for (const Scene& setup :
+  for (const Scene& scene :
        {scene_with("[[organ.inclusion]]\npreset = \"stone\"\n"), scene_with("", {"stone"})}) {
-    ASSERT_EQ(setup.inclusions.size(), 1U);
-    EXPECT_EQ(setup.inclusions[0].name, "stone");
-    EXPECT_EQ(setup.inclusions[0].inclusion.ratio, 100.0);
-    EXPECT_NEAR(setup.inclusions[0].inclusion.centre_S.z(), top - 8e-3, 1e-9);
-    EXPECT_LT(setup.inclusions[0].inclusion.centre_S.head<2>().norm(), 1e-6);
+    ASSERT_EQ(scene.inclusions.size(), 1U);
+    EXPECT_EQ(scene.inclusions[0].name, "stone");
+    EXPECT_EQ(scene.inclusions[0].inclusion.ratio, 100.0);
+    EXPECT_NEAR(scene.inclusions[0].inclusion.centre_S.z(), top - 8e-3, 1e-9);
+    EXPECT_LT(scene.inclusions[0].inclusion.centre_S.head<2>().norm(), 1e-6);
   }
 }
 
 TEST(InclusionTable, FlagsReplaceTheScenesInclusions) {
   const std::string stone = "[[organ.inclusion]]\npreset = \"stone\"\n";
   EXPECT_TRUE(scene_with(stone, {"none"}).inclusions.empty());
-  const Scene setup = scene_with(stone, {"cyst", "nodule"});
-  ASSERT_EQ(setup.inclusions.size(), 2U);
-  EXPECT_EQ(setup.inclusions[0].name, "cyst");
+  const Scene scene = scene_with(stone, {"cyst", "nodule"});
+  ASSERT_EQ(scene.inclusions.size(), 2U);
+  EXPECT_EQ(scene.inclusions[0].name, "cyst");
 }
 
 TEST(InclusionTable, EveryMistakeIsNamedWithItsLineAndARemedy) {

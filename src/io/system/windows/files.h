@@ -30,9 +30,9 @@ inline int status_of(const std::filesystem::path& file, FileStatus& status) noex
 }
 inline int status_of(int descriptor, FileStatus& status) noexcept { return ::_fstat64(descriptor, &status); }
 
-inline constexpr std::size_t kMostBytesAtOnce = std::size_t{1} << 30;
+inline constexpr std::size_t kMaxBytesAtOnce = std::size_t{1} << 30;
 inline std::ptrdiff_t read_next(int descriptor, void* bytes, std::size_t count) noexcept {
-  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+  return ::_read(descriptor, bytes, static_cast<unsigned>(std::min(count, kMaxBytesAtOnce)));
 }
 inline std::ptrdiff_t read_at(int descriptor, void* bytes, std::size_t count, std::uint64_t offset) noexcept {
   if (::_lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0) return -1;
@@ -41,7 +41,7 @@ inline std::ptrdiff_t read_at(int descriptor, void* bytes, std::size_t count, st
 inline std::ptrdiff_t write_at(int descriptor, const void* bytes, std::size_t count,
                                std::uint64_t offset) noexcept {
   if (::_lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0) return -1;
-  return ::_write(descriptor, bytes, static_cast<unsigned>(std::min(count, kMostBytesAtOnce)));
+  return ::_write(descriptor, bytes, static_cast<unsigned>(std::min(count, kMaxBytesAtOnce)));
 }
 // Windows has no such rights in a file's status; a user's folders are closed to other users.
 inline int make_folder(const std::filesystem::path& folder) noexcept { return ::_wmkdir(folder.c_str()); }

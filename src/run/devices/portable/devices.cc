@@ -5,9 +5,9 @@
 
 namespace palpate::devices {
 
-std::unique_ptr<haptics::Device> open_device(const scene::Scene& setup, std::size_t hand,
+std::unique_ptr<haptics::Device> open_device(const scene::Scene& scene, std::size_t hand,
                                              const OnWait& /*on_wait*/) {
-  throw InputError("device " + setup.devices.at(hand).kind +
+  throw InputError("device " + scene.devices.at(hand).kind +
                    ": this build of palpate cannot open it, must be scripted or host");
 }
 

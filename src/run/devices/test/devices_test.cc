@@ -96,14 +96,14 @@ TEST(ReplayDevice, RefusesARecordingWithoutTicks) { EXPECT_THROW(ReplayDevice({}
 
 /// A scene without meshes, for a device that follows a file.
 scene::Scene bare_setup(const std::string& kind, const std::string& path) {
-  scene::Scene setup;
-  setup.devices.push_back({kind, path, 1.0, {}});
-  return setup;
+  scene::Scene scene;
+  scene.devices.push_back({kind, path, 1.0, {}});
+  return scene;
 }
 
-std::string error_of(const scene::Scene& setup, std::size_t hand) {
+std::string error_of(const scene::Scene& scene, std::size_t hand) {
   try {
-    (void)open_device(setup, hand);
+    (void)open_device(scene, hand);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -139,9 +139,9 @@ TEST(OpenDevice, FollowsAPathFile) {
 }
 
 TEST(OpenDevice, MakesItsOwnPathWhenNoneIsGiven) {
-  const scene::Scene setup = scene::load({});
-  const auto device = open_device(setup, 0);
-  const scene::ToolPath path = scene::default_path(setup, 0);
+  const scene::Scene scene = scene::load({});
+  const auto device = open_device(scene, 0);
+  const scene::ToolPath path = scene::default_path(scene, 0);
   EXPECT_EQ(device->read(1000, 1.0).position_D, path.at(1.0).position);
   EXPECT_EQ(device->last_tick(1000.0),
             static_cast<std::uint64_t>(std::lround((path.end_time() + 0.5) * 1000.0)));
@@ -149,9 +149,9 @@ TEST(OpenDevice, MakesItsOwnPathWhenNoneIsGiven) {
 
 TEST(OpenDevice, RefusesAPullAlongAPathWithoutGripper) {
   const TemporaryFile file(".csv", "time_s,x_m,y_m,z_m\n0,1,2,3\n");
-  scene::Scene setup = bare_setup("scripted", file.name());
-  setup.task = scene::Task::kPull;
-  EXPECT_THAT(error_of(setup, 0), HasSubstr(file.name() + ": gripper: missing"));
+  scene::Scene scene = bare_setup("scripted", file.name());
+  scene.task = scene::Task::kPull;
+  EXPECT_THAT(error_of(scene, 0), HasSubstr(file.name() + ": gripper: missing"));
 }
 
 TEST(OpenDevice, RefusesUnknownKindsHandsAndFiles) {

@@ -21,11 +21,11 @@ scene::ToolPath press_once() {
 
 TEST(EmulatedRun, TheForceFeedsBackSoTheHandStopsAboveWhereItWantsToBe) {
   for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
-    scene::Scene setup = test::block_and_hand();
-    setup.noise.enabled = false;
-    setup.devices[0].emulated.grip = grip;
-    EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
-    const TickRow last = test::run_through(setup, device).back();
+    scene::Scene scene = test::block_and_hand();
+    scene.noise.enabled = false;
+    scene.devices[0].emulated.grip = grip;
+    EmulatedDevice device(press_once(), scene.devices[0], scene.rate_Hz);
+    const TickRow last = test::run_through(scene, device).back();
     // At rest the pull of the grip, K (wanted depth - depth), equals the tissue force except for friction.
     const double pull = grip.stiffness * (10e-3 - last.depth);
     EXPECT_GT(last.tissue_force, 0.05);
@@ -34,13 +34,13 @@ TEST(EmulatedRun, TheForceFeedsBackSoTheHandStopsAboveWhereItWantsToBe) {
 }
 
 TEST(EmulatedRun, ARecordedRunWithAFaultAndAResetReplaysBitForBit) {
-  const scene::Scene setup = test::block_and_hand({{scene::EmulatedFaultKind::kNotANumber, 1.8, 0.05, 8e-3},
+  const scene::Scene scene = test::block_and_hand({{scene::EmulatedFaultKind::kNotANumber, 1.8, 0.05, 8e-3},
                                                    {scene::EmulatedFaultKind::kLate, 2.2, 0.1, 8e-3}});
-  EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
+  EmulatedDevice device(press_once(), scene.devices[0], scene.rate_Hz);
   test::WithResets user(device, {2000});
   record::Recording recording;
-  recording.setup = setup;
-  recording.rows = test::run_through(setup, user);
+  recording.scene = scene;
+  recording.rows = test::run_through(scene, user);
   EXPECT_TRUE(std::any_of(recording.rows.begin(), recording.rows.end(),
                           [](const TickRow& r) { return r.fault != 0; }));
   const record::ReplayResult replayed = record::replay(recording);
@@ -49,10 +49,10 @@ TEST(EmulatedRun, ARecordedRunWithAFaultAndAResetReplaysBitForBit) {
 }
 
 TEST(EmulatedRun, RealTimeAndOfflineGiveTheSameRows) {
-  const scene::Scene setup = test::block_and_hand();
+  const scene::Scene scene = test::block_and_hand();
   const auto rows_of = [&](bool offline) {
-    EmulatedDevice device(press_once(), setup.devices[0], setup.rate_Hz);
-    return test::run_through(setup, device, offline);
+    EmulatedDevice device(press_once(), scene.devices[0], scene.rate_Hz);
+    return test::run_through(scene, device, offline);
   };
   const std::vector<TickRow> offline = rows_of(true);
   const std::vector<TickRow> live = rows_of(false);
@@ -69,12 +69,12 @@ TEST(EmulatedRun, WithoutAPathItWaitsASecondAndThenFollowsTheDefaultOne) {
   request.organ = "box";
   request.tools = {"sphere:3"};
   request.device = "emulated";
-  const scene::Scene setup = scene::load(request);
-  const auto device = open_device(setup, 0);
-  const scene::ToolPath path = scene::default_path(setup, 0);
+  const scene::Scene scene = scene::load(request);
+  const auto device = open_device(scene, 0);
+  const scene::ToolPath path = scene::default_path(scene, 0);
   EXPECT_EQ(device->last_tick(1000.0),
             static_cast<std::uint64_t>(std::lround((path.end_time() + 1.5) * 1000.0)));
-  const std::vector<TickRow> rows = test::run_through(setup, *device);
+  const std::vector<TickRow> rows = test::run_through(scene, *device);
   EXPECT_EQ(rows[900].engagement, 1.0) << "the force is let through before the hand moves";
   EXPECT_NEAR(
       (Vec3(rows[1000].device[0], rows[1000].device[1], rows[1000].device[2]) - path.at(0.0).position).norm(),

@@ -45,11 +45,11 @@ struct Outcome {
 };
 
 Outcome run_with(EmulatedFaultKind kind, double duration, std::vector<std::uint64_t> resets) {
-  const scene::Scene setup = test::block_and_hand({{kind, kFaultTime, duration, 8e-3}});
-  EmulatedDevice device(press_twice(), setup.devices[0], setup.rate_Hz);
+  const scene::Scene scene = test::block_and_hand({{kind, kFaultTime, duration, 8e-3}});
+  EmulatedDevice device(press_twice(), scene.devices[0], scene.rate_Hz);
   test::WithResets user(device, std::move(resets));
   Outcome outcome;
-  outcome.rows = test::run_through(setup, user);
+  outcome.rows = test::run_through(scene, user);
   outcome.felt = std::move(user.felt);
   for (const TickRow& row : outcome.rows) {
     if (row.fault == 0) continue;

@@ -16,19 +16,19 @@ inline constexpr double kRate = 1000.0;      // Hz
 
 /// A 60 x 60 x 40 mm block with its top at z = 0, and one emulated hand with a 3 mm ball.
 inline scene::Scene block_and_hand(std::vector<scene::EmulatedFault> faults = {}) {
-  scene::Scene setup;
-  setup.name = "block";
-  setup.rate_Hz = kRate;
-  setup.organ_name = "box";
-  setup.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
-  setup.organ_pose.position = Vec3(0, 0, -0.02);
-  setup.tissue = model::tissue_preset("gallbladder");
-  setup.tools.push_back(
+  scene::Scene scene;
+  scene.name = "block";
+  scene.rate_Hz = kRate;
+  scene.organ_name = "box";
+  scene.organ = geometry::make_box(Vec3(0.06, 0.06, 0.04), 0.02);
+  scene.organ_pose.position = Vec3(0, 0, -0.02);
+  scene.tissue = model::tissue_preset("gallbladder");
+  scene.tools.push_back(
       {"ball", {{.name = "ball", .mesh = geometry::make_ball(kBallRadius, 80)}}, kBallRadius});
-  scene::DeviceSetup& device = setup.devices.emplace_back();
+  scene::DeviceSetup& device = scene.devices.emplace_back();
   device.kind = "emulated";
   device.emulated.faults = std::move(faults);
-  return setup;
+  return scene;
 }
 
 /// Path of the ball from its height over the block's top [s, m], linear between the rows.
@@ -82,11 +82,11 @@ class Rows final : public haptics::TickObserver {
 };
 
 /// Runs a device to its last tick, offline or in real time. @return the rows
-inline std::vector<haptics::TickRow> run_through(const scene::Scene& setup, haptics::Device& device,
+inline std::vector<haptics::TickRow> run_through(const scene::Scene& scene, haptics::Device& device,
                                                  bool offline = true) {
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const haptics::SimulationWorld world = scene::make_world(scene);
   haptics::SimulationState state(world);
-  const std::uint64_t ticks = device.last_tick(setup.rate_Hz);
+  const std::uint64_t ticks = device.last_tick(scene.rate_Hz);
   Rows sink(ticks);
   haptics::LoopOptions options;
   options.ticks = ticks;

@@ -46,11 +46,11 @@ class ForceDimension : public testing::Test {
 
 using ForceDimensionLibrary = ForceDimension;
 
-TEST_F(ForceDimensionLibrary, NotInstalledIsToldWithWhereToGetIt) {
+TEST_F(ForceDimensionLibrary, NotInstalledIsReportedWithWhereToGetIt) {
   // An empty path stands for the system's library, which the computers that run this test do not have.
   const Probe probe = probe_forcedimension("");
-  if (probe.words.find("libdhd.so.3 is not installed") == std::string::npos) {
-    EXPECT_THAT(probe.words, HasSubstr("libdhd")) << "a computer with the vendor's library";
+  if (probe.text.find("libdhd.so.3 is not installed") == std::string::npos) {
+    EXPECT_THAT(probe.text, HasSubstr("libdhd")) << "a computer with the vendor's library";
     return;
   }
   EXPECT_FALSE(probe.available);
@@ -73,7 +73,7 @@ TEST_F(ForceDimensionLibrary, ARelativePathIsRefusedAsAFileOfTheCurrentFolderMus
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
   EXPECT_THAT(refusal("libdhd.so.3"), HasSubstr("libdhd.so.3: must be an absolute path"));
-  EXPECT_THAT(probe_forcedimension("").words, Not(HasSubstr("3.17.1.0"))) << "found in the current folder";
+  EXPECT_THAT(probe_forcedimension("").text, Not(HasSubstr("3.17.1.0"))) << "found in the current folder";
   std::filesystem::current_path(before);
 }
 
@@ -304,7 +304,7 @@ TEST_F(ForceDimension, AFailedReadIsADeviceFaultWithTheVendorsWords) {
   EXPECT_EQ(device.last_error(), "the device's status could not be read: the stand-in lost its cable");
 }
 
-TEST_F(ForceDimension, ARefusedForceIsToldToTheLoopAndInWords) {
+TEST_F(ForceDimension, ARefusedForceIsReportedToTheLoopAndInWords) {
   ForceDimensionDevice device(dhd_.path, 0);
   hardware_.error = 3;
   hardware_.write_result = -1;
@@ -337,7 +337,7 @@ TEST_F(ForceDimension, AStatusThatSwitchedTheForceOffIsAFaultWithItsCause) {
   }
 }
 
-TEST_F(ForceDimension, LossOfPowerOrCalibrationIsToldAsSuch) {
+TEST_F(ForceDimension, LossOfPowerOrCalibrationIsReportedAsSuch) {
   ForceDimensionDevice device(dhd_.path, 0);
   hardware_.powered = false;
   EXPECT_EQ(device.read(4, 0.004).fault, haptics::Fault::kForceOff);
@@ -376,7 +376,7 @@ TEST_F(ForceDimension, StopWritesZeroFromAnyThreadAndAsOftenAsOneLikes) {
   EXPECT_EQ(hardware_.gripper_force, 0.0);
 }
 
-TEST_F(ForceDimension, TroubleIsReadFromAnotherThreadWhileTheLoopReads) {
+TEST_F(ForceDimension, TheLastErrorIsReadFromAnotherThreadWhileTheLoopReads) {
   ForceDimensionDevice device(dhd_.path, 0);
   hardware_.error = 2;
   std::thread other([&device] {
@@ -425,13 +425,13 @@ TEST_F(ForceDimension, TwoHandsTakeTheDevicesInTheirOrder) {
   dhd_.library->count = 2;
   dhd_.device(0).position[0] = 0.01;
   dhd_.device(1).position[0] = 0.02;
-  scene::Scene setup;
-  setup.devices.resize(3);
-  setup.devices[0].kind = "forcedimension";
-  setup.devices[0].path = dhd_.path;
-  setup.devices[2] = setup.devices[0];
-  const auto left = open_device(setup, 0);
-  const auto right = open_device(setup, 2);
+  scene::Scene scene;
+  scene.devices.resize(3);
+  scene.devices[0].kind = "forcedimension";
+  scene.devices[0].path = dhd_.path;
+  scene.devices[2] = scene.devices[0];
+  const auto left = open_device(scene, 0);
+  const auto right = open_device(scene, 2);
   EXPECT_EQ(left->read(0, 0.0).position_D.x(), 0.01);
   EXPECT_EQ(right->read(0, 0.0).position_D.x(), 0.02);
 }
@@ -441,15 +441,15 @@ TEST_F(ForceDimension, TheProbeCountsDevicesAndOpensNone) {
   const Probe two = probe_forcedimension(dhd_.path);
   EXPECT_EQ(two.kind, "forcedimension");
   EXPECT_TRUE(two.available);
-  EXPECT_THAT(two.words, AllOf(HasSubstr("2 devices connected"), HasSubstr("3.17.1.0")));
+  EXPECT_THAT(two.text, AllOf(HasSubstr("2 devices connected"), HasSubstr("3.17.1.0")));
   dhd_.library->count = 0;
   const Probe none = probe_forcedimension(dhd_.path);
   EXPECT_FALSE(none.available);
-  EXPECT_THAT(none.words, HasSubstr("no device is connected"));
+  EXPECT_THAT(none.text, HasSubstr("no device is connected"));
   dhd_.library->count = -1;
-  EXPECT_THAT(probe_forcedimension(dhd_.path).words, HasSubstr("cannot look for devices"));
+  EXPECT_THAT(probe_forcedimension(dhd_.path).text, HasSubstr("cannot look for devices"));
   const Probe old = probe_forcedimension(stand_in::file_of("dhd_stand_in_old"));
-  EXPECT_THAT(old.words, HasSubstr("must be 3.3"));
+  EXPECT_THAT(old.text, HasSubstr("must be 3.3"));
   EXPECT_TRUE(old.library) << "installed: it is not missing";
   EXPECT_EQ(hardware_.opens, 0);
 }
@@ -460,8 +460,8 @@ TEST(ProbeDevices, HasALineForEveryKindInTheirOrder) {
   ASSERT_EQ(probed.size(), kinds.size());
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     EXPECT_EQ(probed[i].kind, kinds[i].name);
-    EXPECT_NE(probed[i].words, "");
-    EXPECT_EQ(probed[i].words.find('\n'), std::string::npos);
+    EXPECT_NE(probed[i].text, "");
+    EXPECT_EQ(probed[i].text.find('\n'), std::string::npos);
   }
   EXPECT_TRUE(probed[0].available) << "a scripted device needs nothing";
 }

@@ -133,9 +133,9 @@ std::vector<TickRow> run_haply_with(const HaplyCase& bad) {
   times.retry = 20'000'000;
   HaplyDevice device(service.address(), 0, times);
   InStep stepped(device, world);
-  scene::Scene setup = test::block_and_hand();
-  setup.devices[0].kind = "haply";
-  return test::run_through(setup, stepped);
+  scene::Scene scene = test::block_and_hand();
+  scene.devices[0].kind = "haply";
+  return test::run_through(scene, stepped);
 }
 
 class HaplySafety : public ::testing::TestWithParam<HaplyCase> {};

@@ -222,7 +222,7 @@ TEST(Haply, AHugeMessageIsNotTaken) {
                             "the service sent a message of more than 1048576 bytes");
 }
 
-TEST(Haply, AServiceThatIsGoneIsToldInWords) {
+TEST(Haply, AServiceThatIsGoneIsReportedInWords) {
   std::optional<HaplyService> service(std::in_place, one_arm());
   HaplyDevice device(service->address(), 0, patient());
   service.reset();
@@ -275,7 +275,7 @@ TEST(Haply, TheDestructorDoesNotWaitForASilentService) {
   EXPECT_TRUE(eventually([&] { return service.received().size() == 1; }));
 }
 
-TEST(Haply, WhatIsWrongAtTheOpeningIsToldInWords) {
+TEST(Haply, WhatIsWrongAtTheOpeningIsReportedInWords) {
   std::string gone;
   {
     const HaplyService service(one_arm());
@@ -339,11 +339,11 @@ TEST(Haply, TwoHandsTakeTheServicesArmsAndGripsInOrder) {
             {test::grip_json("g", Quat::Identity(), false), test::grip_json("h", turned, true)}}}
           .dump();
   HaplyService service(both, [&](std::size_t) { return Answer{both}; });
-  scene::Scene setup;
-  setup.devices.push_back({"haply", service.address(), 1.0, {}});
-  setup.devices.push_back({"haply", service.address() + "/", 1.0, {}});
-  const auto left = open_device(setup, 0);
-  const auto right = open_device(setup, 1);
+  scene::Scene scene;
+  scene.devices.push_back({"haply", service.address(), 1.0, {}});
+  scene.devices.push_back({"haply", service.address() + "/", 1.0, {}});
+  const auto left = open_device(scene, 0);
+  const auto right = open_device(scene, 1);
   EXPECT_EQ(dynamic_cast<const HaplyDevice&>(*right).description(),
             "Inverse3 R with verse grip h at " + service.address());
   const DeviceState first = left->read(0, 0.0);
@@ -375,19 +375,19 @@ TEST(Haply, TheProbeListsWhatIsThereOrSaysWhyNothingIs) {
     const Probe found = probe_haply(address);
     EXPECT_EQ(found.kind, "haply");
     EXPECT_TRUE(found.available);
-    EXPECT_EQ(found.words, "at " + address + ": Inverse3 L, R; verse grip g");
+    EXPECT_EQ(found.text, "at " + address + ": Inverse3 L, R; verse grip g");
   }
   const Probe gone = probe_haply(address);
   EXPECT_FALSE(gone.available);
-  EXPECT_THAT(gone.words, AllOf(StartsWith("no service at " + address + ": connection refused"),
-                                HasSubstr("--device haply:ws://HOST:PORT")));
+  EXPECT_THAT(gone.text, AllOf(StartsWith("no service at " + address + ": connection refused"),
+                               HasSubstr("--device haply:ws://HOST:PORT")));
   const HaplyService empty("{}");
-  EXPECT_EQ(probe_haply(empty.address()).words, "the service at " + empty.address() + " has no Inverse3");
+  EXPECT_EQ(probe_haply(empty.address()).text, "the service at " + empty.address() + " has no Inverse3");
   const HaplyService garbled("{");
   EXPECT_FALSE(probe_haply(garbled.address()).available);
-  EXPECT_THAT(probe_haply(garbled.address()).words, HasSubstr("is no JSON"));
+  EXPECT_THAT(probe_haply(garbled.address()).text, HasSubstr("is no JSON"));
   EXPECT_FALSE(probe_haply("nonsense").available);
-  EXPECT_THAT(probe_haply("nonsense").words, HasSubstr("must be ws://HOST:PORT"));
+  EXPECT_THAT(probe_haply("nonsense").text, HasSubstr("must be ws://HOST:PORT"));
 }
 
 /// Keeps all rows, and the monotonic time [ns] of the first tick.

@@ -243,7 +243,7 @@ struct Trouble {
 };
 
 TEST(IgtlDevice, WhateverEndsAStreamIsAFaultWithItsCauseAndTheNextClientIsUsed) {
-  for (const Trouble& trouble :
+  for (const Trouble& last_error :
        {Trouble{"garbage", net::Bytes(5000, 0xa5), "no OpenIGTLink message of version 1 to 3"},
         Trouble{"scaled", pose_message("Hand", 0.0, Quat(0.0, 2.0, 0.0, 0.0)),
                 "its matrix is not finite, or scales, shears or mirrors"},
@@ -263,21 +263,21 @@ TEST(IgtlDevice, WhateverEndsAStreamIsAFaultWithItsCauseAndTheNextClientIsUsed) 
     IgtlDevice device(source_at(port));
     ready = true;
     sending.join();
-    if (trouble.bytes.empty()) {
+    if (last_error.bytes.empty()) {
       client.reset();
     } else {
       client->send(pose_message("Hand"));
-      client->send(trouble.bytes);
+      client->send(last_error.bytes);
     }
     EXPECT_TRUE(comes(device,
                       [&](const haptics::DeviceState& now) {
                         return now.fault == Fault::kDevice &&
-                               device.last_error().find(trouble.words) != std::string::npos;
+                               device.last_error().find(last_error.words) != std::string::npos;
                       }))
-        << trouble.what << ": " << device.last_error();
+        << last_error.what << ": " << device.last_error();
     client.reset();
     const Sender next(port, pose_message("Hand", 0.05));
-    EXPECT_TRUE(comes(device, is_usable)) << trouble.what;
+    EXPECT_TRUE(comes(device, is_usable)) << last_error.what;
   }
 }
 

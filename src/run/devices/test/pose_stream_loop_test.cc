@@ -56,9 +56,9 @@ class Tracker final : public haptics::Device {
 };
 
 scene::Scene streamed_setup() {
-  scene::Scene setup = test::block_and_hand();
-  setup.devices[0].kind = "igtl";
-  return setup;
+  scene::Scene scene = test::block_and_hand();
+  scene.devices[0].kind = "igtl";
+  return scene;
 }
 
 TEST(PoseStreamLoop, AStreamThatEndsLeavesNoForceAndItComesBackOnlyByAResetAndTheRamp) {
@@ -86,10 +86,10 @@ TEST(PoseStreamLoop, AStreamThatEndsLeavesNoForceAndItComesBackOnlyByAResetAndTh
 
 TEST(PoseStreamLoop, ItsRecordedSamplesGiveTheSameRowsBitForBit) {
   Tracker tracker;
-  const scene::Scene setup = streamed_setup();
-  const std::vector<TickRow> rows = test::run_through(setup, tracker);
+  const scene::Scene scene = streamed_setup();
+  const std::vector<TickRow> rows = test::run_through(scene, tracker);
   ReplayDevice replay(samples_of_hand(rows, 0));
-  const std::vector<TickRow> again = test::run_through(setup, replay);
+  const std::vector<TickRow> again = test::run_through(scene, replay);
   ASSERT_EQ(again.size(), rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ASSERT_EQ(rows[i].force, again[i].force) << i;

@@ -137,16 +137,16 @@ class TouchInStep final : public haptics::Device {
   scene::ToolPath path_;
 };
 
-std::vector<TickRow> run_touch_with(const TouchCase& bad, std::string& trouble) {
+std::vector<TickRow> run_touch_with(const TouchCase& bad, std::string& last_error) {
   const LoadedHd hd;
   hd.arm([](HdArm& arm) { put(arm, touch_path().at(0.0).position); });
   TouchDevice device("");
   hd.set([](HdWorld& world) { world.stepped = true; });
   TouchInStep stepped(device, hd, bad);
-  scene::Scene setup = test::block_and_hand();
-  setup.devices[0].kind = "touch";
-  std::vector<TickRow> rows = test::run_through(setup, stepped);
-  trouble = device.last_error();
+  scene::Scene scene = test::block_and_hand();
+  scene.devices[0].kind = "touch";
+  std::vector<TickRow> rows = test::run_through(scene, stepped);
+  last_error = device.last_error();
   hd.set([](HdWorld& world) { world.stepped = false; });
   return rows;
 }
@@ -155,11 +155,11 @@ class TouchSafety : public ::testing::TestWithParam<TouchCase> {};
 
 TEST_P(TouchSafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
   const TouchCase& bad = GetParam();
-  std::string trouble;
-  const std::vector<TickRow> rows = run_touch_with(bad, trouble);
+  std::string last_error;
+  const std::vector<TickRow> rows = run_touch_with(bad, last_error);
   ASSERT_EQ(rows.size(), kTouchLastTick);
   if (bad.cause != Fault::kNotFinite) {
-    EXPECT_NE(trouble, "") << "told in words";
+    EXPECT_NE(last_error, "") << "told in words";
   }
   ASSERT_GT(test::force_of(rows[kTouchFaultTick - 1]).norm(), 0.1) << "pressing";
   // The frame of the slow scheduler at the first tick is in time. The next tick has a late sample.

@@ -385,7 +385,7 @@ TEST_F(Touch, TwoHandsWithOneNameAreRefusedAndTheFirstGoesOn) {
   let_run();
 }
 
-TEST_F(Touch, EachErrorAtTheOpeningIsToldWithWhatToDo) {
+TEST_F(Touch, EachErrorAtTheOpeningIsReportedWithWhatToDo) {
   const std::pair<unsigned, const char*> errors[] = {
       {0x0200, "let the arm rest"},    {0x0201, "max_force_N"},
       {0x0202, "max_slew_N_per_ms"},   {0x0203, "more slowly"},
@@ -464,12 +464,12 @@ TEST_F(Touch, ALibraryThatIsNotInstalledOrLacksAFunctionIsRefusedInWords) {
 TEST_F(Touch, TheProbeOpensNoArm) {
   const Probe there = probe_touch();
   EXPECT_TRUE(there.available);
-  EXPECT_THAT(there.words, HasSubstr("libHD.so is there"));
+  EXPECT_THAT(there.text, HasSubstr("libHD.so is there"));
   const Probe missing = probe_touch("libHD_of_nobody.so");
   EXPECT_FALSE(missing.available);
   EXPECT_FALSE(missing.library);
-  EXPECT_EQ(missing.words.find("device touch"), std::string::npos);
-  EXPECT_THAT(missing.words, HasSubstr("is not installed"));
+  EXPECT_EQ(missing.text.find("device touch"), std::string::npos);
+  EXPECT_THAT(missing.text, HasSubstr("is not installed"));
   EXPECT_EQ(hd_.arm([](const HdArm& arm) { return arm.opens; }), 0);
 }
 
@@ -477,13 +477,13 @@ TEST_F(Touch, IsOpenedByAScenesHandsAndOutsideAScene) {
   EXPECT_TRUE(scene::find_device_kind("touch")->held);
   EXPECT_FALSE(scene::find_device_kind("touch")->torque);
   hd_.arm([](HdArm& arm) { arm.position[0] = 20.0; }, 1);
-  scene::Scene setup;
-  setup.devices.resize(2);
-  for (scene::DeviceSetup& device : setup.devices) device.kind = "touch";
-  setup.devices[1].path = "Left";
+  scene::Scene scene;
+  scene.devices.resize(2);
+  for (scene::DeviceSetup& device : scene.devices) device.kind = "touch";
+  scene.devices[1].path = "Left";
   {
-    const auto right = open_device(setup, 0);
-    const auto left = open_device(setup, 1);
+    const auto right = open_device(scene, 0);
+    const auto left = open_device(scene, 1);
     EXPECT_EQ(right->read(0, 0.0).position_D.x(), 0.0);
     EXPECT_EQ(left->read(0, 0.0).position_D.x(), 0.02);
     EXPECT_EQ(left->last_tick(1000.0), ~std::uint64_t{0});

@@ -18,31 +18,31 @@ constexpr double kHalf = 40e-3;   // of the box's side [m]
 
 /// A box whose upper side is z = 0, with two hidden nodules.
 scene::Scene box_scene() {
-  scene::Scene setup;
-  setup.task = scene::Task::kPalpate;
-  setup.organ = geometry::make_box(Vec3(2.0 * kHalf, 2.0 * kHalf, 40e-3), 4e-3);
-  for (Vec3& vertex : setup.organ.vertices) vertex.z() -= 20e-3;
-  setup.tissue = model::tissue_preset("liver");
+  scene::Scene scene;
+  scene.task = scene::Task::kPalpate;
+  scene.organ = geometry::make_box(Vec3(2.0 * kHalf, 2.0 * kHalf, 40e-3), 4e-3);
+  for (Vec3& vertex : scene.organ.vertices) vertex.z() -= 20e-3;
+  scene.tissue = model::tissue_preset("liver");
   geometry::Tool tool;
   tool.parts.emplace_back().mesh = geometry::make_ball(kRadius);
   tool.tip_radius = kRadius;
-  setup.tools = {tool};
-  setup.devices.resize(1);
+  scene.tools = {tool};
+  scene.devices.resize(1);
   for (const double x : {-20e-3, 20e-3}) {
-    setup.inclusions.push_back({x < 0.0 ? "left" : "right", false, {Vec3(x, 0.0, -10e-3), 5e-3, 10.0}});
+    scene.inclusions.push_back({x < 0.0 ? "left" : "right", false, {Vec3(x, 0.0, -10e-3), 5e-3, 10.0}});
   }
-  return setup;
+  return scene;
 }
 
 /// Rows of one hand in contact with the upper side.
 class Rows final {
  public:
-  explicit Rows(const scene::Scene& setup) { made_.setup = setup; }
+  explicit Rows(const scene::Scene& scene) { made_.scene = scene; }
 
   void touch(double x, double y, double force, std::uint32_t buttons = 0, double depth = 5e-3) {
     haptics::TickRow row;
     row.tick = made_.rows.size();
-    row.time = static_cast<double>(row.tick) / made_.setup.rate_Hz;
+    row.time = static_cast<double>(row.tick) / made_.scene.rate_Hz;
     row.phase = static_cast<std::uint32_t>(contact::Phase::kPress);
     row.depth = depth;
     row.tissue_force = force;
@@ -90,9 +90,9 @@ TEST(PalpationScore, CountsFoundMissedFalseAndRepeatedMarks) {
 }
 
 TEST(PalpationScore, AnotherButtonMarksNothing) {
-  scene::Scene setup = box_scene();
-  setup.search.mark_button = 3;
-  Rows rows(setup);
+  scene::Scene scene = box_scene();
+  scene.search.mark_button = 3;
+  Rows rows(scene);
   rows.touch(-20e-3, 0.0, 0.1, 1);
   rows.touch(-20e-3, 0.0, 0.1, 8);
   EXPECT_EQ(score_of(rows).marks.size(), 1U);
@@ -140,19 +140,19 @@ TEST(PalpationScore, CoverageIsTheTouchedShareOfTheUpperSide) {
 }
 
 TEST(PalpationScore, ASceneThatHidesNothingIsScoredForAllItsInclusions) {
-  scene::Scene setup = box_scene();
-  setup.inclusions[0].visible = true;
-  EXPECT_EQ(lumps_of(setup).size(), 1U);
-  setup.inclusions[1].visible = true;
-  EXPECT_EQ(lumps_of(setup).size(), 2U);
+  scene::Scene scene = box_scene();
+  scene.inclusions[0].visible = true;
+  EXPECT_EQ(lumps_of(scene).size(), 1U);
+  scene.inclusions[1].visible = true;
+  EXPECT_EQ(lumps_of(scene).size(), 2U);
 }
 
 TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
-  scene::Scene setup = box_scene();
-  setup.inclusions.clear();
-  setup.tissue.contact.damping = 2.0;
-  const haptics::SimulationWorld world = scene::make_world(setup);
-  Rows rows(setup);
+  scene::Scene scene = box_scene();
+  scene.inclusions.clear();
+  scene.tissue.contact.damping = 2.0;
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  Rows rows(scene);
   // In and out at 20 mm/s with twice the uniform force, and the damping's 0.04 N.
   for (int i = -200; i < 200; ++i) {
     const double depth = 6e-3 - 20e-6 * std::abs(i);
@@ -179,8 +179,8 @@ TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
 }
 
 TEST(FeltMap, TheTrueFactorRisesOverANoduleAndIsOneFarAway) {
-  const scene::Scene setup = box_scene();
-  const haptics::SimulationWorld world = scene::make_world(setup);
+  const scene::Scene scene = box_scene();
+  const haptics::SimulationWorld world = scene::make_world(scene);
   const FeltMap map(world.contact);
   double over = 0.0;
   for (std::size_t v = 0; v < map.surface().vertices.size(); ++v) {

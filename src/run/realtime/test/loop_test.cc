@@ -340,7 +340,7 @@ class FaultKeeper final : public TickObserver {
   std::vector<FaultSeen> faults;
 };
 
-TEST(Loop, EachFaultIsInTheReportAndToldToObservers) {
+TEST(Loop, EachFaultIsInTheReportAndReportedToObservers) {
   const SimulationWorld world = block_and_balls(2, 1000.0);
   SimulationState state(world);
   FakeDevice first([](std::uint64_t tick, double time) {

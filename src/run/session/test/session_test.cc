@@ -27,9 +27,9 @@ using haptics::DeviceState;
 
 /// A ball over a block, moved by a scripted device.
 scene::Scene block() {
-  scene::Scene setup = devices::test::block_and_hand();
-  setup.devices[0].kind = "scripted";
-  return setup;
+  scene::Scene scene = devices::test::block_and_hand();
+  scene.devices[0].kind = "scripted";
+  return scene;
 }
 
 /// Presses down from 5 mm above the block, without end. The sample of tick `fault_at` is unreadable.
@@ -128,35 +128,35 @@ TEST(Session, TheLimitsFollowADeviceThatBearsLessThanTheSceneAsksForAndTheUserHe
   const test::TemporaryFolder folder;
   auto arm = std::make_unique<WeakArm>(weak_abilities());
   const WeakArm& felt = *arm;
-  scene::Scene setup = block();
-  setup.noise.enabled = false;
-  setup.noise.gain = 0.0;
-  Session session(setup, with(std::move(arm), 0.5));
+  scene::Scene scene = block();
+  scene.noise.enabled = false;
+  scene.noise.gain = 0.0;
+  Session session(scene, with(std::move(arm), 0.5));
   const RunResult result = session.run({.recording = folder / "weak.h5", .offline = true});
   EXPECT_NEAR(felt.most, 0.05, 1e-12);
   EXPECT_THAT(result.scene_remarks,
               testing::Contains(
                   testing::HasSubstr("max_force_N = 20 is lowered to 0.05, the most that a Weak Arm gives")));
   const record::Recording recording = record::read_recording(folder / "weak.h5");
-  EXPECT_EQ(recording.setup.safety.max_force, 0.05);
-  EXPECT_EQ(recording.setup.devices[0].abilities.torque, false);
-  EXPECT_EQ(recording.setup.devices[0].abilities.max_stiffness, 4.5);
+  EXPECT_EQ(recording.scene.safety.max_force, 0.05);
+  EXPECT_EQ(recording.scene.devices[0].abilities.torque, false);
+  EXPECT_EQ(recording.scene.devices[0].abilities.max_stiffness, 4.5);
   EXPECT_EQ(record::replay(recording).first_difference, "");
 }
 
 TEST(Session, TheUserHearsThatAnOrganIsTooThinForTheDefaultPath) {
-  scene::Scene setup = block();
-  setup.organ = geometry::make_box({100e-3, 100e-3, 5e-3}, 10e-3);
-  const RunResult result = Session(setup).run({.offline = true});
+  scene::Scene scene = block();
+  scene.organ = geometry::make_box({100e-3, 100e-3, 5e-3}, 10e-3);
+  const RunResult result = Session(scene).run({.offline = true});
   EXPECT_THAT(result.scene_remarks, testing::Contains(testing::HasSubstr("the organ is 5 mm thick where")));
 }
 
 TEST(Session, TheUserHearsThatVisibleInclusionsOverlapAndNothingOfHiddenOnes) {
   const auto mentions_overlap = [](bool visible) {
-    scene::Scene setup = block();
-    setup.inclusions = {{"left", true, {Vec3(0, 0, -10e-3), 4e-3, 2.0}},
+    scene::Scene scene = block();
+    scene.inclusions = {{"left", true, {Vec3(0, 0, -10e-3), 4e-3, 2.0}},
                         {"right", visible, {Vec3(5e-3, 0, -10e-3), 4e-3, 2.0}}};
-    const RunResult result = Session(setup).run({.offline = true});
+    const RunResult result = Session(scene).run({.offline = true});
     return std::any_of(result.scene_remarks.begin(), result.scene_remarks.end(),
                        [](const std::string& remark) { return remark.find("right") != std::string::npos; });
   };
@@ -171,10 +171,10 @@ TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
   const auto most_force = [&](bool fit, const std::filesystem::path& file) {
     auto arm = std::make_unique<WeakArm>(abilities);
     const WeakArm& felt = *arm;
-    scene::Scene setup = block();
-    setup.noise.enabled = false;
-    setup.devices[0].fit = fit;
-    Session session(setup, with(std::move(arm), 0.5));
+    scene::Scene scene = block();
+    scene.noise.enabled = false;
+    scene.devices[0].fit = fit;
+    Session session(scene, with(std::move(arm), 0.5));
     const RunResult result = session.run({.recording = file, .offline = true});
     EXPECT_EQ(std::any_of(
                   result.scene_remarks.begin(), result.scene_remarks.end(),
@@ -185,7 +185,7 @@ TEST(Session, AFittedDeviceFeelsTheTissueNoStifferThanItBears) {
   const double whole = most_force(false, folder / "whole.h5");
   const double fitted = most_force(true, folder / "fitted.h5");
   const record::Recording recording = record::read_recording(folder / "fitted.h5");
-  const double scale = recording.setup.devices[0].force_scale;
+  const double scale = recording.scene.devices[0].force_scale;
   EXPECT_LT(scale, 0.1) << "the tissue's tangent within reach is far above 4.5 N/m";
   EXPECT_NEAR(fitted / whole, scale, 1e-9);
   EXPECT_EQ(record::replay(recording).first_difference, "");
@@ -288,7 +288,7 @@ TEST(Session, AFaultIsInTheResultWithoutAFileWhereNoneIsWanted) {
 
 TEST(Session, AParameterUpdateIsUsedAndCounted) {
   Session session(block(), with(std::make_unique<Presser>(), 0.1));
-  model::TissueParameters tissue = session.setup().tissue;
+  model::TissueParameters tissue = session.scene().tissue;
   tissue.k1 *= 2.0;
   (void)session.updates().offer(tissue);
   EXPECT_EQ(session.run({.offline = true}).statistics.changes, 1U);

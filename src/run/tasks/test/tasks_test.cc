@@ -206,7 +206,7 @@ TEST(Record, ALineThatIsNotAResultIsNotTaken) {
   EXPECT_TRUE(read_record(file + ".missing", refuse_two).empty());
 }
 
-TEST(Record, AFileThatCannotBeWrittenIsToldOnEveryRank) {
+TEST(Record, AFileThatCannotBeWrittenIsReportedOnEveryRank) {
   const auto each = on_ranks(2, [](Communicator& ranks) -> std::string {
     try {
       const Record record("/nowhere/record.jsonl", ranks, [](const std::string&) {});

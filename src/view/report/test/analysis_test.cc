@@ -42,7 +42,7 @@ TEST(Analysis, AForceOnTheLawDepartsByNothing) {
 
 TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
   record::Recording recording = SyntheticRecording::make();
-  model::TissueParameters& tissue = recording.setup.tissue;
+  model::TissueParameters& tissue = recording.scene.tissue;
   tissue.law = model::LawKind::kSmooth;
   tissue.relaxation = {{0.4, 0.3}};
   model::TissueParameters stiffer = tissue;
@@ -69,7 +69,7 @@ TEST(Analysis, AForceOnALawThatRelaxesAndIsChangedWhileItRanDepartsByNothing) {
 
 TEST(Analysis, NoiseThatIsChangedCountsUpToThere) {
   record::Recording recording = SyntheticRecording::make();
-  recording.changes.push_back(haptics::parameter_update(recording.setup.tissue, {}, haptics::kNoiseChanged));
+  recording.changes.push_back(haptics::parameter_update(recording.scene.tissue, {}, haptics::kNoiseChanged));
   recording.changes.back().tick = 1000;
   EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
 }
@@ -102,7 +102,7 @@ TEST(Analysis, NoiseIsDividedByTheSigmaOfItsDistance) {
 
 TEST(Analysis, HeldNoiseSamplesCountOnce) {
   record::Recording recording = SyntheticRecording::make();
-  recording.setup.noise.rate_Hz = 250.0;
+  recording.scene.noise.rate_Hz = 250.0;
   EXPECT_EQ(analyse(recording).hands.at(0).unit_noise.size(), 1000U);
 }
 
@@ -134,7 +134,7 @@ TEST(Analysis, HandsAreTakenApart) {
 
 TEST(Analysis, ThePullHasItsOwnDirection) {
   record::Recording recording = SyntheticRecording::make();
-  recording.setup.task = scene::Task::kPull;
+  recording.scene.task = scene::Task::kPull;
   EXPECT_EQ(analyse(recording).direction, model::Direction::kPull);
   EXPECT_EQ(analyse(recording).hands.at(0).law.rows, 0U);  // nothing was pulled
 }

@@ -71,7 +71,7 @@ TEST_F(Report, HasEverySection) {
 TEST(ReportOfAMovingOrgan, SaysTheMotionAndPlotsTheOrgansWayBesideTheDepth) {
   const TemporaryFolder folder;
   record::Recording recording = SyntheticRecording::make(false, 1200);
-  recording.setup.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
+  recording.scene.organ_motion = {model::organ_motion_preset(model::OrganMotionKind::kHeartbeat)};
   const std::filesystem::path file =
       write_report({{"A box that beats", &recording, "palpate run"}}, folder.path(), {}, kNoPictures);
   const std::string html = read(file);

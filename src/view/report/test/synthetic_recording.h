@@ -34,17 +34,17 @@ class SyntheticRecording final {
 
   static record::Recording make(bool noise = true, int ticks = 4000) {
     record::Recording recording;
-    scene::Scene& setup = recording.setup;
-    setup.name = "synthetic press";
-    setup.organ_name = "box <60 x 60>";
-    setup.organ = geometry::make_box(Vec3(60e-3, 60e-3, 40e-3), 10e-3);
-    setup.tools = {geometry::make_tool("sphere:5")};
-    setup.devices.resize(1);
-    setup.noise.enabled = noise;
-    setup.rate_Hz = kRate;
-    setup.tissue = tissue();
-    setup.repairs = {"liver <1>.stl: turned 12 triangles outwards"};
-    setup.remarks = {"a remark with <angle> & ampersand"};
+    scene::Scene& scene = recording.scene;
+    scene.name = "synthetic press";
+    scene.organ_name = "box <60 x 60>";
+    scene.organ = geometry::make_box(Vec3(60e-3, 60e-3, 40e-3), 10e-3);
+    scene.tools = {geometry::make_tool("sphere:5")};
+    scene.devices.resize(1);
+    scene.noise.enabled = noise;
+    scene.rate_Hz = kRate;
+    scene.tissue = tissue();
+    scene.repairs = {"liver <1>.stl: turned 12 triangles outwards"};
+    scene.remarks = {"a remark with <angle> & ampersand"};
     recording.facts.version = "0.1.0";
     recording.facts.compiler = "a compiler";
     recording.facts.machine = "a machine";
@@ -71,8 +71,8 @@ class SyntheticRecording final {
 
  private:
   static void fill_rows(record::Recording& recording, int ticks) {
-    const model::SpringLaw law(recording.setup.tissue, model::Direction::kPress, 1.0 / kRate);
-    const noise::TouchNoise noise(recording.setup.noise, kRate);
+    const model::SpringLaw law(recording.scene.tissue, model::Direction::kPress, 1.0 / kRate);
+    const noise::TouchNoise noise(recording.scene.noise, kRate);
     std::mt19937_64 random(7);
     std::lognormal_distribution<double> cost(std::log(40e3), 0.25);
     std::lognormal_distribution<double> late(std::log(9e3), 0.5);
@@ -87,7 +87,7 @@ class SyntheticRecording final {
       row.depth = touching ? -above : 0.0;
       row.cutoff_layer = static_cast<std::uint32_t>(touching ? law.force_at(row.depth).cutoff_layer : 0);
       row.tissue_force = law.force_at(row.depth).force;
-      if (recording.setup.noise.enabled)
+      if (recording.scene.noise.enabled)
         row.noise_force =
             noise.sigma(touching ? 0.0 : above) * noise::unit_sample(1, 0, noise.sample_number(row.tick));
       row.force = {0.0, 0.0, row.tissue_force + row.noise_force};
