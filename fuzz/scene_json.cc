@@ -7,8 +7,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace palpate;
   const std::string text(data, data + size);
   fuzz::read_or_refuse("scene", [&] {
-    const std::string written = record::setup_to_json(record::setup_from_json(text));
-    const std::string again = record::setup_to_json(record::setup_from_json(written));
+    const std::string written = record::scene_to_json(record::scene_from_json(text));
+    const std::string again = record::scene_to_json(record::scene_from_json(written));
     fuzz::require(written == again, "a scene that was read is read again when written", written);
   });
   return 0;

@@ -412,7 +412,7 @@ void add_the_rest(const Seeds& seeds) {
             "3,0,3\n3,1,2.5\n3,-2,1.9\n3,5,.6\n3,9,.3\n");
   seeds.add("picture", "png", std::string(kPicture, sizeof kPicture - 1));
   seeds.add("picture", "jpeg", "\xff\xd8\xff\xe0");
-  seeds.add("scene_json", "scene", record::setup_to_json(record::sample_setup(2)));
+  seeds.add("scene_json", "scene", record::scene_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");
   net::IgtlBytes transforms(0);
@@ -463,7 +463,7 @@ void add_deep(const Seeds& seeds) {
     seeds.add(target, "deep_object", times(kDeep, R"({"a":)") + "1" + times(kDeep, "}"));
   }
   seeds.add("trial_log", "deep", R"({"n":1,"z":)" + list + "}\n");
-  std::string scene = record::setup_to_json(record::sample_setup(1));
+  std::string scene = record::scene_to_json(record::sample_setup(1));
   add_recording_of(seeds, "deep", scene.insert(scene.find("\"soft\""), list + ","));
 }
 

@@ -80,7 +80,7 @@ std::string fingerprint_of(const SweepRequest& request, std::string& name) {
   name = scene.name;
   ContentHasher hasher;
   add(hasher, kVersion);
-  add(hasher, record::setup_to_json(scene));
+  add(hasher, record::scene_to_json(scene));
   hasher.add(request.duration_s.value_or(-1.0)).add(request.scene.fit_device ? 1 : 0);
   for (const scene::SourceFile& file : scene.files) add_file(hasher, file.path);
   for (const Axis& axis : request.axes) {

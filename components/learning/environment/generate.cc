@@ -156,7 +156,7 @@ std::string metadata_of(const GenerateRequest& request, const Environment& envir
                      {"observations", channels_json(environment.observation_channels())},
                      {"actions", channels_json(environment.action_channels())},
                      {"parameters", channels_json(environment.parameter_channels())},
-                     {"scene", Json::parse(record::setup_to_json(environment.scene()))}};  // its own JSON
+                     {"scene", Json::parse(record::scene_to_json(environment.scene()))}};  // its own JSON
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 

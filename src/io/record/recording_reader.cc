@@ -192,7 +192,7 @@ RunFacts read_facts(hid_t file) {
 }
 
 scene::Scene read_setup(hid_t file, std::uint64_t file_bytes) {
-  scene::Scene scene = setup_from_json(hdf5::read_text(file, "scene", kLongestScene));
+  scene::Scene scene = scene_from_json(hdf5::read_text(file, "scene", kLongestScene));
   if (scene.tools.empty() || scene.devices.size() != scene.tools.size()) {
     throw InputError(fmt::format("scene: {} tools and {} devices, must be one of each per hand",
                                  scene.tools.size(), scene.devices.size()));

@@ -257,7 +257,7 @@ Handle update_row_type() {
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const scene::Scene& scene,
                                  const RunFacts& facts)
     : path_(file), file_(create_file(file)), row_type_(tick_row_type()), change_type_(update_row_type()) {
-  const std::string scene_text = setup_to_json(scene);
+  const std::string scene_text = scene_to_json(scene);
   reserve_space(static_cast<std::int64_t>(scene_text.size()) + mesh_bytes(scene));
   write_facts(file_.id(), scene, facts);
   const Handle text = hdf5::create_text(file_.id(), "scene", scene_text.size());

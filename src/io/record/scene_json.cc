@@ -360,14 +360,14 @@ void fields(auto& io, Is<scene::Scene> auto& scene) {
 
 }  // namespace
 
-std::string setup_to_json(const scene::Scene& scene) {
+std::string scene_to_json(const scene::Scene& scene) {
   SceneWriter io;
   fields(io, scene);
   // File names need not be UTF-8; invalid bytes become the replacement character.
   return io.json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
-scene::Scene setup_from_json(const std::string& text) {
+scene::Scene scene_from_json(const std::string& text) {
   try {
     const nlohmann::json json = parse_json(text);
     SceneReader io{JsonField(json)};

@@ -7,11 +7,11 @@ namespace palpate::record {
 
 /// [setup] A scene as JSON in SI units, without vertices and triangles. Its numbers read back to the same
 /// bits.
-[[nodiscard]] std::string setup_to_json(const scene::Scene& scene);
+[[nodiscard]] std::string scene_to_json(const scene::Scene& scene);
 
-/// [setup] The inverse of setup_to_json(). Meshes stay empty. The path of a vendor's library stays empty too:
+/// [setup] The inverse of scene_to_json(). Meshes stay empty. The path of a vendor's library stays empty too:
 /// a recording may come from anybody, and must load no code. @throws InputError naming the key that is
 /// missing or wrong.
-[[nodiscard]] scene::Scene setup_from_json(const std::string& text);
+[[nodiscard]] scene::Scene scene_from_json(const std::string& text);
 
 }  // namespace palpate::record

@@ -354,7 +354,7 @@ TEST(DamagedRecording, AFlippedBitInSceneOrMeshIsRefusedWithTheNameOfWhatIsDamag
   const std::filesystem::path file = folder / "a.h5";
   for (const char* dataset : kHashed) {
     record_sample(file, 10, 1);
-    const std::string scene = setup_to_json(sample_setup(1));
+    const std::string scene = scene_to_json(sample_setup(1));
     const bool in_scene = dataset == kHashed[0];
     flip_bit(file, dataset, in_scene ? scene.find("soft") : 0);
     EXPECT_THAT([&] { (void)read_recording(file); },

@@ -109,7 +109,7 @@ TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
   scene.tissue.source.reset();
   scene.tissue.contact.tangential_stiffness.reset();
   scene.tools[0].tip_radius.reset();
-  const scene::Scene got = setup_from_json(setup_to_json(scene));
+  const scene::Scene got = scene_from_json(scene_to_json(scene));
   EXPECT_FALSE(got.tissue.source.has_value());
   EXPECT_FALSE(got.tissue.contact.tangential_stiffness.has_value());
   EXPECT_FALSE(got.tools[0].tip_radius.has_value());
@@ -126,7 +126,7 @@ TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
   motion.period = 60.0 / 70.0;
   motion.phase = 1.0 / 3.0;
   scene.organ_motion = {motion, model::OrganMotionParameters{}};
-  const scene::Scene got = setup_from_json(setup_to_json(scene));
+  const scene::Scene got = scene_from_json(scene_to_json(scene));
   ASSERT_EQ(got.organ_motion.size(), 2U);
   EXPECT_EQ(got.organ_motion[0].kind, motion.kind);
   EXPECT_EQ(got.organ_motion[0].amplitude, motion.amplitude);
@@ -139,11 +139,11 @@ TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
 }
 
 TEST(RoundTrip, ARecordingFromBeforeOrgansMovedHasAnOrganThatLiesStill) {
-  std::string text = setup_to_json(sample_setup(1));
+  std::string text = scene_to_json(sample_setup(1));
   const std::string motion = "\"motion\"";
   ASSERT_NE(text.find(motion), std::string::npos);
   text.replace(text.find(motion), motion.size(), "\"was_not\"");
-  EXPECT_TRUE(setup_from_json(text).organ_motion.empty());
+  EXPECT_TRUE(scene_from_json(text).organ_motion.empty());
 }
 
 TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
@@ -155,7 +155,7 @@ TEST(RoundTrip, AnEmulatedHandComesBackWithItsFaults) {
   for (const scene::EmulatedFaultName& known : scene::emulated_fault_names()) {
     device.emulated.faults.push_back({known.kind, 1.0 / 3, 0.1, 7e-3});
   }
-  const scene::Scene got = setup_from_json(setup_to_json(scene));
+  const scene::Scene got = scene_from_json(scene_to_json(scene));
   const scene::EmulatedHand& hand = got.devices[1].emulated;
   EXPECT_EQ(hand.mass, 0.1 / 3);
   EXPECT_EQ(hand.grip.stiffness, 123.4);
@@ -174,16 +174,16 @@ TEST(RoundTrip, AFaultOfAnUnknownKindIsRefused) {
   scene::Scene scene = sample_setup(1);
   scene.devices[0].kind = "emulated";
   scene.devices[0].emulated.faults.push_back({});
-  std::string text = setup_to_json(scene);
+  std::string text = scene_to_json(scene);
   text.replace(text.find("\"freeze\""), 8, "\"flood!\"");
-  EXPECT_THROW((void)setup_from_json(text), InputError);
+  EXPECT_THROW((void)scene_from_json(text), InputError);
 }
 
 TEST(RoundTrip, LawAndRelaxationComeBack) {
   scene::Scene scene = sample_setup(1);
   scene.tissue.law = model::LawKind::kSmooth;
   scene.tissue.relaxation = {{0.1, 0.1 + 0.2}, {0.3, 7.0}};
-  const model::TissueParameters got = setup_from_json(setup_to_json(scene)).tissue;
+  const model::TissueParameters got = scene_from_json(scene_to_json(scene)).tissue;
   EXPECT_EQ(got.law, model::LawKind::kSmooth);
   ASSERT_EQ(got.relaxation.size(), 2U);
   EXPECT_EQ(got.relaxation[0].g, 0.1);
@@ -192,13 +192,13 @@ TEST(RoundTrip, LawAndRelaxationComeBack) {
 
 /// The tissue of a recorded scene without these keys, as older recordings have it.
 model::TissueParameters tissue_without(const scene::Scene& scene, const std::vector<std::string>& keys) {
-  std::string text = setup_to_json(scene);
+  std::string text = scene_to_json(scene);
   for (const std::string& key : keys) {
     const std::size_t at = text.find("\"" + key + "\"");
     EXPECT_NE(at, std::string::npos) << key;
     text.replace(at + 1, key.size(), "was_not_" + key);
   }
-  return setup_from_json(text).tissue;
+  return scene_from_json(text).tissue;
 }
 
 TEST(RoundTrip, ARecordingFromBeforeThereWereLawsHasThePapersWithoutRelaxation) {
@@ -222,16 +222,16 @@ TEST(RoundTrip, ANumberThatAnOldRecordingLacksHasItsDefault) {
 TEST(RoundTrip, AMotionOfAnotherKindIsRefused) {
   scene::Scene scene = sample_setup(1);
   scene.organ_motion.emplace_back();
-  std::string text = setup_to_json(scene);
+  std::string text = scene_to_json(scene);
   text.replace(text.find("breathing"), 9, "digesting");
-  EXPECT_THROW((void)setup_from_json(text), InputError);
+  EXPECT_THROW((void)scene_from_json(text), InputError);
 }
 
 TEST(RoundTrip, SceneWithAMissingKeyIsRefusedWithItsName) {
-  std::string text = setup_to_json(sample_setup(1));
+  std::string text = scene_to_json(sample_setup(1));
   text.replace(text.find("grip_limit_N"), 12, "grop_limit_N");
   try {
-    (void)setup_from_json(text);
+    (void)scene_from_json(text);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("grip_limit_N"));
@@ -239,11 +239,11 @@ TEST(RoundTrip, SceneWithAMissingKeyIsRefusedWithItsName) {
 }
 
 TEST(RoundTrip, SceneThatIsNoJsonOrHasAnotherTaskIsRefused) {
-  EXPECT_THROW((void)setup_from_json("{"), InputError);
-  EXPECT_THROW((void)setup_from_json("[1]"), InputError);
-  std::string text = setup_to_json(sample_setup(1));
+  EXPECT_THROW((void)scene_from_json("{"), InputError);
+  EXPECT_THROW((void)scene_from_json("[1]"), InputError);
+  std::string text = scene_to_json(sample_setup(1));
   text.replace(text.find("\"pull\""), 6, "\"push\"");
-  EXPECT_THROW((void)setup_from_json(text), InputError);
+  EXPECT_THROW((void)scene_from_json(text), InputError);
 }
 
 class RoundTripRows : public ::testing::TestWithParam<std::pair<std::uint64_t, std::size_t>> {};

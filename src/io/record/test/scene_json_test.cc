@@ -27,7 +27,7 @@ std::string changed(const std::string& from, const std::string& to) {
   scene.devices[0].kind = "emulated";
   scene.devices[0].emulated.faults = {{scene::EmulatedFaultKind::kFreeze, 0.1, 0.2, 0.05}};
   scene.inclusions.resize(1);
-  std::string text = setup_to_json(scene);
+  std::string text = scene_to_json(scene);
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
@@ -35,7 +35,7 @@ std::string changed(const std::string& from, const std::string& to) {
 
 std::string refusal(const std::string& text) {
   try {
-    (void)setup_from_json(text);
+    (void)scene_from_json(text);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -58,11 +58,11 @@ TEST(SceneJson, ASearchMakesTheRoundTrip) {
   scene::Scene scene = sample_setup(1);
   scene.task = scene::Task::kPalpate;
   scene.search = {7e-3, 5};
-  const scene::Scene read = setup_from_json(setup_to_json(scene));
+  const scene::Scene read = scene_from_json(scene_to_json(scene));
   EXPECT_EQ(read.task, scene::Task::kPalpate);
   EXPECT_EQ(read.search.tolerance, 7e-3);
   EXPECT_EQ(read.search.mark_button, 5U);
-  std::string text = setup_to_json(scene);
+  std::string text = scene_to_json(scene);
   text.replace(text.find("\"mark_button\": 5"), 16, "\"mark_button\": 32");
   EXPECT_EQ(refusal(text), "scene: search.mark_button = 32: must be a whole number from 0 to 31");
 }
@@ -89,7 +89,7 @@ TEST(SceneJson, ALibraryThatARecordingNamesIsForgottenSoThatNothingRunFromItLoad
   scene.devices[0].path = "/tmp/libevil.so";
   scene.devices[1].kind = "scripted";
   scene.devices[1].path = "press.csv";
-  const scene::Scene read = setup_from_json(setup_to_json(scene));
+  const scene::Scene read = scene_from_json(scene_to_json(scene));
   EXPECT_EQ(read.devices[0].kind, "forcedimension");
   EXPECT_EQ(read.devices[0].path, "");
   EXPECT_EQ(read.devices[1].path, "press.csv");
@@ -98,7 +98,7 @@ TEST(SceneJson, ALibraryThatARecordingNamesIsForgottenSoThatNothingRunFromItLoad
 TEST(SceneJson, ASeedOrButtonThatIsNoWholeNumberOfItsRangeIsRefusedByName) {
   scene::Scene scene = sample_setup(1);
   scene.noise.seed = 77;
-  const std::string written = setup_to_json(scene);
+  const std::string written = scene_to_json(scene);
   const auto with = [&written](const std::string& name, const std::string& value, const std::string& other) {
     const std::string field = '"' + name + "\": ";
     return std::regex_replace(written, std::regex(field + value), field + other);
@@ -132,8 +132,8 @@ TEST(SceneJson, ANumberOutsideTheRangeOfItsKeyIsRefusedByName) {
 }
 
 TEST(SceneJson, MoreHandsThanASceneMayHaveAreRefused) {
-  EXPECT_EQ(refusal(setup_to_json(sample_setup(kMaxHands))), "no refusal");
-  EXPECT_EQ(refusal(setup_to_json(sample_setup(kMaxHands + 1))),
+  EXPECT_EQ(refusal(scene_to_json(sample_setup(kMaxHands))), "no refusal");
+  EXPECT_EQ(refusal(scene_to_json(sample_setup(kMaxHands + 1))),
             "scene: tools: has 5 elements, must have at most 4");
 }
 
@@ -151,7 +151,7 @@ TEST(SceneJson, AValueOfAnotherTypeIsNamedWithItsFieldInPlainWords) {
 TEST(SceneJson, TheLargestSeedIsReadBack) {
   scene::Scene scene = sample_setup(1);
   scene.seed = std::numeric_limits<std::uint64_t>::max();
-  EXPECT_EQ(setup_from_json(setup_to_json(scene)).seed, scene.seed);
+  EXPECT_EQ(scene_from_json(scene_to_json(scene)).seed, scene.seed);
 }
 
 TEST(SceneJson, ARefusalIsOneLineWhateverWordIsRefused) {
