@@ -41,7 +41,7 @@ void copy_snapshot(const void* bytes, std::size_t size, Snapshot& snapshot) {
                    std::to_string(sizeof snapshot) + "; take it from snapshot() of the same version");
   }
   std::memcpy(static_cast<void*>(&snapshot), bytes, size);
-  bool valid = snapshot.hands <= kMaxHands;
+  bool valid = snapshot.hands <= palpate::kMaxHands;
   for (const palpate::contact::ToolResult& result : snapshot.results) {
     valid = valid && result.view_count >= 0 && result.view_count <= palpate::contact::kMaxViews;
   }
