@@ -159,7 +159,7 @@ TEST_P(TouchSafety, TheForceFallsToZeroStaysThereAndComesBackOnlyAfterAReset) {
   const std::vector<TickRow> rows = run_touch_with(bad, last_error);
   ASSERT_EQ(rows.size(), kTouchLastTick);
   if (bad.cause != Fault::kNotFinite) {
-    EXPECT_NE(last_error, "") << "told in words";
+    EXPECT_NE(last_error, "") << "the reason, as text";
   }
   ASSERT_GT(test::force_of(rows[kTouchFaultTick - 1]).norm(), 0.1) << "pressing";
   // The frame of the slow scheduler at the first tick is in time. The next tick has a late sample.
