@@ -12,8 +12,8 @@
 #include <fmt/core.h>
 
 #include "io/system/clock.h"
+#include "io/websocket/connection.h"
 #include "net/live_access.h"
-#include "net/live_connection.h"
 #include "palpate/version.h"
 #include "run/realtime/realtime.h"
 
@@ -21,11 +21,13 @@ namespace palpate::net {
 namespace {
 
 namespace asio = boost::asio;
-namespace http = boost::beast::http;
-namespace websocket = boost::beast::websocket;
 using asio::ip::tcp;
-using boost::beast::error_code;
-using boost::beast::websocket::close_code;
+using boost::system::error_code;
+using websocket::CloseCode;
+using websocket::Connection;
+using websocket::RateLimit;
+using websocket::Request;
+using websocket::Response;
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kHelloLimit = 5'000'000'000;  // ns from the connection to "hello"
@@ -56,31 +58,33 @@ asio::ip::address address_of(const LiveOptions& options) {
   return address;
 }
 
-HttpResponse plain_answer(http::status status, const std::string& text) {
-  HttpResponse response(status, 11);
-  response.set(http::field::content_type, "text/plain; charset=utf-8");
-  response.body() = text + "\n";
-  return response;
+constexpr unsigned kOk = 200;
+constexpr unsigned kForbidden = 403;
+constexpr unsigned kNotFound = 404;
+constexpr unsigned kUpgradeRequired = 426;
+constexpr unsigned kUnavailable = 503;
+
+Response plain_answer(unsigned status, const std::string& text) {
+  return {status, {{"Content-Type", "text/plain; charset=utf-8"}}, text + "\n"};
 }
 
 /// Answers with a file of the page. The headers allow the page to use its own server alone, and forbid frames
 /// around it.
-HttpResponse page_answer(const PageFile& file) {
-  HttpResponse response(http::status::ok, 11);
-  response.set(http::field::content_type, file.type);
-  response.set("Content-Security-Policy",
-               "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self'; "
-               "style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self' ws:; "
-               "frame-ancestors 'none'");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set(http::field::cache_control, "no-store");
-  response.body() = file.bytes;
-  return response;
+Response page_answer(const PageFile& file) {
+  return {kOk,
+          {{"Content-Type", file.type},
+           {"Content-Security-Policy",
+            "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval'; worker-src 'self'; "
+            "style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self' ws:; "
+            "frame-ancestors 'none'"},
+           {"X-Content-Type-Options", "nosniff"},
+           {"Cache-Control", "no-store"}},
+          file.bytes};
 }
 
 }  // namespace
 
-class LiveServer::Server final : public ConnectionHandler {
+class LiveServer::Server final : public websocket::ConnectionHandler {
  public:
   Server(const LiveOptions& options, RunService& service) : options_(options), service_(service) {
     for (const std::string& origin : options.origins) check_origin(origin);
@@ -107,26 +111,26 @@ class LiveServer::Server final : public ConnectionHandler {
     context_.run();
   }
 
-  std::optional<HttpResponse> refusal(const LiveConnection& from, const HttpRequest& request) override {
-    std::optional<HttpResponse> answer = refusal_for(from, request);
-    if (answer && answer->result() != http::status::ok) {
-      log_refused(from, answer->body().substr(0, answer->body().find('\n')));
+  std::optional<Response> refusal(const Connection& from, const Request& request) override {
+    std::optional<Response> answer = refusal_for(from, request);
+    if (answer && answer->status != kOk) {
+      log_refused(from, answer->body.substr(0, answer->body.find('\n')));
     }
     return answer;
   }
 
-  void opened(LiveConnection& /*connection*/) override {}
+  void opened(Connection& /*connection*/) override {}
 
-  void ended(LiveConnection& connection) override { statistics_.left_out += connection.left_out(); }
+  void ended(Connection& connection) override { statistics_.left_out += connection.left_out(); }
 
-  void received(LiveConnection& from, std::string_view message, bool text, bool excess) override {
+  void received(Connection& from, std::string_view message, bool text, bool excess) override {
     ++statistics_.messages;
     LiveReference reference;
     try {
       if (excess) {
         throw LiveError("rate",
                         fmt::format("message: is one too many, there may be {} a second; it was not read",
-                                    static_cast<int>(LiveConnection::kMessagesPerSecond)));
+                                    static_cast<int>(Connection::kMessagesPerSecond)));
       }
       if (!text) throw LiveError("json", "message: is binary, must be a text frame of JSON");
       const LiveCommand command = read_live_message(message, reference);
@@ -138,8 +142,7 @@ class LiveServer::Server final : public ConnectionHandler {
       if (live != nullptr &&
           (live->code() == "version" || live->code() == "token" || live->code() == "full")) {
         log_refused(from, live->what());
-        from.close(live->code() == "full" ? close_code::try_again_later : close_code::policy_error,
-                   live->code());
+        from.close(live->code() == "full" ? CloseCode::kTryLater : CloseCode::kPolicy, live->code());
       }
     } catch (const std::exception& error) {  // one client's error must not end the others' service
       ++statistics_.errors;
@@ -147,7 +150,7 @@ class LiveServer::Server final : public ConnectionHandler {
     }
   }
 
-  std::string next_frame(LiveConnection& to) override {
+  std::string next_frame(Connection& to) override {
     const LiveState state = service_.newest();
     if (state.tick == nullptr) return {};
     const std::pair<std::uint64_t, std::uint64_t> now{state.run, state.tick->tick};
@@ -171,8 +174,8 @@ class LiveServer::Server final : public ConnectionHandler {
       }
       ++statistics_.connections;
       const std::uint64_t number = statistics_.connections;
-      auto made = std::make_unique<LiveConnection>(number, std::move(socket), *this);
-      LiveConnection& connection = *made;
+      auto made = std::make_unique<Connection>(number, std::move(socket), *this, kLargestRequest);
+      Connection& connection = *made;
       make_room(connection.peer());
       connections_.emplace(number, std::move(made));
       connection.begin();
@@ -183,8 +186,8 @@ class LiveServer::Server final : public ConnectionHandler {
   /// Drops the oldest connection without "hello" when too many of them wait: from this peer at
   /// kMaxPendingPerAddress, from all peers at kMaxPending.
   void make_room(const asio::ip::address& peer) {
-    LiveConnection* oldest = nullptr;
-    LiveConnection* oldest_of_peer = nullptr;
+    Connection* oldest = nullptr;
+    Connection* oldest_of_peer = nullptr;
     std::size_t all = 0;
     std::size_t of_peer = 0;
     for (const auto& [number, connection] : connections_) {  // in the order of connection
@@ -195,16 +198,16 @@ class LiveServer::Server final : public ConnectionHandler {
       ++of_peer;
       if (oldest_of_peer == nullptr) oldest_of_peer = connection.get();
     }
-    LiveConnection* leaves = of_peer >= kMaxPendingPerAddress ? oldest_of_peer
-                             : all >= kMaxPending             ? oldest
-                                                              : nullptr;
+    Connection* leaves = of_peer >= kMaxPendingPerAddress ? oldest_of_peer
+                         : all >= kMaxPending             ? oldest
+                                                          : nullptr;
     if (leaves == nullptr) return;
     log_refused(*leaves, "it had not said hello, and others came");
     leaves->drop();
   }
 
   /// Counts a refused connection and writes a line to the log, at a limited rate.
-  void log_refused(const LiveConnection& from, const std::string& why) {
+  void log_refused(const Connection& from, const std::string& why) {
     ++statistics_.refused;
     if (!log_limit_.allows(monotonic_ns())) {
       ++unlogged_;
@@ -223,36 +226,31 @@ class LiveServer::Server final : public ConnectionHandler {
     return static_cast<std::size_t>(clients) >= kMaxClients;
   }
 
-  std::optional<HttpResponse> refusal_for(const LiveConnection& from, const HttpRequest& request) const {
-    const bool upgrade = websocket::is_upgrade(request);
-    if (!upgrade && request.method() == http::verb::get) {
-      const auto file = options_.page.find({request.target().data(), request.target().size()});
+  std::optional<Response> refusal_for(const Connection& from, const Request& request) const {
+    if (!request.upgrade && request.get) {
+      const auto file = options_.page.find(request.target);
       if (file != options_.page.end()) return page_answer(file->second);
     }
-    if (request.target() != "/") {
-      return plain_answer(http::status::not_found, "There is nothing here; the live interface is at /.");
+    if (request.target != "/") {
+      return plain_answer(kNotFound, "There is nothing here; the live interface is at /.");
     }
-    if (!upgrade) {
-      return plain_answer(http::status::upgrade_required,
-                          "This is palpate's live interface, which speaks WebSocket.");
+    if (!request.upgrade) {
+      return plain_answer(kUpgradeRequired, "This is palpate's live interface, which speaks WebSocket.");
     }
-    const auto origin = request.find(http::field::origin);
     const asio::ip::address& local = from.local().address();
-    const auto count = static_cast<std::size_t>(request.count(http::field::origin));
-    if (count > 1 ||
-        (count == 1 && !origin_allowed({origin->value().data(), origin->value().size()}, in_url(local),
-                                       endpoint_.port(), local.is_loopback(), options_.origins))) {
-      return plain_answer(http::status::forbidden,
-                          "A web page of this origin may not connect; --allow-origin lets it.");
+    const std::vector<std::string>& origins = request.origins;
+    if (origins.size() > 1 ||
+        (origins.size() == 1 && !origin_allowed(origins.front(), in_url(local), endpoint_.port(),
+                                                local.is_loopback(), options_.origins))) {
+      return plain_answer(kForbidden, "A web page of this origin may not connect; --allow-origin lets it.");
     }
     if (is_full()) {
-      return plain_answer(http::status::service_unavailable,
-                          fmt::format("There are {} clients already.", kMaxClients));
+      return plain_answer(kUnavailable, fmt::format("There are {} clients already.", kMaxClients));
     }
     return std::nullopt;
   }
 
-  void obey(LiveConnection& from, const LiveCommand& command, const LiveReference& reference) {
+  void obey(Connection& from, const LiveCommand& command, const LiveReference& reference) {
     const auto* hello = std::get_if<Hello>(&command);
     if (from.greeted == (hello != nullptr)) {
       throw LiveError("hello", from.greeted ? "do = \"hello\": was said already"
@@ -275,7 +273,7 @@ class LiveServer::Server final : public ConnectionHandler {
     }
   }
 
-  void greet(LiveConnection& from, const Hello& hello, const LiveReference& reference) {
+  void greet(Connection& from, const Hello& hello, const LiveReference& reference) {
     if (!options_.token.empty() && !same_token(options_.token, hello.token)) {
       throw LiveError(
           "token",
@@ -291,7 +289,7 @@ class LiveServer::Server final : public ConnectionHandler {
     Json members = version();
     members["client"] = from.number();
     members["limits"] = {{"message_bytes", kLargestRequest},
-                         {"messages_per_s", LiveConnection::kMessagesPerSecond},
+                         {"messages_per_s", Connection::kMessagesPerSecond},
                          {"stream_Hz", kFastestStream},
                          {"clients", kMaxClients}};
     from.send(answer_text(reference, members));
@@ -323,18 +321,18 @@ class LiveServer::Server final : public ConnectionHandler {
 
   /// Ends a connection without "hello" within kHelloLimit, a connection whose message has too many fragments,
   /// and a connection that the client does not close within kCloseLimit.
-  void watch(LiveConnection& connection) {
+  void watch(Connection& connection) {
     const std::int64_t now = monotonic_ns();
     if (connection.closing_ns() != 0) {
       if (now - connection.closing_ns() > kCloseLimit) connection.drop();
     } else if (connection.is_endless()) {
       log_refused(connection, "its message in fragments had no end");
-      connection.close(close_code::too_big, "too many fragments");
+      connection.close(CloseCode::kTooBig, "too many fragments");
     } else if (!connection.greeted && now - connection.begun_ns() > kHelloLimit) {
       if (!connection.is_open()) return connection.drop();
       log_refused(connection, "it said no hello within 5 s");
       connection.send(error_text({}, LiveError("hello", "do: must be \"hello\" within 5 s")));
-      connection.close(close_code::policy_error, "hello");
+      connection.close(CloseCode::kPolicy, "hello");
     }
   }
 
@@ -364,7 +362,7 @@ class LiveServer::Server final : public ConnectionHandler {
     acceptor_.close(ignored);
     for (const auto& [number, connection] : connections_) {
       if (connection->is_open()) {
-        connection->close(close_code::going_away, "palpate serve ends");
+        connection->close(CloseCode::kGoingAway, "palpate serve ends");
       } else {
         connection->drop();
       }
@@ -400,7 +398,7 @@ class LiveServer::Server final : public ConnectionHandler {
   std::pair<std::uint64_t, std::uint64_t> written_{0, 0};  // run and tick of written_text_
   std::string written_text_;
   // The connections are the last member because they use the members above.
-  std::map<std::uint64_t, std::unique_ptr<LiveConnection>> connections_;
+  std::map<std::uint64_t, std::unique_ptr<Connection>> connections_;
 };
 
 LiveServer::LiveServer(const LiveOptions& options, RunService& service)

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 
 #include "io/system/test/temporary_folder.h"
-#include "net/rate_limit.h"
+#include "io/websocket/rate_limit.h"
 #include "palpate/error.h"
 
 namespace palpate::net {
@@ -94,7 +94,7 @@ TEST(LiveAccess, OnlyTheServersOwnPageAndThoseAllowedMayConnect) {
 }
 
 TEST(RateLimit, LetsABurstThroughAndThenSoManyASecond) {
-  RateLimit limit(10.0, 3.0);
+  websocket::RateLimit limit(10.0, 3.0);
   std::int64_t now = 1'000'000'000;
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(limit.allows(now));
   EXPECT_FALSE(limit.allows(now));

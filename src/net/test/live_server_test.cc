@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <sched.h>
 
-#include "net/live_connection.h"
 #include "net/test/live_client.h"
 
 namespace palpate::net {

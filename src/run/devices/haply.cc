@@ -1,7 +1,9 @@
 #include "run/devices/haply.h"
 
 #include <algorithm>
+#include <charconv>
 #include <exception>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -20,17 +22,17 @@ const char* const kKind = "haply";
 const char* const kHowToStart =
     " (start Haply's Inverse Service, or give its address with --device haply:ws://HOST:PORT)";
 
-/// Waits for the first message after the handshake. @throws HaplyLinkError when none comes in time
-std::string first_message(HaplyLink& link, std::int64_t limit_ns, const std::atomic<bool>& give_up) {
+/// Waits for the first message after the handshake. @throws websocket::Error when none comes in time
+std::string first_message(websocket::Client& link, std::int64_t limit_ns, const std::atomic<bool>& give_up) {
   const std::int64_t deadline = monotonic_ns() + limit_ns;
   for (;;) {
     if (std::optional<std::string> message = link.received()) return *std::move(message);
     const std::int64_t now = monotonic_ns();
     if (now >= deadline) {
-      throw HaplyLinkError(
+      throw websocket::Error(
           fmt::format("the service sent nothing within {} ms of the handshake", limit_ns / 1'000'000));
     }
-    if (give_up.load(std::memory_order_relaxed)) throw HaplyLinkError("given up");
+    if (give_up.load(std::memory_order_relaxed)) throw websocket::Error("given up");
     link.wait_until(std::min(deadline, now + kPollPeriod));
   }
 }
@@ -48,11 +50,46 @@ std::string lacking(std::size_t place, const std::vector<std::string>& arms) {
 
 }  // namespace
 
+websocket::Address parse_haply_address(const std::string& text) {
+  const std::string given = text.empty() ? "ws://localhost:10001" : text;
+  const auto refuse = [&](const std::string& want) {
+    throw InputError(fmt::format(
+        "device haply: address \"{}\": {}, must be ws://HOST:PORT, as in ws://localhost:10001", given, want));
+  };
+  constexpr std::string_view kScheme = "ws://";
+  if (given.compare(0, kScheme.size(), kScheme) != 0) refuse("does not begin with ws://");
+  std::string rest = given.substr(kScheme.size());
+  if (!rest.empty() && rest.back() == '/') rest.pop_back();
+  const std::size_t colon = rest.rfind(':');
+  const std::size_t bracket = rest.find(']');
+  if (colon == std::string::npos || (bracket != std::string::npos && colon < bracket)) refuse("has no port");
+  websocket::Address address{rest.substr(0, colon), rest.substr(colon + 1)};
+  unsigned port = 0;
+  const char* end = address.port.data() + address.port.size();
+  const auto [read_to, error] = std::from_chars(address.port.data(), end, port);
+  if (error != std::errc() || read_to != end || port < 1 || port > 65535) {
+    refuse("its port is no number from 1 to 65535");
+  }
+  std::string& host = address.host;
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+    if (host.find(':') == std::string::npos) refuse("has a name in brackets");
+  } else if (host.find(':') != std::string::npos) {
+    refuse("has a colon in its host");
+  }
+  const bool plain = std::all_of(host.begin(), host.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+           std::string_view(".-_:%").find(c) != std::string_view::npos;
+  });
+  if (host.empty() || !plain) refuse("has no host");
+  return address;
+}
+
 HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const HaplyTimes& times) try
     : times_(times), address_(parse_haply_address(address)), link_(address_, closing_) {
   try {
     link_.open(times_.opening);
-  } catch (const HaplyLinkError& error) {
+  } catch (const websocket::Error& error) {
     throw InputError("device haply: no service at " + address_.text() + ": " + error.what() + kHowToStart);
   }
   try {
@@ -62,7 +99,7 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   }
   const haptics::BlockedSignals signals;
   thread_ = std::thread([this] { run(); });
-} catch (const HaplyLinkError& error) {  // thrown by the link's constructor, as for an unknown host
+} catch (const websocket::Error& error) {  // thrown by the link's constructor, as for an unknown host
   throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));
 }
 
@@ -98,7 +135,7 @@ void HaplyDevice::greet(std::size_t place) {
   const std::string message = first_message(link_, times_.opening, closing_);
   const HaplyInventory inventory = read_haply_inventory(message);
   if (arm_.empty()) {
-    if (place >= inventory.arms.size()) throw HaplyLinkError(lacking(place, inventory.arms));
+    if (place >= inventory.arms.size()) throw websocket::Error(lacking(place, inventory.arms));
     arm_ = inventory.arms[place];
     if (place < inventory.grips.size()) grip_ = inventory.grips[place];
   }
@@ -126,7 +163,8 @@ void HaplyDevice::run() noexcept {
   let_go();
 }
 
-/// Exchanges commands and replies until the device is closed. @throws HaplyLinkError when the connection ends
+/// Exchanges commands and replies until the device is closed. @throws websocket::Error when the connection
+/// ends
 void HaplyDevice::exchange() {
   Exchange now;
   while (!closing_.load()) {
@@ -147,7 +185,7 @@ void HaplyDevice::take_replies(Exchange& exchange) {
     exchange.awaited = std::max<std::int64_t>(0, exchange.awaited - 1);
     exchange.waiting_since_ns = now;
   } else if (exchange.awaited > 0 && now - exchange.waiting_since_ns > times_.reply) {
-    throw HaplyLinkError(fmt::format("the service gave no reply for {} ms", times_.reply / 1'000'000));
+    throw websocket::Error(fmt::format("the service gave no reply for {} ms", times_.reply / 1'000'000));
   }
 }
 
@@ -218,16 +256,17 @@ Probe probe_haply(const std::string& address) {
   const std::atomic<bool> never{false};
   std::string where;
   try {
-    const HaplyAddress parsed = parse_haply_address(address);
+    const websocket::Address parsed = parse_haply_address(address);
     where = parsed.text();
-    HaplyLink link(parsed, never);
+    websocket::Client link(parsed, never);
     link.open();
-    const HaplyInventory found = read_haply_inventory(first_message(link, HaplyLink::kOpeningLimit, never));
+    const HaplyInventory found =
+        read_haply_inventory(first_message(link, websocket::Client::kOpeningLimit, never));
     link.close(kShutdownLimit);
     if (found.arms.empty()) return {kKind, false, "the service at " + where + " has no Inverse3"};
     const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + list_of(found.grips);
     return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, list_of(found.arms), grips)};
-  } catch (const HaplyLinkError& error) {
+  } catch (const websocket::Error& error) {
     return {kKind, false, fmt::format("no service at {}: {}{}", where, error.what(), kHowToStart)};
   } catch (const InputError& error) {
     return {kKind, false, (where.empty() ? "" : "at " + where + ": ") + std::string(error.what())};

@@ -5,21 +5,25 @@
 #include <string>
 #include <thread>
 
+#include "io/websocket/client.h"
 #include "palpate/device.h"
 #include "palpate/triple_buffer.h"
 #include "run/devices/crash_stop.h"
 #include "run/devices/force_hand_over.h"
-#include "run/devices/haply_link.h"
 #include "run/devices/haply_messages.h"
 #include "run/devices/models.h"
 #include "run/devices/probe.h"
 
 namespace palpate::devices {
 
+/// [setup] Parses the service's address; empty: ws://localhost:10001, its default.
+/// @throws InputError that states the required form.
+[[nodiscard]] websocket::Address parse_haply_address(const std::string& text);
+
 /// Times of the exchange with the service [ns].
 struct HaplyTimes {
   std::int64_t opening =
-      HaplyLink::kOpeningLimit;             // for connection and handshake; then for the first message
+      websocket::Client::kOpeningLimit;     // for connection and handshake; then for the first message
   std::int64_t period = 500'000;            // between two commands, when replies come at once
   std::int64_t reply = 1'000'000'000;       // longest wait for a reply before the connection is closed
   std::int64_t retry = 1'000'000'000;       // from the end of a connection to the next attempt
@@ -83,7 +87,7 @@ class HaplyDevice final : public haptics::Device {
   void let_go() noexcept;
 
   const HaplyTimes times_;
-  const HaplyAddress address_;
+  const websocket::Address address_;
   std::atomic<bool> closing_{false};
   TripleBuffer<Sample> samples_;  // thread to loop
   ForceHandover forces_;          // loop to thread
@@ -91,7 +95,7 @@ class HaplyDevice final : public haptics::Device {
   std::string last_error_;
 
   // Used only by the thread once it runs:
-  HaplyLink link_;
+  websocket::Client link_;
   std::string arm_;   // device_id, from the first connection on
   std::string grip_;  // empty: none
   HaplyForceField force_field_ = HaplyForceField::kValues;
@@ -102,7 +106,7 @@ class HaplyDevice final : public haptics::Device {
 };
 
 /// [setup] Whether the service answers and which devices it has, or why not. Takes at most
-/// HaplyLink::kOpeningLimit. Never throws InputError: an invalid address is reported in the result.
+/// websocket::Client::kOpeningLimit. Never throws InputError: an invalid address is reported in the result.
 [[nodiscard]] Probe probe_haply(const std::string& address);
 
 }  // namespace palpate::devices

@@ -218,7 +218,7 @@ TEST(Haply, ATextThatIsNotUtf8EndsTheConnection) {
 }
 
 TEST(Haply, AHugeMessageIsNotTaken) {
-  expect_fault_and_recovery({std::string(HaplyLink::kLargestMessage + 1, ' '), Answer::Then::kGoOn},
+  expect_fault_and_recovery({std::string(websocket::Client::kLargestMessage + 1, ' '), Answer::Then::kGoOn},
                             "the service sent a message of more than 1048576 bytes");
 }
 
@@ -299,7 +299,7 @@ TEST(Haply, WhatIsWrongAtTheOpeningIsReportedInWords) {
               HasSubstr("the service sent nothing within 1000 ms of the handshake"));
   const HaplyService garbled("{");
   EXPECT_THAT(opening_error(garbled.address()), AllOf(HasSubstr(garbled.address()), HasSubstr("is no JSON")));
-  const HaplyService huge(std::string(HaplyLink::kLargestMessage + 1, ' '));
+  const HaplyService huge(std::string(websocket::Client::kLargestMessage + 1, ' '));
   EXPECT_THAT(opening_error(huge.address()), HasSubstr("a message of more than 1048576 bytes"));
   const HaplyService empty("{\"inverse3\": [], \"verse_grip\": []}");
   EXPECT_THAT(opening_error(empty.address()), HasSubstr("the service has no Inverse3"));

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace palpate::net {
+namespace palpate::websocket {
 
 /// [any] Token bucket: limits the long-term rate of events per second and the size of a burst.
 class RateLimit final {
@@ -27,4 +27,4 @@ class RateLimit final {
   std::int64_t last_ns_ = 0;
 };
 
-}  // namespace palpate::net
+}  // namespace palpate::websocket

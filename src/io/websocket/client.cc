@@ -1,38 +1,34 @@
-#include "run/devices/haply_link.h"
+#include "io/websocket/client.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <utility>  // before Asio: Asio 1.74 does not include it
 #include <vector>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
 #include <fmt/core.h>
 
 #include "io/system/clock.h"
-#include "palpate/error.h"
+#include "io/websocket/stream.h"
 
-namespace palpate::devices {
+namespace palpate::websocket {
 namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using beast::error_code;
 
-constexpr std::int64_t kLinkPollPeriod = 5'000'000;  // ns between two checks whether to give up
+constexpr std::int64_t kPollPeriod = 5'000'000;  // ns between two checks whether to give up
 
 std::string describe(const error_code& error) {
   if (error == asio::error::connection_refused) return "connection refused";
-  if (error == websocket::error::closed) return "the service closed the connection";
-  if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow) {
-    return fmt::format("the service sent a message of more than {} bytes", HaplyLink::kLargestMessage);
+  if (error == beast::websocket::error::closed) return "the service closed the connection";
+  if (error == beast::websocket::error::message_too_big ||
+      error == beast::websocket::error::buffer_overflow) {
+    return fmt::format("the service sent a message of more than {} bytes", Client::kLargestMessage);
   }
   if (error == asio::error::eof || error == asio::error::connection_reset ||
       error == asio::error::broken_pipe) {
@@ -45,57 +41,22 @@ std::string describe(const error_code& error) {
 
 }  // namespace
 
-std::string HaplyAddress::text() const {
+std::string Address::text() const {
   const bool six = host.find(':') != std::string::npos;
   return fmt::format("ws://{}:{}", six ? "[" + host + "]" : host, port);
 }
 
-HaplyAddress parse_haply_address(const std::string& text) {
-  const std::string given = text.empty() ? "ws://localhost:10001" : text;
-  const auto refuse = [&](const std::string& want) {
-    throw InputError(fmt::format(
-        "device haply: address \"{}\": {}, must be ws://HOST:PORT, as in ws://localhost:10001", given, want));
-  };
-  constexpr std::string_view kScheme = "ws://";
-  if (given.compare(0, kScheme.size(), kScheme) != 0) refuse("does not begin with ws://");
-  std::string rest = given.substr(kScheme.size());
-  if (!rest.empty() && rest.back() == '/') rest.pop_back();
-  const std::size_t colon = rest.rfind(':');
-  const std::size_t bracket = rest.find(']');
-  if (colon == std::string::npos || (bracket != std::string::npos && colon < bracket)) refuse("has no port");
-  HaplyAddress address{rest.substr(0, colon), rest.substr(colon + 1)};
-  unsigned port = 0;
-  const char* end = address.port.data() + address.port.size();
-  const auto [read_to, error] = std::from_chars(address.port.data(), end, port);
-  if (error != std::errc() || read_to != end || port < 1 || port > 65535) {
-    refuse("its port is no number from 1 to 65535");
-  }
-  std::string& host = address.host;
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
-    host = host.substr(1, host.size() - 2);
-    if (host.find(':') == std::string::npos) refuse("has a name in brackets");
-  } else if (host.find(':') != std::string::npos) {
-    refuse("has a colon in its host");
-  }
-  const bool plain = std::all_of(host.begin(), host.end(), [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-           std::string_view(".-_:%").find(c) != std::string_view::npos;
-  });
-  if (host.empty() || !plain) refuse("has no host");
-  return address;
-}
-
 /// The connection through Boost.Beast. One thread starts the operations and runs their callbacks.
-class HaplyLink::Socket final {
+class Client::Socket final {
  public:
-  Socket(const HaplyAddress& address, const std::atomic<bool>& give_up)
+  Socket(const Address& address, const std::atomic<bool>& give_up)
       : give_up_(give_up), host_(address.text().substr(5)) {
     tcp::resolver resolver(context_);
     error_code error;
     for (const auto& found : resolver.resolve(address.host, address.port, error)) {
       endpoints_.push_back(found.endpoint());
     }
-    if (error || endpoints_.empty()) throw HaplyLinkError("there is no host \"" + address.host + "\"");
+    if (error || endpoints_.empty()) throw Error("there is no host \"" + address.host + "\"");
   }
   ~Socket() { drop(); }
   Socket(const Socket&) = delete;
@@ -106,22 +67,22 @@ class HaplyLink::Socket final {
     const std::int64_t deadline = monotonic_ns() + limit_ns;
     stream_.emplace(context_);
     connecting_.running = true;
-    asio::async_connect(stream_->next_layer(), endpoints_,
+    asio::async_connect(raw(), endpoints_,
                         [this](const error_code& error, const tcp::endpoint&) { connecting_.end(error); });
     finish(connecting_, deadline, "no connection within " + milliseconds(limit_ns));
     error_code ignored;
-    stream_->next_layer().set_option(tcp::no_delay(true), ignored);  // small commands are sent without delay
+    raw().set_option(tcp::no_delay(true), ignored);  // small commands are sent without delay
     stream_->read_message_max(kLargestMessage);
-    websocket::response_type response;
+    beast::websocket::response_type response;
     connecting_.running = true;
     stream_->async_handshake(response, host_, "/",
                              [this](const error_code& error) { connecting_.end(error); });
     try {
       finish(connecting_, deadline, "no answer to the WebSocket handshake within " + milliseconds(limit_ns));
-    } catch (const HaplyLinkError&) {
-      if (connecting_.error != websocket::error::upgrade_declined) throw;
-      throw HaplyLinkError("what listens there declines the WebSocket handshake with HTTP status " +
-                           std::to_string(response.result_int()));
+    } catch (const Error&) {
+      if (connecting_.error != beast::websocket::error::upgrade_declined) throw;
+      throw Error("what listens there declines the WebSocket handshake with HTTP status " +
+                  std::to_string(response.result_int()));
     }
     stream_->text(true);
     read();
@@ -165,7 +126,7 @@ class HaplyLink::Socket final {
     while (writing_.running && monotonic_ns() < deadline) wait_until(deadline);
     if (!writing_.running && !writing_.error) {
       closing_.running = true;
-      stream_->async_close(websocket::close_code::normal,
+      stream_->async_close(beast::websocket::close_code::normal,
                            [this](const error_code& error) { closing_.end(error); });
       while (closing_.running && monotonic_ns() < deadline) wait_until(deadline);
     }
@@ -175,7 +136,7 @@ class HaplyLink::Socket final {
   void drop() noexcept {
     if (!stream_) return;
     error_code ignored;
-    stream_->next_layer().close(ignored);
+    raw().close(ignored);
     // Closing the socket ends the pending operations. The buffers must outlive them.
     while (connecting_.running || reading_.running || writing_.running || closing_.running) run_one();
     stream_.reset();
@@ -193,14 +154,16 @@ class HaplyLink::Socket final {
     }
   };
 
+  [[nodiscard]] tcp::socket& raw() noexcept { return beast::get_lowest_layer(*stream_).socket(); }
+
   static std::string milliseconds(std::int64_t ns) { return std::to_string(ns / 1'000'000) + " ms"; }
 
   void check(const Operation& operation) {
-    if (!is_open()) throw HaplyLinkError("not connected");
+    if (!is_open()) throw Error("not connected");
     if (!operation.error) return;
     const std::string why = describe(operation.error);
     drop();
-    throw HaplyLinkError(why);
+    throw Error(why);
   }
 
   void read() {
@@ -214,21 +177,21 @@ class HaplyLink::Socket final {
   }
 
   /// Waits until an operation of open() ends. Closes the socket on an error or a timeout. @throws
-  /// HaplyLinkError
+  /// Error
   void finish(Operation& operation, std::int64_t deadline, const std::string& too_long) {
     while (operation.running) {
       const std::int64_t now = monotonic_ns();
       if (now >= deadline || give_up_.load(std::memory_order_relaxed)) {
         drop();
-        throw HaplyLinkError(now >= deadline ? too_long : "given up");
+        throw Error(now >= deadline ? too_long : "given up");
       }
-      wait_until(std::min(deadline, now + kLinkPollPeriod));
+      wait_until(std::min(deadline, now + kPollPeriod));
     }
     if (!operation.error) return;
     const error_code error = operation.error;
     drop();
     operation.error = error;  // drop() cleared the error; open() may still read it
-    throw HaplyLinkError(describe(error));
+    throw Error(describe(error));
   }
 
   const std::atomic<bool>& give_up_;
@@ -238,25 +201,25 @@ class HaplyLink::Socket final {
   asio::steady_timer alarm_{context_};
   bool alarm_set_ = false;
   std::int64_t alarm_ns_ = 0;
-  std::optional<websocket::stream<tcp::socket>> stream_;
+  std::optional<Stream> stream_;
   Operation connecting_, reading_, writing_, closing_;
   beast::flat_buffer incoming_;
   std::string outgoing_;
 };
 
-HaplyLink::HaplyLink(const HaplyAddress& address, const std::atomic<bool>& give_up)
+Client::Client(const Address& address, const std::atomic<bool>& give_up)
     : socket_(std::make_unique<Socket>(address, give_up)) {}
-HaplyLink::~HaplyLink() = default;
+Client::~Client() = default;
 
-void HaplyLink::open(std::int64_t limit_ns) { socket_->open(limit_ns); }
-bool HaplyLink::is_open() const noexcept { return socket_->is_open(); }
-void HaplyLink::send(std::string message) { socket_->send(std::move(message)); }
-bool HaplyLink::sending() const noexcept { return socket_->sending(); }
-std::optional<std::string> HaplyLink::received() { return socket_->received(); }
-void HaplyLink::wait_until(std::int64_t deadline_ns) { socket_->wait_until(deadline_ns); }
-void HaplyLink::drop() noexcept { socket_->drop(); }
+void Client::open(std::int64_t limit_ns) { socket_->open(limit_ns); }
+bool Client::is_open() const noexcept { return socket_->is_open(); }
+void Client::send(std::string message) { socket_->send(std::move(message)); }
+bool Client::sending() const noexcept { return socket_->sending(); }
+std::optional<std::string> Client::received() { return socket_->received(); }
+void Client::wait_until(std::int64_t deadline_ns) { socket_->wait_until(deadline_ns); }
+void Client::drop() noexcept { socket_->drop(); }
 
-void HaplyLink::close(std::int64_t limit_ns) noexcept {
+void Client::close(std::int64_t limit_ns) noexcept {
   try {
     socket_->close(limit_ns);
   } catch (const std::exception&) {
@@ -264,4 +227,4 @@ void HaplyLink::close(std::int64_t limit_ns) noexcept {
   }
 }
 
-}  // namespace palpate::devices
+}  // namespace palpate::websocket
