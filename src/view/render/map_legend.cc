@@ -99,11 +99,6 @@ void draw_map_legend(Image& image, double range) {
   draw_bar(image, glyph_square(image.width, image.height), {0.0, range, "mm", 1e3});
 }
 
-void draw_legend(Image& image, double low, double high, const char* unit) {
-  if (!(low < high) || !can_hold_legend(image)) return;
-  draw_bar(image, glyph_square(image.width, image.height), {low, high, unit});
-}
-
 Image legend_panel(int height, double low, double high, const char* unit) {
   const int square = std::max(1, height / 220);
   Image panel{kLegendWidth * square, height, {}};

@@ -34,16 +34,14 @@ void write(Image& image, int x, int y, int square, const char* text) noexcept;
 /// [any] Converts linear light to sRGB, both 0 to 1.
 [[nodiscard]] double srgb(double linear) noexcept;
 
-/// [setup] Draws a legend into the upper right corner: a colour bar with five numbers from `low` to `high`,
-/// on a dark background. Pictures under 120 x 160 pixels are left unchanged.
-/// @param high value at the upper end of the bar; not above `low`: no legend @param unit above the bar
-void draw_legend(Image& image, double low, double high, const char* unit);
-
-/// [setup] Draws the legend of the displacement map, in millimetres from 0 to the range.
+/// [setup] Draws the legend of the displacement map into the upper right corner: a colour bar with five
+/// numbers in millimetres from 0 to the range, on a dark background. Pictures under 120 x 160 pixels are left
+/// unchanged.
 /// @param range displacement at the upper end of the bar [m]; <= 0: no legend
 void draw_map_legend(Image& image, double range);
 
-/// [setup] A legend as a narrow picture of its own, to be placed beside others.
+/// [setup] A legend from `low` to `high` as a narrow picture of its own, to be placed beside others.
+/// @param unit above the bar
 [[nodiscard]] Image legend_panel(int height, double low, double high, const char* unit);
 
 /// [setup] Writes a title into the upper left corner, on a dark background. Letters are twice as large as in

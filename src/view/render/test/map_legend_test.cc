@@ -68,26 +68,9 @@ TEST(MapLegend, NoRangeOrATinyPictureStaysAsItIs) {
   EXPECT_EQ(tiny.rgb, grey(100, 100).rgb);
 }
 
-TEST(MapLegend, TheDisplacementsLegendIsTheOneInMillimetres) {
-  Image displacement = grey(800, 600);
-  Image millimetres = grey(800, 600);
-  Image factors = grey(800, 600);
-  draw_map_legend(displacement, 0.012);
-  draw_legend(millimetres, 0.0, 12.0, "mm");
-  draw_legend(factors, 0.0, 12.0, "");
-  EXPECT_EQ(displacement.rgb, millimetres.rgb);
-  EXPECT_NE(factors.rgb, millimetres.rgb);
-}
-
-TEST(MapLegend, ItsNumbersStartAtTheLowerValue) {
-  Image from_zero = grey(800, 600);
-  Image from_one = grey(800, 600);
-  draw_legend(from_zero, 0.0, 4.0, "x");
-  draw_legend(from_one, 1.0, 4.0, "x");
-  EXPECT_NE(from_zero.rgb, from_one.rgb);
-  Image none = grey(800, 600);
-  draw_legend(none, 4.0, 4.0, "x");
-  EXPECT_EQ(none.rgb, grey(800, 600).rgb);
+TEST(MapLegend, ItsNumbersStartAtTheLowerValueAndItsUnitIsShown) {
+  EXPECT_NE(legend_panel(660, 1.0, 4.0, "x").rgb, legend_panel(660, 0.0, 4.0, "x").rgb);
+  EXPECT_NE(legend_panel(660, 0.0, 4.0, "mm").rgb, legend_panel(660, 0.0, 4.0, "x").rgb);
 }
 
 TEST(MapLegend, APanelIsAsHighAsAskedAndHoldsTheWholeBar) {
