@@ -283,8 +283,7 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
                .c_str())
       .def("wait", &wait, py::arg("timeout_s") = none,
            "Waits until the run ends by itself, at most timeout_s seconds. Ctrl-C interrupts it. Returns "
-           "whether "
-           "the run has ended, and False before start(). Raises the errors of stop().")
+           "whether the run has ended, and False before start(). Raises the errors of stop().")
       .def("__enter__",
            [](const py::object& self) {
              start(self);
@@ -318,8 +317,7 @@ void bind_control(py::class_<LiveSimulation, Live>& simulation) {
            "or 2; 0 ends it. Raises as set_tissue() does.")
       .def("reset_fault", &reset_fault, py::arg("hand") = none,
            "Clears the latched fault of one hand, or of all hands, at the next tick. The force of a held "
-           "device "
-           "starts again by a ramp, after the hand was still outside the tissue.");
+           "device starts again by a ramp, after the hand was still outside the tissue.");
 }
 
 }  // namespace

@@ -190,8 +190,7 @@ std::vector<std::string> ticked_remarks_of(TickedSimulation& ticked) {
 constexpr const char* kAbout =
     "A simulation that your program ticks with samples of its own devices: the C interface (palpate.h) with "
     "arrays. It reads no clock, so it may run faster or slower than real time. The same samples give the "
-    "same "
-    "results bit for bit.";
+    "same results bit for bit.";
 
 constexpr const char* kAboutOpening =
     "Prepares the organ. The arguments of the scene are those of simulate(); its device only maps samples to "
@@ -233,8 +232,7 @@ void bind_ticked(py::module_& module) {
            "closed.")
       .def("scripted_samples", &scripted_samples, py::arg("tick"),
            "Samples of scripted devices at a tick. They follow the scene's path or recording; without one, "
-           "the "
-           "tool moves from above the middle of the organ into it and back. A held hand waits one second "
+           "the tool moves from above the middle of the organ into it and back. A held hand waits one second "
            "first.")
       .def("tick", &tick, py::arg("samples"), kAboutTick)
       .def("set_inclusion", &ticked_set_inclusion, py::arg("inclusion"), py::kw_only(),

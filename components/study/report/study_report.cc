@@ -40,8 +40,8 @@ void write_result(Page& page, const StudyFolder& study, const StudyAnalysis& ana
   if (!analysis.unblinded) {
     page.paragraph(bold("BLIND.") +
                    " Conditions are called A, B, C, the same for all people; nobody has seen which is which. "
-                   "The primary "
-                   "contrast and the shape of the curve are shown after <code>palpate study unblind</code>.");
+                   "The primary contrast and the shape of the curve are shown after <code>palpate study "
+                   "unblind</code>.");
     return;
   }
   page.paragraph(bold("UNBLINDED.") + " " +
@@ -122,10 +122,8 @@ void write_effects(Page& page, const Study& study, const StudyAnalysis& analysis
   }
   page.paragraph(
       "JND: hierarchical likelihood of all people's answers; the JND is measured as a logarithm of the "
-      "stiffness "
-      "ratio. Thresholds, d' and force control: paired t test of the people's values. Exploratory p values "
-      "are "
-      "adjusted by Holm within each task.");
+      "stiffness ratio. Thresholds, d' and force control: paired t test of the people's values. Exploratory "
+      "p values are adjusted by Holm within each task.");
   bool ratios = false;
   bool differences = false;
   for (const Contrast& contrast : analysis.contrasts) {
@@ -168,10 +166,8 @@ void write_tasks(Page& page, const Study& study, const StudyAnalysis& analysis, 
       page.figures("", {draw_people(study, analysis, task, folder / fmt::format("people-{}.svg", task))});
       page.paragraph(
           "Estimates with 95 % intervals of the posterior. Halves: the first and the second half of the "
-          "trials. "
-          "Bias c: above 0 for more answers \"second interval\". A threshold at the edge of the stimuli is "
-          "no "
-          "number: \"range too small\".");
+          "trials. Bias c: above 0 for more answers \"second interval\". A threshold at the edge of the "
+          "stimuli is no number: \"range too small\".");
     }
     write_people_tables(page, study, analysis, task);
   }
@@ -188,8 +184,7 @@ void write_registration(Page& page, const StudyFolder& study, const StudyAnalysi
   if (!analysis.unblinded) {
     page.paragraph(
         "The registered study file is study.toml in the folder of the study; lock.json holds its hash. Its "
-        "text "
-        "is printed here after unblinding.");
+        "text is printed here after unblinding.");
     return;
   }
   page.paragraph("The study as it was registered before the first participant:");

@@ -247,8 +247,7 @@ void write_blinding(Page& page, const StudyAnalysis& analysis) {
   page.paragraph(
       "After each block participant and experimenter guess whether its last trial had noise. Bang's index is "
       "the share of right guesses less that of wrong ones in an arm: 0 as by chance, 1 all right, -1 all "
-      "wrong."
-      " The blind analysis shows the guesses alone.");
+      "wrong. The blind analysis shows the guesses alone.");
   TableRows rows{{"who", "blocks", "yes", "no", "unsure", "confidence 1 to 5", "Bang's index (95 %)"}};
   for (const study::Guesses& guesses : analysis.guesses) {
     rows.push_back({escaped(guesses.who),
@@ -281,8 +280,7 @@ void write_quality(Page& page, const Study& study, const StudyAnalysis& analysis
   page.section("quality", "Spoiled trials, time and change");
   page.paragraph(
       "A spoiled trial is kept in the log and repeated. A share that differs between the conditions is a "
-      "bias: "
-      "the noise itself may have spoiled the trials.");
+      "bias: the noise itself may have spoiled the trials.");
   page.table(spoiled_rows(study, analysis));
   int late = 0;
   int faults = 0;
@@ -310,8 +308,7 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
   page.section("limits", "Limits of this study");
   std::vector<std::string> limits = {
       "No statement about a single person is possible: with 40 trials a level most real effects of one "
-      "person "
-      "are not significant.",
+      "person are not significant.",
       "An interval that contains no effect is not evidence of no effect. Read the interval and the smallest "
       "effect that the study finds.",
       "The share of the noise threshold is of the commanded noise. Friction and inertia of the device filter "
@@ -328,8 +325,7 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
     const study::PrimaryAnalysis& primary = *study.primary;
     against.push_back(fmt::format(
         "Primary: the interval of {} - {} in {} lies wholly on the side {}. An interval on both sides "
-        "decides "
-        "nothing.",
+        "decides nothing.",
         primary.condition, primary.reference, primary.task,
         primary.alternative == "two-sided" ? "where the noise harms"
                                            : "opposite to the alternative (" + primary.alternative + ")"));
@@ -341,8 +337,7 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
                   "The curve does not fall again at strong noise: then it is not the inverted U of "
                   "stochastic resonance.",
                   "The interval of Bang's index lies above 0, or people hear the noise: then expectation may "
-                  "explain the "
-                  "difference.",
+                  "explain the difference.",
                   "Spoiled trials or response times differ between the conditions as the effect does.",
                   "The effect vanishes with the excluded people, or comes from them alone."});
   page.list(against);

@@ -289,8 +289,7 @@ std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) 
       {haptics::kDutyHigh, "the RMS force over 10 s was more than the device gives without end"},
       {haptics::kDutyLimited,
        "the force was lowered: its RMS over 60 s reached what the device gives without end, or the device's "
-       "motors "
-       "were warm"},
+       "motors were warm"},
   }};
   std::vector<std::string> texts;
   for (const auto& [bit, text] : kStatusTexts) {

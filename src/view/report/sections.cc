@@ -299,8 +299,8 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
     }
     if (device.force_scale < 1.0) {
       facts.emplace_back("force scale",
-                         fmt::format("{}: the hand felt that much of the tissue's force, as much as a "
-                                     "{} bears (--fit-device)",
+                         fmt::format("{}: the hand felt that much of the tissue's force, as much as a {} can "
+                                     "render (--fit-device)",
                                      brief(device.force_scale), device.abilities.model));
     }
   }
