@@ -39,6 +39,49 @@ nlohmann::ordered_json place_json(const Vec3& place) {
   return {place.x() / kMillimetre, place.y() / kMillimetre, place.z() / kMillimetre};
 }
 
+/// A measure of a score, as all outputs show it.
+struct ScoreField {
+  const char* key;  // in the JSON document
+  nlohmann::ordered_json value;
+  const char* name = nullptr;  // in text, report and window; nullptr: in the JSON document alone
+  std::string text{};          // its value there
+  std::string definition{};
+};
+
+std::vector<ScoreField> fields_of(const Score& score) {
+  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
+  nlohmann::ordered_json error_mm;
+  if (score.error) error_mm = *score.error / kMillimetre;
+  return {
+      {"lumps", score.lumps.size()},
+      {"found", score.found, "found", fmt::format("{} of {}", score.found, score.lumps.size()),
+       "lumps with a mark within the tolerance of the surface above them"},
+      {"missed", score.missed, "missed", std::to_string(score.missed), "the other lumps"},
+      {"false", score.wrong, "false marks", std::to_string(score.wrong),
+       "marks outside every lump's tolerance"},
+      {"repeated", score.repeated, "repeated marks", std::to_string(score.repeated),
+       "further marks of a lump that is found"},
+      {"error_mm", error_mm, "error",
+       score.error ? fmt::format("{:.1f} mm", *score.error / kMillimetre) : "none found",
+       "mean distance of a found lump to its first mark"},
+      {"coverage", score.coverage, "coverage", percent(score.coverage),
+       "share of the upper side within the tip's radius (3 to 10 mm) of a contact (Wang and Gerling 2010)"},
+      {"time_s", score.time, "time", fmt::format("{:.1f} s", score.time),
+       fmt::format("from the first contact to the last mark; {:.1f} s in contact", score.contact_time)},
+      {"contact_time_s", score.contact_time},
+      {"path_m", score.path, "path", fmt::format("{:.2f} m", score.path),
+       "length of the tools' way in that time"},
+      {"mean_force_N", score.mean_force, "mean force", fmt::format("{:.3f} N", score.mean_force),
+       "tissue force over the ticks in contact"},
+      {"largest_force_N", score.largest_force, "largest force", fmt::format("{:.3f} N", score.largest_force),
+       "below 10 N deep masses may be missed in a breast (Laufer 2015)"},
+      {"force_variation", score.force_variation, "variation of force", percent(score.force_variation),
+       "standard deviation divided by the mean (Wang and Gerling 2010)"},
+      {"force_rate_N_per_s", score.force_rate, "force rate", fmt::format("{:.2f} N/s", score.force_rate),
+       "root mean square of dF/dt of the force averaged over 50 ms; low: smooth (Trejos 2014)"},
+  };
+}
+
 }  // namespace
 
 std::vector<Lump> lumps_of(const scene::Scene& scene) {
@@ -182,46 +225,16 @@ ScoredRecording::ScoredRecording(const record::Recording& recording, const conta
 }
 
 std::vector<Measure> measures(const Score& score) {
-  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
-  return {
-      {"found", fmt::format("{} of {}", score.found, score.lumps.size()),
-       "lumps with a mark within the tolerance of the surface above them"},
-      {"missed", std::to_string(score.missed), "the other lumps"},
-      {"false marks", std::to_string(score.wrong), "marks outside every lump's tolerance"},
-      {"repeated marks", std::to_string(score.repeated), "further marks of a lump that is found"},
-      {"error", score.error ? fmt::format("{:.1f} mm", *score.error / kMillimetre) : "none found",
-       "mean distance of a found lump to its first mark"},
-      {"coverage", percent(score.coverage),
-       "share of the upper side within the tip's radius (3 to 10 mm) of a contact (Wang and Gerling 2010)"},
-      {"time", fmt::format("{:.1f} s", score.time),
-       fmt::format("from the first contact to the last mark; {:.1f} s in contact", score.contact_time)},
-      {"path", fmt::format("{:.2f} m", score.path), "length of the tools' way in that time"},
-      {"mean force", fmt::format("{:.3f} N", score.mean_force), "tissue force over the ticks in contact"},
-      {"largest force", fmt::format("{:.3f} N", score.largest_force),
-       "below 10 N deep masses may be missed in a breast (Laufer 2015)"},
-      {"variation of force", percent(score.force_variation),
-       "standard deviation divided by the mean (Wang and Gerling 2010)"},
-      {"force rate", fmt::format("{:.2f} N/s", score.force_rate),
-       "root mean square of dF/dt of the force averaged over 50 ms; low: smooth (Trejos 2014)"},
-  };
+  std::vector<Measure> shown;
+  for (const ScoreField& field : fields_of(score)) {
+    if (field.name != nullptr) shown.push_back({field.name, field.text, field.definition});
+  }
+  return shown;
 }
 
 std::string to_json(const Score& score) {
-  nlohmann::ordered_json json = {{"lumps", score.lumps.size()},
-                                 {"found", score.found},
-                                 {"missed", score.missed},
-                                 {"false", score.wrong},
-                                 {"repeated", score.repeated}};
-  json["error_mm"] = nullptr;
-  if (score.error) json["error_mm"] = *score.error / kMillimetre;
-  json["coverage"] = score.coverage;
-  json["time_s"] = score.time;
-  json["contact_time_s"] = score.contact_time;
-  json["path_m"] = score.path;
-  json["mean_force_N"] = score.mean_force;
-  json["largest_force_N"] = score.largest_force;
-  json["force_variation"] = score.force_variation;
-  json["force_rate_N_per_s"] = score.force_rate;
+  nlohmann::ordered_json json;
+  for (const ScoreField& field : fields_of(score)) json[field.key] = field.value;
   json["lump"] = nlohmann::ordered_json::array();
   for (const Lump& lump : score.lumps) {
     json["lump"].push_back({{"name", lump.name},
