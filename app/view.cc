@@ -12,16 +12,17 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/base/text.h"
+#include "io/system/child_process.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/units.h"
@@ -77,19 +78,12 @@ std::pair<int, int> start_ffmpeg(const fs::path& file, int width, int height, do
       width, height, shortest(frames_a_second)));
   std::vector<std::string> arguments(std::istream_iterator<std::string>(flags), {});
   arguments.push_back(file.string());
-  std::vector<char*> argv;
-  for (std::string& word : arguments) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions{};
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  pid_t child = -1;
-  const int failed = posix_spawnp(&child, "ffmpeg", &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
+  std::error_code error;
+  const int child = start_process({.arguments = std::move(arguments), .input = ends[0]}, error);
   close(ends[0]);
-  if (failed != 0) {
+  if (error) {
     close(ends[1]);
-    throw InputError(file.string() + ": cannot start ffmpeg: " + std::strerror(failed));
+    throw InputError(file.string() + ": cannot start ffmpeg: " + error.message());
   }
   return {child, ends[1]};
 }

@@ -1,19 +1,16 @@
 // Sessions of a window, one after the other.
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <exception>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include <spawn.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
+#include "io/system/child_process.h"
 #include "io/system/clock.h"
 #include "io/system/file_exists.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 
@@ -259,13 +256,14 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kRecording:
       look_at(file.path);
       return;
-    case FileUse::kSaveTissue: {
-      std::ofstream out(file.path);
-      out << scene::to_toml(now_.tissue) << std::flush;
-      viewport_.show_message(out ? "the tissue is in " + file.path.string()
-                                 : file.path.string() + ": cannot be written");
+    case FileUse::kSaveTissue:
+      try {
+        write_output(file.path, scene::to_toml(now_.tissue));
+        viewport_.show_message("the tissue is in " + file.path.string());
+      } catch (const InputError& error) {
+        viewport_.show_message(error.what());
+      }
       return;
-    }
   }
   restart(std::move(request), false, {});
 }
@@ -301,25 +299,12 @@ void Window::grant(const Commands& commands) {
 void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
   if (!regular_file_exists(recording))
     throw InputError(recording.string() + ": there is no such recording (it appears with the first tick)");
-  std::string name = program.string();
-  std::string command = "view";
-  std::string file = std::filesystem::absolute(recording).string();
-  const std::array<char*, 4> arguments = {name.data(), command.data(), file.data(), nullptr};
-  posix_spawn_file_actions_t actions{};
-  posix_spawn_file_actions_init(&actions);
+  const std::string file = std::filesystem::absolute(recording).string();
   // The viewer must not inherit device handles, nor the lock on the recording, which would outlive the
-  // writer.
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);
-  // Ctrl-C in the terminal ends the run, not the viewer.
-  posix_spawnattr_t apart{};
-  posix_spawnattr_init(&apart);
-  posix_spawnattr_setpgroup(&apart, 0);
-  posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP);
-  pid_t child = -1;
-  const int failed = posix_spawn(&child, name.c_str(), &actions, &apart, arguments.data(), environ);
-  posix_spawnattr_destroy(&apart);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) throw InputError(file + ": the viewer does not start: " + std::strerror(failed));
+  // writer. Ctrl-C in the terminal ends the run, not the viewer.
+  std::error_code error;
+  const int child = start_process({.arguments = {program.string(), "view", file}, .apart = true}, error);
+  if (error) throw InputError(file + ": the viewer does not start: " + error.message());
   children_.push_back(child);
   (void)count_running();
 }

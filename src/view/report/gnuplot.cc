@@ -7,18 +7,15 @@
 #include <fstream>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 
 #include "core/base/text.h"
+#include "io/system/child_process.h"
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
-
-extern char** environ;
 
 namespace palpate::report {
 namespace {
@@ -46,26 +43,13 @@ std::string read_text(const std::filesystem::path& file) {
 
 /// Runs `program figure.gp` in `folder`, with its messages in errors.txt there. @return exit status.
 int run_in(const std::filesystem::path& folder, const std::string& program) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  const std::string errors_file = (folder / "errors.txt").string();
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0600);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  std::string name = program;
-  std::string script = "figure.gp";
-  char* arguments[] = {name.data(), script.data(), nullptr};
-  pid_t child = 0;
-  const int refused = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (refused == ENOENT) {
+  std::error_code error;
+  const int child = start_process(
+      {.arguments = {program, "figure.gp"}, .folder = folder, .messages = folder / "errors.txt"}, error);
+  if (error == std::errc::no_such_file_or_directory) {
     throw FigureError("gnuplot was not found: install the Debian package gnuplot-nox");
   }
-  if (refused != 0) {
-    throw FigureError("gnuplot could not be started: " + std::generic_category().message(refused));
-  }
+  if (error) throw FigureError("gnuplot could not be started: " + error.message());
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
