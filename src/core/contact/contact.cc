@@ -127,17 +127,17 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Wre
     for (const Proxy& contact : part.active()) {
       const Load& load = contact.load();
       const double counts = load.share * part.press_level;
-      const Vec3 force =
-          counts * (contact.normal_force() * load.normal + contact.friction() + contact.lateral_force());
-      sums.add(force, contact.application_point(), tool.pose_S.position);
-      sums.friction += counts * contact.friction();
+      const PressForce& force = contact.force();
+      sums.add(counts * (force.normal * load.normal + force.friction + force.lateral),
+               contact.application_point(), tool.pose_S.position);
+      sums.friction += counts * force.friction;
       if (counts <= 0.0 || contact.depth() <= 0.0) continue;
       result.phase = Phase::kPress;
       add_view({load.at.point, -load.normal, contact.depth() * load.fade_weight * part.press_level,
                 contact.patch().tip_radius, contact.patch().half_width, load.at.triangle, false},
                result);
-      if (counts * contact.normal_force() <= largest) continue;
-      largest = counts * contact.normal_force();
+      if (counts * force.normal <= largest) continue;
+      largest = counts * force.normal;
       const model::ContactResponse response = laws.press.force_at(contact.depth());
       result.depth = contact.depth();
       result.cutoff_layer = response.cutoff_layer;

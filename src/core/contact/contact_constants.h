@@ -42,7 +42,7 @@ inline constexpr double kDeepInside = -1e-3;
 inline constexpr int kMaxEvaluations = 8;
 inline constexpr std::uint32_t kPointsTried = 32;
 /// Distance of the proxy from the patch centroid, in R_ref, above which it may be lost (decision 13). A proxy
-/// that follows its patch stays well below; two contacts this close are one (Proxy::merge).
+/// that follows its patch stays well below; two contacts this close are one.
 inline constexpr double kLost = 0.1;
 /// Time in which a stale proxy fades out [s], so that load sharing has no step (decision 13).
 inline constexpr double kFade = 100e-3;

@@ -1,25 +1,12 @@
 // The press contacts of one rigid part, up to four at a time. Each contact is a proxy (proxy.cc). Two
 // contacts may press one edge or one concave organ from two sides. They must not press the same tissue
-// twice.
-//
-//                 a point entered, or is shallow inside.
-//       (none) ------------------------------------------> holding depth back
-//         ^                                                      |
-//         |  patch depth 0, or the part jumped.                  | within 50 ms.
-//         |<---------------------------------------------- pressing in full
-//         |                                                   |      ^
-//         |                  lost, or merged with a stronger. |      | no longer lost (never after merging).
-//         |                                                   v      |
-//         +------------------------------------------------- fading
-//                           fade weight is 0
+// twice. The phases of a contact are in proxy.h.
 //
 // update_press() does the steps of one tick in this order:
 //
 // 1. Every proxy walks. A contact whose patch has no depth ends.
-// 2. Of two proxies closer than R_ref/10, the weaker is merged into the other. A proxy is lost while p* is
-//    more than R_ref/10 aside, towards a deeper contact of the part: it slides into the other's patch.
-//    Both are stale. A stale contact fades within 100 ms and gets no deeper, so that load sharing gives
-//    its part to the others without a step.
+// 2. Proxy::update_phases() merges contacts, finds lost ones and fades both. A contact whose fade weight is
+//    0 ends.
 // 3. If this ended the last contact, and a point is deeper than 1 mm inside, the surface above the tool is
 //    unknown. The part then starts no contact until it has been outside.
 // 4. New contacts start, first at points that entered in this tick, at the place of entry. Then some of
@@ -42,33 +29,10 @@
 namespace palpate::contact {
 namespace {
 
-void remove_contact(PartState& part, int index) noexcept {
-  for (int i = index; i + 1 < part.contact_count; ++i) {
-    const auto to = static_cast<std::size_t>(i);
-    part.contacts[to] = part.contacts[to + 1];
-  }
-  --part.contact_count;
-}
-
-/// Of two proxies closer than R_ref/10 the weaker becomes stale. A proxy that is_lost() is stale too while it
-/// lasts. Stale proxies fade out within kFade, so that the shares of their neighbours do not jump.
-void merge_contacts(double reference_radius, double period, PartState& part) noexcept {
-  for (int i = 0; i < part.contact_count; ++i) {
-    for (int j = i + 1; j < part.contact_count; ++j) {
-      Proxy::merge(part.contacts[static_cast<std::size_t>(i)], part.contacts[static_cast<std::size_t>(j)],
-                   reference_radius);
-    }
-  }
-  for (Proxy& contact : part.active()) {
-    contact.fade(contact.has_merged() || contact.is_lost(reference_radius, part.active()), period);
-  }
-  for (int i = 0; i < part.contact_count;) {
-    if (part.contacts[static_cast<std::size_t>(i)].load().fade_weight > 0.0) {
-      ++i;
-    } else {
-      remove_contact(part, i);
-    }
-  }
+void remove_ended(PartState& part) noexcept {
+  const std::span<Proxy> all = part.active();
+  const auto end = std::remove_if(all.begin(), all.end(), [](const Proxy& one) { return one.has_ended(); });
+  part.contact_count = static_cast<int>(end - all.begin());
 }
 
 bool near_a_contact(double reference_radius, PartState& part, const Vec3& point) noexcept {
@@ -152,9 +116,8 @@ class ContactStarter final {
       }
       return;
     }
-    Proxy contact(at, normal, patch);
+    const Proxy contact(at, normal, patch, part_.distances, world_.period);
     if (contact.is_lost(radius(), part_.active())) return;
-    contact.begin(part_.distances.motion_at(at.point).norm(), part_.distances.odometer(), world_.period);
     part_.contacts[static_cast<std::size_t>(part_.contact_count++)] = contact;
   }
 
@@ -169,17 +132,14 @@ class ContactStarter final {
 
 std::uint32_t update_press(const World::Data& world, const ToolTissue& tissue, const PartPoints& points,
                            PartState& part) noexcept {
+  const double reference_radius = world.tissue.contact.reference_radius;
   const int before = part.contact_count;
-  for (int i = 0; i < part.contact_count;) {
-    Proxy& contact = part.contacts[static_cast<std::size_t>(i)];
-    contact.walk(world.surface, points, part.distances, world.tissue.contact.reference_radius, world.period);
-    if (contact.patch().depth > 0.0) {
-      ++i;
-    } else {
-      remove_contact(part, i);
-    }
+  for (Proxy& contact : part.active()) {
+    contact.walk(world.surface, points, part.distances, reference_radius, world.period);
   }
-  merge_contacts(world.tissue.contact.reference_radius, world.period, part);
+  remove_ended(part);
+  Proxy::update_phases(reference_radius, world.period, part.active());
+  remove_ended(part);
   if (before > 0 && part.contact_count == 0) {
     part.distances.find_nearest();
     if (part.distances.nearest().distance < kDeepInside) part.may_start_contacts = false;

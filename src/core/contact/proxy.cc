@@ -26,12 +26,10 @@
 //
 //     D - held back -> spring law -> relaxation -> + damping x speed -> normal force -> friction
 //
-// - A contact that starts deep, such as the second one of an edge that is already inside, holds back what
-//   is deeper than the tool's motion of the tick. The held-back depth is admitted evenly within kLetIn.
+// - The depth that is held back depends on the contact's phase (proxy.h).
 // - The speed is that of the tool's material at the point of application, not dD/dt, which has the steps
 //   of the walk. The damping grows with depth up to kDampingDepth, so that the first touch has no jump.
 // - The point of application follows p* at a limited speed.
-// - A stale proxy (press.cc) loses its weight within kFade, and holds back all depth that it would gain.
 
 #include "core/contact/proxy.h"
 
@@ -104,16 +102,15 @@ Vec3 FrictionSpring::stretch(double period, const TissueLaws& laws, const Vec3& 
   return -force;
 }
 
-Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch) noexcept
-    : surface_normal_(normal), application_point_(patch.centroid), patch_(patch) {
+Proxy::Proxy(const SurfacePoint& at, const Vec3& normal, const ContactPatch& patch,
+             const DistanceCache& distances, double period) noexcept
+    : patch_(patch), application_point_(patch.centroid) {
   load_.at = at;
   load_.normal = normal;
-}
-
-void Proxy::begin(double own_motion, double odometer, double period) noexcept {
-  step_ = own_motion;
-  walked_ = odometer;
-  hold_back_depth(std::max(0.0, patch_.depth - own_motion), period);
+  walk_.surface_normal = normal;
+  walk_.step = distances.motion_at(at.point).norm();
+  walk_.odometer = distances.odometer();
+  hold_back(std::max(0.0, patch.depth - walk_.step), period);
 }
 
 /// From the proxy to the patch centroid, in the tangent plane [m].
@@ -128,7 +125,7 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
   const double limit = kWalkSpeed * period + own_motion;
   double left = limit;
   double turn_left = limit / reference_radius;
-  step_ = std::max(step_, (distances.odometer() - walked_) / kRestartShare);
+  walk_.step = std::max(walk_.step, (distances.odometer() - walk_.odometer) / kRestartShare);
   const auto find_patch = [&] {
     patch_ = patch_in_S(points, distances.placed_S(), load_.at.point, load_.normal, reference_radius,
                         patch_.cluster);
@@ -140,36 +137,22 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
     const double distance = away.norm();
     if (distance < kStillStep) break;
     const Vec3 direction = away / distance;
-    step_ *= direction.dot(last_direction_) < 0.0 ? 0.5 : 1.5;
-    step_ = std::min(step_, limit);
-    if (step_ < kStillStep) break;
-    const double length = std::min({step_, distance, left});
+    walk_.step *= direction.dot(walk_.direction) < 0.0 ? 0.5 : 1.5;
+    walk_.step = std::min(walk_.step, limit);
+    if (walk_.step < kStillStep) break;
+    const double length = std::min({walk_.step, distance, left});
     load_.at = surface.walk(load_.at, length * direction, load_.normal);
-    last_direction_ = direction;
-    walked_ = distances.odometer();
+    walk_.direction = direction;
+    walk_.odometer = distances.odometer();
     left -= length;
-    surface_normal_ = surface.normal_at(load_.at);
-    turn_left -= turn_towards(load_.normal, surface_normal_, turn_left);
+    walk_.surface_normal = surface.normal_at(load_.at);
+    turn_left -= turn_towards(load_.normal, walk_.surface_normal, turn_left);
     find_patch();
   }
   const Vec3 before = load_.normal;
-  const double turned = turn_towards(load_.normal, surface_normal_, turn_left);
-  step_ = std::max(step_, turned * reference_radius / kRestartShare);
+  const double turned = turn_towards(load_.normal, walk_.surface_normal, turn_left);
+  walk_.step = std::max(walk_.step, turned * reference_radius / kRestartShare);
   if (load_.normal != before) find_patch();
-}
-
-/// Holds `excess` [m] >= 0 of the depth back and admits it within kLetIn.
-void Proxy::hold_back_depth(double excess, double period) noexcept {
-  offset_ = excess;
-  offset_step_ = excess * period / kLetIn;
-  offset_ += offset_step_;  // press() subtracts it again in this tick
-}
-
-void Proxy::fade(bool is_stale, double period) noexcept {
-  load_.fade_weight = std::min(1.0, load_.fade_weight + (is_stale ? -period : period) / kFade);
-  const double deeper = patch_.depth - depth_;
-  const double kept_back = std::max(0.0, offset_ - offset_step_);
-  if (is_stale && deeper > kept_back) hold_back_depth(deeper, period);
 }
 
 bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) const noexcept {
@@ -177,17 +160,49 @@ bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) cons
   const double farthest = kLost * reference_radius;
   if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(others.begin(), others.end(), [&](const Proxy& other) {
-    return !other.merged_ && other.patch_.depth > patch_.depth &&
+    return other.phase_ != ContactPhase::kMerged && other.patch_.depth > patch_.depth &&
            (other.load_.at.point - load_.at.point).dot(away) > 0.0;
   });
 }
 
-void Proxy::merge(Proxy& a, Proxy& b, double reference_radius) noexcept {
+void Proxy::update_phases(double reference_radius, double period, std::span<Proxy> all) noexcept {
+  using enum ContactPhase;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (Proxy& other : all.subspan(i + 1)) all[i].merge(other, reference_radius);
+  }
+  for (Proxy& one : all) {
+    if (one.phase_ != kMerged) {
+      const bool whole = one.held_back_.depth == 0.0 && one.load_.fade_weight == 1.0;
+      one.phase_ = one.is_lost(reference_radius, all) ? kLost : whole ? kPressing : kEntering;
+    }
+    one.fade(period);
+  }
+}
+
+/// If two proxies are closer than R_ref/10, the shallower one becomes kMerged.
+void Proxy::merge(Proxy& other, double reference_radius) noexcept {
+  using enum ContactPhase;
   const double closest = reference_radius / 10.0;
-  if (a.merged_ || b.merged_) return;
-  if ((a.load_.at.point - b.load_.at.point).squaredNorm() >= closest * closest) return;
-  (a.depth_ >= b.depth_ ? b : a).merged_ = true;
-  merge_histories(a.load_, b.load_);
+  if (phase_ == kMerged || other.phase_ == kMerged) return;
+  if ((load_.at.point - other.load_.at.point).squaredNorm() >= closest * closest) return;
+  (depth_ >= other.depth_ ? other : *this).phase_ = kMerged;
+  merge_histories(load_, other.load_);
+}
+
+/// Changes the fade weight as the phase says, and lets a stale proxy get no deeper.
+void Proxy::fade(double period) noexcept {
+  if (phase_ == ContactPhase::kPressing) return;
+  const bool is_stale = phase_ != ContactPhase::kEntering;
+  load_.fade_weight = std::min(1.0, load_.fade_weight + (is_stale ? -period : period) / kFade);
+  const double deeper = patch_.depth - depth_;
+  const double kept_back = std::max(0.0, held_back_.depth - held_back_.admitted);
+  if (is_stale && deeper > kept_back) hold_back(deeper, period);
+}
+
+/// Holds `excess` [m] >= 0 of the depth back and admits it within kLetIn.
+void Proxy::hold_back(double excess, double period) noexcept {
+  held_back_.admitted = excess * period / kLetIn;
+  held_back_.depth = excess + held_back_.admitted;  // press() admits a part in this tick already
 }
 
 /// The force applies at the patch centroid. When the centroid jumps, the point of application follows at a
@@ -219,7 +234,7 @@ double Proxy::press_at_place(const ToolTissue& tissue) noexcept {
     const double relaxed = relaxation.relaxed_after(load_.memory, i, now.normal);
     lateral -= relaxation.share(i) * place.follow(law, relaxed, relaxed_depth_[i]);
   }
-  lateral_force_ = lateral - lateral.dot(load_.normal) * load_.normal;
+  force_.lateral = lateral - lateral.dot(load_.normal) * load_.normal;
   return now.normal;
 }
 
@@ -227,16 +242,16 @@ void Proxy::press(const ToolTissue& tissue, const DistanceCache& distances, doub
                   double period) noexcept {
   const TissueLaws& laws = tissue.laws;
   follow_patch(distances, period);
-  offset_ = std::max(0.0, offset_ - offset_step_);
-  depth_ = std::max(0.0, patch_.depth - offset_);
+  held_back_.depth = std::max(0.0, held_back_.depth - held_back_.admitted);
+  depth_ = std::max(0.0, patch_.depth - held_back_.depth);
   const double elastic = tissue.uniform() ? laws.press.force_at(depth_).force : press_at_place(tissue);
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
   // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
   // steps of the walk.
   const Vec3 motion = distances.motion_at(application_point_);
   const double speed = -motion.dot(load_.normal) / period;
-  normal_force_ = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth_ / kDampingDepth));
-  friction_ = spring_.stretch(period, laws, motion, load_.normal, normal_force_);
+  force_.normal = std::max(0.0, relaxed + laws.damping * speed * std::min(1.0, depth_ / kDampingDepth));
+  force_.friction = spring_.stretch(period, laws, motion, load_.normal, force_.normal);
   load_.elastic_force = elastic * level;  // jaws that hold tissue do not press and take no share
 }
 
