@@ -2,11 +2,14 @@
 #include <cstddef>
 #include <filesystem>
 #include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "io/system/input_file.h"
+#include "io/system/utf16.h"
 
 namespace palpate {
 
@@ -17,9 +20,14 @@ struct CsvColumn {
   bool is_text = false;  // a name, not a number
 };
 
-/// A CSV file, read row by row: columns by header name in any order, commas between cells, decimal points.
-/// Blank lines, lines that begin with # and a byte order mark are ignored. Every error is one line,
-/// FILE:LINE: COLUMN = VALUE: what would be right. A line has at most 64 KiB.
+/// A CSV file, read row by row: columns by header name in any order. Commas, semicolons or tabs separate the
+/// cells: those by which the header names the most columns. Cells may be in quotation marks (RFC 4180, within
+/// a line). A number between semicolons or tabs, or in quotation marks, may have a decimal comma; the file
+/// has one decimal mark, and some number must show that it is none of thousands (0,5 does, 1,234 does not).
+/// Ignored are blank lines, lines that begin with #, a row of the columns' units below the header, a first
+/// column without a name or named by R or pandas (row names), and a separator at the end of all lines. The
+/// text is UTF-8, or UTF-16 with a byte order mark. Every error is one line, FILE:LINE: COLUMN = VALUE: what
+/// would be right. A line has at most 64 KiB.
 class CsvTable final {
  public:
   /// [setup] Opens the file and reads its header. @param largest absolute value of a number, a power of ten
@@ -53,8 +61,16 @@ class CsvTable final {
   static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
 
   [[nodiscard]] bool next_line();
+  [[nodiscard]] std::size_t read_text(std::span<char> to);
+  void find_encoding();
   void split();
+  [[nodiscard]] std::string_view take_quoted(std::string_view& rest);
+  void choose_separator();
   void read_header();
+  void drop_unnamed_cells();
+  [[nodiscard]] bool begins_with_row_name() const;
+  [[nodiscard]] bool is_row_of_units() const;
+  void require_decimal_mark(std::size_t column);
   void check_header(const std::vector<std::string>& unknown) const;
   void read_number(std::size_t column);
 
@@ -68,12 +84,23 @@ class CsvTable final {
   std::size_t begin_ = 0;  // bytes of the buffer that were read but not used yet, up to end_
   std::size_t end_ = 0;
   std::string_view line_;  // in the buffer
+  char separator_ = ',';
   std::vector<std::string_view> cells_;
+  std::vector<bool> in_quotes_;       // of each cell
+  std::string unquoted_;              // cells of the row that had doubled quotation marks
   std::vector<std::size_t> cell_of_;  // of each column: its cell in a row
   std::vector<double> numbers_;       // of each column: the row's number
   std::size_t line_number_ = 0;
   std::size_t header_cells_ = 0;
   bool has_rows_ = false;
+  bool has_row_names_ = false;       // in a first cell of each row that the header lacks
+  bool ends_in_separator_ = false;   // the header does
+  char decimal_mark_ = '\0';         // of the numbers so far; 0: they had none
+  bool decimal_mark_known_ = false;  // some number's mark cannot be one of thousands
+  std::string undecided_;            // the first number whose mark can
+  std::optional<ByteOrder> utf16_;
+  std::string raw_;      // UTF-16 that was read but not decoded yet
+  std::string decoded_;  // UTF-8 that is not in the buffer yet
 };
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "io/system/file_content.h"
 #include "io/system/files.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
@@ -51,7 +52,9 @@ void InputFile::check() {
     throw InputError(name_ + ": cannot be read: " + std::strerror(errno));
   }
   if (!S_ISREG(facts.st_mode)) {
-    throw InputError(name_ + ": is " + type_text(facts.st_mode) + ", must be " + kind_.name);
+    const ContentFacts known = S_ISDIR(facts.st_mode) ? find_content(to_path(name_)) : ContentFacts{};
+    throw InputError(name_ + ": is " + type_text(facts.st_mode) + ", must be " + kind_.name +
+                     (known.name.empty() ? "" : "; it is " + known.name + ": " + known.use));
   }
   size_ = static_cast<std::uint64_t>(facts.st_size);
   if (size_ > kind_.max_bytes) {

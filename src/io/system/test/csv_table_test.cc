@@ -92,9 +92,122 @@ TEST(CsvTable, RefusesAnEmptyName) {
   EXPECT_EQ(error_in("depth_mm,specimen\n1,\n"), "a.csv:2: specimen: empty, must be a name");
 }
 
-TEST(CsvTable, DistinguishesDecimalCommasAndSemicolonsFromBadRows) {
-  EXPECT_THAT(error_in("time_s;depth_mm\n0,5;0,1\n"), HasSubstr("a.csv:1: semicolons"));
+TEST(CsvTable, ReadsSemicolonsAndTabsWithEitherDecimalMark) {
+  const std::vector<double> wanted = {0.1, -1.234};
+  EXPECT_EQ(depths_in("time_s;depth_mm\n0,5;0,1\n1,5;-1,234\n"), wanted);
+  EXPECT_EQ(depths_in("time_s;depth_mm\n0.5;0.1\n1.5;-1.234\n"), wanted);
+  EXPECT_EQ(depths_in("time_s\tdepth_mm\n0,5\t0,1\n1,5\t-1,234\n"), wanted);
+  EXPECT_EQ(depths_in("time_s\tdepth_mm\n0.5\t0.1\n1.5\t-1.234\n"), wanted);
+  EXPECT_EQ(depths_in("time_s;depth_mm\n1;2\n3;4\n"), (std::vector<double>{2.0, 4.0}));
+  EXPECT_EQ(depths_in("depth_mm;specimen\n1,5e-1;a,b\n"), std::vector<double>{0.15});
+}
+
+TEST(CsvTable, RefusesMarksThatMayBeDecimalOrOfThousands) {
+  EXPECT_THAT(error_in("time_s;depth_mm\n1;1,234\n2;12,500\n"),
+              HasSubstr("a.csv:2: depth_mm = 1,234: its mark may be a decimal one or one of thousands"));
+  EXPECT_THAT(error_in("time_s;depth_mm\n1;1.234\n"), HasSubstr("one of thousands"));
+  EXPECT_THAT(error_in("time_s\tdepth_mm\n1\t1,234\n"), HasSubstr("one of thousands"));
+  EXPECT_THAT(error_in("time_s;depth_mm\n0,5;1.5\n"),
+              HasSubstr("depth_mm = 1.5: must have the decimal mark of the numbers before it, a comma"));
+  EXPECT_THAT(error_in("time_s;depth_mm\n0.5;1,5\n"), HasSubstr("the numbers before it, a point"));
+  EXPECT_THAT(error_in("time_s;depth_mm\n0;1,234.5\n"), HasSubstr("must be a finite number"));
+  EXPECT_THAT(error_in("time_s;depth_mm\n0;1,2,3\n"), HasSubstr("must be a finite number"));
+  EXPECT_THAT(error_in(kHeader + "0.5,\"1,234\"\n"), HasSubstr("the numbers before it, a point"));
+}
+
+TEST(CsvTable, DistinguishesDecimalCommasFromBadRows) {
   EXPECT_THAT(error_in(kHeader + "0,5,0,1\n"), HasSubstr("a decimal comma must be a point"));
+}
+
+TEST(CsvTable, ReadsCellsInQuotationMarks) {
+  const TemporaryFolder folder;
+  CsvTable table(folder.write("a.csv", "\"specimen\" , \"depth_mm\"\r\n\"left, \"\"A\"\"\",\"0.5\"\r\n"),
+                 kColumns);
+  ASSERT_TRUE(table.next_row());
+  EXPECT_EQ(table.number(kDepth), 0.5);
+  EXPECT_EQ(table.text(kName), "left, \"A\"");
+  EXPECT_EQ(depths_in("\"depth_mm\"\n\"0,5\"\n"), std::vector<double>{0.5});
+  EXPECT_THAT(error_in("depth_mm,specimen\n1,\"a\n"),
+              HasSubstr("a.csv:2: a cell in quotation marks must end in its line"));
+  EXPECT_THAT(error_in("depth_mm,specimen\n1,\"a\"b\n"),
+              HasSubstr("a.csv:2: a: has text behind its quotation"));
+}
+
+TEST(CsvTable, IgnoresRowNamesOfRAndPandas) {
+  const std::vector<double> wanted = {0.5, 1.5};
+  EXPECT_EQ(depths_in("\"\",\"depth_mm\"\n\"1\",0.5\n\"2\",1.5\n"), wanted);            // write.csv
+  EXPECT_EQ(depths_in("\"time_s\",\"depth_mm\"\n\"1\",7,0.5\n\"2\",8,1.5\n"), wanted);  // write.table
+  EXPECT_EQ(depths_in("time_s\tdepth_mm\nrow 1\t7\t0.5\nrow 2\t8\t1.5\n"), wanted);
+  EXPECT_EQ(depths_in("\"time_s\";\"depth_mm\"\n\"1\";7;0,5\n\"2\";8;1,5\n"), wanted);  // write.csv2
+  EXPECT_EQ(depths_in(",depth_mm\n0,0.5\n1,1.5\n"), wanted);                            // to_csv
+  EXPECT_EQ(depths_in("\tdepth_mm\n0\t0.5\n1\t1.5\n"), wanted);
+  EXPECT_EQ(depths_in("Unnamed: 0,depth_mm\n0,0.5\n1,1.5\n"), wanted);
+}
+
+TEST(CsvTable, RefusesAFurtherValueThatMayBeNoRowName) {
+  EXPECT_EQ(error_in(kHeader + "0,5,1\n"), "a.csv:2: the row has 3 values, must have 2 as the header");
+  EXPECT_THAT(error_in("time_s\tdepth_mm\n1\t0\t0.5\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "\"0\",\"1\",\"2\"\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "0,1\n\"2\",1,2\n"), HasSubstr("a.csv:3: the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "\"1\",0,1\n1,2\n2,3,4\n"), HasSubstr("a.csv:4: the row has 3 values"));
+}
+
+TEST(CsvTable, IgnoresASeparatorAtTheEndOfLines) {
+  EXPECT_EQ(depths_in("time_s,depth_mm,\n0,0.5,\n1,1.5\n"), (std::vector<double>{0.5, 1.5}));
+  EXPECT_THAT(error_in("time_s,depth_mm,\n0,0.5,7\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "0,5,\n"), HasSubstr("the row has 3 values"));
+}
+
+TEST(CsvTable, IgnoresARowOfTheColumnsUnitsAndNoOther) {
+  EXPECT_EQ(depths_in("time_s,depth_mm,specimen\ns,mm,name\n0,0.5,a\n"), std::vector<double>{0.5});
+  EXPECT_EQ(depths_in("time_s,depth_mm\n[s],(mm)\n0,0.5\n"), std::vector<double>{0.5});
+  EXPECT_THAT(error_in(kHeader + "s,m\n0,1\n"), HasSubstr("a.csv:2: time_s = s: must be a finite number"));
+  EXPECT_THAT(error_in(kHeader + "0,1\ns,mm\n"), HasSubstr("a.csv:3: time_s = s: must be a finite number"));
+  EXPECT_EQ(error_in(kHeader + "s,mm\n"), "a.csv: has no rows after the header");
+}
+
+std::string utf16(const std::string& ascii, bool is_big) {
+  std::string bytes;
+  for (const char c : ascii) bytes += is_big ? std::string{'\0', c} : std::string{c, '\0'};
+  return bytes;
+}
+
+TEST(CsvTable, ReadsUtf16WithAByteOrderMark) {
+  std::string rows;
+  for (int n = 0; n < 9000; ++n) rows += "0.25\t" + std::to_string(n) + "\r\n";
+  const std::string text = "time_s\tdepth_mm\r\n" + rows;
+  const std::vector<double> little = depths_in("\xFF\xFE" + utf16(text, false));
+  ASSERT_EQ(little.size(), 9000U);
+  for (int n = 0; n < 9000; ++n) ASSERT_EQ(little[static_cast<std::size_t>(n)], n);
+  EXPECT_EQ(depths_in("\xFE\xFF" + utf16(text, true)), little);
+  EXPECT_THAT(error_in(utf16(text, false)), HasSubstr("a.csv:1: has zero bytes: must be UTF-8, or UTF-16"));
+}
+
+TEST(CsvTable, ReadsNamesInUtf16OfEveryLength) {
+  const TemporaryFolder folder;
+  const std::string name("\xE9\x00\xAC\x20\x3D\xD8\x00\xDE\x00\xD8\x61\x00",
+                         12);  // e acute, euro, an emoji, half
+  CsvTable table(folder.write("a.csv", "\xFF\xFE" + utf16("depth_mm,specimen\n1,", false) + name), kColumns);
+  ASSERT_TRUE(table.next_row());
+  EXPECT_EQ(table.text(kName),
+            "\xC3\xA9\xE2\x82\xAC\xF0\x9F\x98\x80\xEF\xBF\xBD"
+            "a");
+}
+
+TEST(CsvTable, TellsLinesThatEndInCarriageReturnsAlone) {
+  EXPECT_EQ(error_in("depth_mm\r1\r2\r"), "a.csv:1: lines end in CR alone, must end in LF or CR LF");
+}
+
+TEST(CsvTable, TellsBlanksBetweenColumns) {
+  EXPECT_THAT(error_in("time_s depth_mm\n0 1\n"),
+              HasSubstr("a.csv:1: blanks separate the columns, must be commas, semicolons or tabs"));
+}
+
+TEST(CsvTable, TellsATableOfAnotherKindAndWhatReadsIt) {
+  EXPECT_THAT(error_in("displacement_mm,force_N\n0,1\n"),
+              HasSubstr("the file is a measured curve (CSV): palpate fit and validate read it"));
+  EXPECT_THAT(error_in("[scene]\nname = \"a\"\n"),
+              HasSubstr("a.csv: is a scene, must be a CSV file; palpate run"));
 }
 
 TEST(CsvTable, RefusesALineBeyond64KiB) {
