@@ -40,6 +40,7 @@ bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::
 struct Inspected {
   geometry::LoadedMesh loaded;
   std::string refusal;        // why the mesh cannot be an organ; empty: it can
+  std::string tool_refusal;   // why it cannot be a tool; empty: it can
   bool all_crossings = true;  // false: too many candidate pairs to test all
 };
 
@@ -61,7 +62,12 @@ std::string without_start(const std::string& text, const std::string& start) {
 }
 
 Inspected inspect(const InspectOptions& options) {
-  Inspected inspected{load(options), {}, true};
+  Inspected inspected{load(options), {}, {}, true};
+  try {
+    geometry::require_tool(inspected.loaded, options.mesh);
+  } catch (const InputError& error) {
+    inspected.tool_refusal = without_start(error.what(), options.mesh + ": ");
+  }
   try {
     inspected.loaded = geometry::repair_organ(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
@@ -103,6 +109,8 @@ void print_json(const Inspected& inspected) {
   json["organ"] = inspected.refusal.empty();
   json["refused_as_organ"] =
       inspected.refusal.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(inspected.refusal);
+  json["refused_as_tool"] = nullptr;
+  if (!inspected.tool_refusal.empty()) json["refused_as_tool"] = inspected.tool_refusal;
   std::cout << json_text(json) << '\n';
 }
 
@@ -149,7 +157,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   left.insert(left.end(), findings.remarks.begin(), findings.remarks.end());
   print_list("not repaired", left);
   row("as an organ", inspected.refusal.empty() ? "yes" : "no: " + inspected.refusal);
-  row("as a tool", "yes");
+  row("as a tool", inspected.tool_refusal.empty() ? "yes" : "no: " + inspected.tool_refusal);
 }
 
 }  // namespace

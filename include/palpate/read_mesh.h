@@ -51,4 +51,8 @@ struct LoadedMesh {
 /// the defects.
 void require_organ(const LoadedMesh& loaded, const std::string& name);
 
+/// [setup] Rejects a mesh that cannot be a tool: a largest side outside 1 um to 100 m, as of a file whose
+/// numbers were misread. @param name file, for the message @throws InputError that names the size.
+void require_tool(const LoadedMesh& loaded, const std::string& name);
+
 }  // namespace palpate::geometry

@@ -9,6 +9,7 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/formats/formats.h"
+#include "io/system/file_content.h"
 #include "io/system/input_file.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
@@ -32,6 +33,14 @@ constexpr std::array<Reader, 9> kReaders{{{".stl", MeshFormat::kStl, read_stl},
                                           {".glb", MeshFormat::kGlb, read_gltf},
                                           {".vtk", MeshFormat::kVtk, read_vtk},
                                           {".msh", MeshFormat::kMsh, read_msh}}};
+
+/// @throws InputError for a mesh of another format than its name's extension says
+void refuse_other_format(const MeshFile& file) {
+  const ContentFacts found = find_content(file.path);
+  if (found.content != FileContent::kMesh || mesh_format("a" + found.extension) == file.format) return;
+  throw InputError(
+      fmt::format("{}: is {}: its name must end in {}", to_text(file.path), found.name, found.extension));
+}
 
 }  // namespace
 
@@ -57,6 +66,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   InputFile input(path, kMeshInput);
   const std::optional<MeshFormat> format = mesh_format(path);
   if (!format) {
+    refuse_other_content(path, FileContent::kMesh, "a mesh file");
     throw InputError(fmt::format("{}: unknown file name extension \"{}\": must be one of {}", to_text(path),
                                  to_text(path.extension()), joined(mesh_file_extensions())));
   }
@@ -66,10 +76,15 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
 }
 
 ImportedMesh import_mesh(const MeshFile& file) {
-  for (const Reader& reader : kReaders) {
-    if (reader.format == file.format) return reader.read(file);
+  const auto* const reader = std::find_if(kReaders.begin(), kReaders.end(),
+                                          [&](const Reader& known) { return known.format == file.format; });
+  try {
+    return reader->read(file);
+  } catch (const InputError&) {
+    refuse_other_content(file.path, FileContent::kMesh, "a mesh file");
+    refuse_other_format(file);
+    throw;
   }
-  return {};
 }
 
 }  // namespace palpate::geometry

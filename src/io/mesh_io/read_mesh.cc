@@ -21,6 +21,8 @@ namespace {
 
 constexpr double kSmallestOrgan = 5e-3;  // m
 constexpr double kLargestOrgan = 2.0;    // m
+constexpr double kSmallestTool = 1e-6;   // m
+constexpr double kLargestTool = 100.0;   // m
 
 struct Merged {
   TriangleMesh mesh;
@@ -126,6 +128,13 @@ void require_organ(const LoadedMesh& loaded, const std::string& name) {
   if (loaded.findings.defects.empty()) return;
   throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
                    "; an organ must be closed, manifold and turned outwards: repair it in a mesh tool first");
+}
+
+void require_tool(const LoadedMesh& loaded, const std::string& name) {
+  const double size = bounds(loaded.mesh).size().maxCoeff();
+  if (size >= kSmallestTool && size <= kLargestTool) return;
+  throw InputError(fmt::format("{}: its largest side is {} mm, a tool's is 0.001 to 100000 mm{}", name,
+                               shortest(size * 1e3), unit_hint(size)));
 }
 
 }  // namespace palpate::geometry

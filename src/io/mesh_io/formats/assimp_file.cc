@@ -261,8 +261,7 @@ ImportedMesh read_3ds(const MeshFile& file) {
 }
 
 ImportedMesh read_gltf(const MeshFile& file) {
-  check_gltf(file);
-  return read_by_assimp(file);
+  return check_gltf(file) ? read_by_assimp(with_float_positions(file)) : read_by_assimp(file);
 }
 
 }  // namespace palpate::geometry

@@ -1,6 +1,7 @@
 #include "io/mesh_io/formats/gltf_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -47,20 +48,32 @@ std::string_view json_of_glb(const MeshFile& file) {
   return bytes.substr(kHeader, length);
 }
 
-std::string_view json_text(const MeshFile& file) {
-  return file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
+/// Extensions of materials, lights and the like, which change no vertex.
+bool changes_no_vertex(std::string_view extension) {
+  constexpr std::array<std::string_view, 8> kStarts = {
+      "KHR_materials_", "KHR_texture_",  "KHR_lights_",           "KHR_xmp",
+      "EXT_texture_",   "MSFT_texture_", "KHR_animation_pointer", "EXT_lights_"};
+  return std::any_of(kStarts.begin(), kStarts.end(),
+                     [&](std::string_view start) { return extension.starts_with(start); });
 }
+
+constexpr const char* kQuantized = "KHR_mesh_quantization";
+constexpr const char* kDraco = "KHR_draco_mesh_compression";
+constexpr std::array kMeshopt = {"EXT_meshopt_compression", "KHR_meshopt_compression", "MESHOPT_compression"};
+constexpr const char* kInstances = "EXT_mesh_gpu_instancing";
 
 class GltfCheck final {
  public:
   GltfCheck(const MeshFile& file, std::string_view text) : file_(file), text_(text) {}
 
-  void run() {
+  bool run() {
     parse();
+    check_extensions();
     check_nodes();
     check_buffers();
     check_accessors();
     check_parts();
+    return has_quantized_positions();
   }
 
   void parse() {
@@ -95,6 +108,79 @@ class GltfCheck final {
     if (!owner.is_object()) return kNone;
     const auto found = owner.find(name);
     return found != owner.end() && found->is_array() ? *found : kNone;
+  }
+
+  [[noreturn]] void refuse_extension(const std::string& name) const {
+    const std::string text = excerpt(name);
+    if (name == kDraco) {
+      refuse("its mesh is compressed by Draco (" + text +
+             "), which is not read: export it without compression");
+    }
+    if (std::find(kMeshopt.begin(), kMeshopt.end(), name) != kMeshopt.end()) {
+      refuse("its mesh is compressed by meshopt (" + text +
+             "), which is not read: export it without compression (gltfpack without -c)");
+    }
+    refuse("needs the glTF extension " + text + ", which is not read: export it without, or as STL or PLY");
+  }
+
+  static bool has_extension(const json& owner, const char* name) {
+    if (!owner.is_object()) return false;
+    const auto extensions = owner.find("extensions");
+    return extensions != owner.end() && extensions->is_object() && extensions->contains(name);
+  }
+
+  /// The accessor of a part's vertices; null: none.
+  [[nodiscard]] const json* positions_of(const json& part) const {
+    if (!part.is_object()) return nullptr;
+    const auto attributes = part.find("attributes");
+    if (attributes == part.end() || !attributes->is_object()) return nullptr;
+    const auto index = attributes->find("POSITION");
+    const json& accessors = list(root_, "accessors");
+    if (index == attributes->end() || !index->is_number_unsigned()) return nullptr;
+    if (index->get<std::uint64_t>() >= accessors.size()) return nullptr;  // the importer reports it
+    return &accessors[index->get<std::size_t>()];
+  }
+
+  template <typename Use>
+  void for_each_part(const Use& use) const {
+    for (const json& mesh : list(root_, "meshes")) {
+      for (const json& part : list(mesh, "primitives")) use(part);
+    }
+  }
+
+  /// Extensions that a file requires, and those that it only uses where their data have no other form. The
+  /// importer ignores them, and would read other vertices.
+  void check_extensions() const {
+    for (const json& name : list(root_, "extensionsRequired")) {
+      if (!name.is_string()) continue;
+      const std::string text = name.get<std::string>();
+      if (text != kQuantized && !changes_no_vertex(text)) refuse_extension(text);
+    }
+    for (const json& node : list(root_, "nodes")) {
+      if (has_extension(node, kInstances)) refuse_extension(kInstances);
+    }
+    for_each_part([&](const json& part) {
+      const json* const positions = positions_of(part);
+      const bool is_elsewhere = positions == nullptr || !positions->contains("bufferView");
+      if (is_elsewhere && has_extension(part, kDraco)) refuse_extension(kDraco);
+    });
+    for (const json& buffer : list(root_, "buffers")) {
+      for (const char* name : kMeshopt) {
+        if (has_extension(buffer, name) && !buffer.contains("uri")) refuse_extension(name);
+      }
+    }
+  }
+
+  [[nodiscard]] bool has_quantized_positions() const {
+    constexpr int kFloat = 5126;
+    bool any = false;
+    for_each_part([&](const json& part) {
+      const json* const positions = positions_of(part);
+      if (positions == nullptr || !positions->is_object()) return;
+      const auto type = positions->find("componentType");
+      any = any || (type != positions->end() && *type != kFloat);
+    });
+    return any;
   }
 
   /// Visits the tree of nodes like an importer, a node once per use.
@@ -196,13 +282,17 @@ class GltfCheck final {
 
 }  // namespace
 
-void check_gltf(const MeshFile& file) { GltfCheck(file, json_text(file)).run(); }
+std::string_view gltf_json_text(const MeshFile& file) {
+  return file.format == MeshFormat::kGlb ? json_of_glb(file) : std::string_view(file.bytes);
+}
+
+bool check_gltf(const MeshFile& file) { return GltfCheck(file, gltf_json_text(file)).run(); }
 
 std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& mesh) {
   const std::optional<MeshFormat> format = mesh_format(mesh);
   if (format != MeshFormat::kGltf && format != MeshFormat::kGlb) return {};
   const MeshFile file = open_mesh_file(mesh);
-  GltfCheck check(file, json_text(file));
+  GltfCheck check(file, gltf_json_text(file));
   check.parse();
   std::vector<std::filesystem::path> files;
   for (const std::string& name : check.buffer_names()) files.push_back(mesh.parent_path() / name);

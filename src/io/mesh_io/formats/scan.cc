@@ -73,8 +73,18 @@ std::optional<std::int64_t> whole_number(std::string_view word) {
   return value;
 }
 
+std::string upper(std::string_view word) {
+  std::string text(word.substr(0, 40));
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return text;
+}
+
 MeshScan::MeshScan(const MeshFile& file, Lines lines)
-    : file_(file), bytes_(file.bytes), lines_(lines), limit_(bytes_.size()) {}
+    : file_(file), bytes_(file.bytes), lines_(lines), limit_(bytes_.size()) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (bytes_.starts_with(kByteOrderMark)) at_ = next_ = last_ = kByteOrderMark.size();
+}
 
 void MeshScan::refuse_at(std::size_t place, const std::string& message) const {
   std::string at = "byte " + std::to_string(place);

@@ -17,8 +17,8 @@ enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64,
 [[nodiscard]] std::uint32_t little_endian_32(std::string_view bytes, std::size_t at);
 
 /// Scans a mesh file: words, within a line or across lines, and numbers as text or bytes. Lines end in LF, CR
-/// LF or CR. Errors are an InputError of one line, with the file, the line (text) or byte (binary) of the
-/// last word or number, and the defect.
+/// LF or CR. A UTF-8 byte order mark before the first word is skipped. Errors are an InputError of one line,
+/// with the file, the line (text) or byte (binary) of the last word or number, and the defect.
 class MeshScan final {
  public:
   enum class Encoding { kText, kLittleEndian, kBigEndian };
@@ -45,6 +45,8 @@ class MeshScan final {
   /// The next word without taking it.
   [[nodiscard]] std::string_view peek() const;
   void expect(std::string_view wanted);
+  /// Goes to a byte of the file.
+  void go_to(std::size_t byte) { at_ = byte; }
   /// Goes to the position after the next occurrence of `mark`.
   void skip_past(std::string_view mark);
 
@@ -106,6 +108,8 @@ class MeshScan final {
 };
 
 [[nodiscard]] std::optional<double> number(std::string_view word);
+/// The word's first 40 letters in upper case, to compare keywords.
+[[nodiscard]] std::string upper(std::string_view word);
 [[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view word);
 
 }  // namespace palpate::geometry

@@ -1,4 +1,7 @@
 #include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -24,6 +27,16 @@ ImportedMesh as_triangles(std::vector<Vec3> corners) {
   return imported;
 }
 
+/// Whether the first word that is not in a comment is "solid", in letters of either case.
+bool begins_with_solid(const MeshFile& file) {
+  for (MeshScan scan(file); scan.next_line();) {
+    const std::string word = upper(scan.word());
+    const bool is_comment = word.starts_with('#') || word.starts_with(';') || word.starts_with("//");
+    if (!word.empty() && !is_comment) return word == "SOLID";
+  }
+  return false;
+}
+
 ImportedMesh read_text(const MeshFile& file) {
   MeshScan scan(file);
   std::vector<Vec3> corners;
@@ -31,18 +44,19 @@ ImportedMesh read_text(const MeshFile& file) {
   std::size_t closed_facets = 0;
   bool ends = false;
   while (scan.next_line()) {
-    const std::string_view word = scan.word();
-    if (word == "vertex") corners.push_back(scan.point(NumberType::kFloat, corners.size() + 1));
-    facets += word == "facet" ? 1 : 0;
-    closed_facets += word == "endfacet" ? 1 : 0;
-    if (!word.empty()) ends = word == "endsolid";
+    const std::string word = upper(scan.word());
+    if (word == "VERTEX") corners.push_back(scan.point(NumberType::kFloat, corners.size() + 1));
+    facets += word == "FACET" ? 1 : 0;
+    closed_facets += word == "ENDFACET" ? 1 : 0;
+    if (!word.empty()) ends = word == "ENDSOLID";
   }
   if (closed_facets != facets || (facets > 0 && !ends)) {
-    scan.refuse(fmt::format("truncated: {} facets begun, {} ended{}", facets, closed_facets,
+    scan.refuse(fmt::format("truncated: a text STL of {} facets begun, {} ended{}", facets, closed_facets,
                             ends ? "" : ", and no endsolid at the end"));
   }
   if (corners.size() != 3 * facets) {
-    scan.refuse(fmt::format("{} facets have {} vertices: must be three each", facets, corners.size()));
+    scan.refuse(
+        fmt::format("a text STL of {} facets has {} vertices: must be three each", facets, corners.size()));
   }
   return as_triangles(std::move(corners));
 }
@@ -50,7 +64,7 @@ ImportedMesh read_text(const MeshFile& file) {
 ImportedMesh read_binary(const MeshFile& file, std::size_t triangles) {
   MeshScan scan(file);
   scan.set_encoding(MeshScan::Encoding::kLittleEndian);
-  scan.skip_bytes(kHeader);
+  scan.go_to(kHeader);
   std::vector<Vec3> corners;
   corners.reserve(3 * triangles);
   for (std::size_t n = 0; n < triangles; ++n) {
@@ -72,14 +86,20 @@ ImportedMesh read_stl(const MeshFile& file) {
     return read_binary(file, declared);
   }
   const bool is_text = bytes.find('\0') == std::string::npos;
-  if (is_text && MeshScan(file).word() == "solid") return read_text(file);
+  if (is_text && begins_with_solid(file)) return read_text(file);
+  constexpr const char* kOfText = "; a text STL begins with \"solid\" and has no zero bytes";
   if (bytes.size() < kHeader) {
-    throw InputError(fmt::format("{}: truncated: a binary STL has at least 84 bytes, this has {}",
-                                 to_text(file.path), bytes.size()));
+    throw InputError(fmt::format("{}: truncated: a binary STL has at least 84 bytes, this has {}{}",
+                                 to_text(file.path), bytes.size(), kOfText));
+  }
+  if (is_text) {
+    throw InputError(
+        fmt::format("{}: no STL: a binary one has zero bytes, this has none{}", to_text(file.path), kOfText));
   }
   throw InputError(
-      fmt::format("{}: truncated or damaged: a binary STL of {} triangles has {} bytes, this has {}",
-                  to_text(file.path), declared, kHeader + kTriangle * declared, bytes.size()));
+      fmt::format("{}: truncated or damaged: a binary STL of {} triangles has {} bytes, this has {}{}",
+                  to_text(file.path), declared, kHeader + kTriangle * declared, bytes.size(),
+                  begins_with_solid(file) ? kOfText : ""));
 }
 
 }  // namespace palpate::geometry

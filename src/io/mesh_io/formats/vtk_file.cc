@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,13 +16,6 @@
 
 namespace palpate::geometry {
 namespace {
-
-std::string upper(std::string_view word) {
-  std::string text(word.substr(0, 40));
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
-  return text;
-}
 
 /// The cells of a file: cell n has the corners from starts[n] to starts[n + 1].
 struct Cells {
@@ -140,23 +134,63 @@ class VtkReader final {
     } while (!scan_.rest_of_line().empty());
   }
 
+  void skip_metadata() {
+    if (upper(scan_.peek()) != "METADATA") return;
+    (void)scan_.word();
+    skip_to_empty_line();
+  }
+
   void skip_field() {
     (void)scan_.word();
     const std::size_t arrays = scan_.count("arrays in FIELD");
     for (std::size_t n = 0; n < arrays; ++n) {
-      if (upper(scan_.peek()) == "METADATA") {
-        (void)scan_.word();
-        skip_to_empty_line();
-      }
-      section_ = "FIELD " + excerpt(scan_.word(), 40);
+      skip_metadata();
+      const std::string_view name = scan_.word();
+      if (name == "NULL_ARRAY") continue;  // VTK writes only this word for an array that does not exist
+      section_ = "FIELD " + excerpt(name, 40);
       const std::size_t components = scan_.count("components of " + section_);
       const std::size_t tuples =
           scan_.count("tuples of " + section_);  // both are at most the file's size: no overflow
-      const NumberType type = scan_.type();
-      scan_.reading(section_);
-      if (scan_.is_binary()) scan_.leave_lines();
-      scan_.skip_numbers(components * tuples, type);
+      skip_array(components * tuples);
     }
+  }
+
+  /// Skips the type and the values of an array, as vtkDataWriter writes them.
+  void skip_array(std::size_t values) {
+    scan_.reading(section_);
+    const std::string type = upper(scan_.peek());
+    if (type == "STRING" || type == "UTF8_STRING" || type == "VARIANT") {
+      (void)scan_.word();
+      scan_.leave_lines();
+      scan_.require_room(values, 1, "strings of " + section_);
+      for (std::size_t n = 0; n < values; ++n) {
+        if (scan_.is_binary() && type != "VARIANT") {
+          skip_string();
+        } else {
+          scan_.leave_lines();  // a line for each value, percent-encoded
+        }
+      }
+      return;
+    }
+    const bool are_bits = type == "BIT";
+    if (are_bits) (void)scan_.word();
+    const NumberType numbers = are_bits ? NumberType::kUint8 : scan_.type();
+    if (scan_.is_binary()) scan_.leave_lines();
+    constexpr std::size_t kBits = 8;  // in a byte
+    scan_.skip_numbers(are_bits && scan_.is_binary() ? (values + kBits - 1) / kBits : values, numbers);
+  }
+
+  /// Skips a string of a binary file: its length and then its bytes. The first two bits of the length say how
+  /// many bytes hold it: 11 one, 10 two, 01 four, 00 eight; the most significant byte comes first.
+  void skip_string() {
+    constexpr std::array<int, 4> kFurtherBytes{7, 3, 1, 0};
+    const auto first = static_cast<std::uint64_t>(scan_.whole(NumberType::kUint8));
+    std::uint64_t length = first & 0x3fU;
+    for (int n = 0; n < kFurtherBytes[first >> 6U]; ++n) {
+      length = length << 8U | static_cast<std::uint64_t>(scan_.whole(NumberType::kUint8));
+    }
+    scan_.require_room(length, 1, "bytes of a string of " + section_);
+    scan_.skip_bytes(length);
   }
 
   Cells read_cells(const std::string& name) {
@@ -216,6 +250,7 @@ class VtkReader final {
   }
 
   NumberType begin_list(const std::string& list, std::size_t numbers, const std::string& name) {
+    skip_metadata();
     if (upper(scan_.word()) != list) scan_.refuse(fmt::format("must be {} of {} here", list, name));
     const NumberType type = scan_.type();
     if (type != NumberType::kInt32 && type != NumberType::kInt64) {

@@ -190,7 +190,10 @@ class Repair final {
     report(components.small, "small component", "small components",
            ", " + percent(components.small_share) + " of the volume");
     report(components.inner, "inner shell", "inner shells", "", ": an organ is solid");
-    if (!components.refusal.empty()) return refuse(components.refusal);
+    if (!components.refusal.empty()) {
+      if (!components.remedy.empty()) repaired_.remedy = components.remedy;
+      return refuse(components.refusal);
+    }
     repaired_.crossing_pairs = components.crossing_pairs;
     if (components.crossing_pairs > 0) {
       repaired_.remarks.push_back(fmt::format(
@@ -212,7 +215,7 @@ RepairedSurface repair_surface(TriangleMesh mesh) { return Repair(std::move(mesh
 LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
   if (!repaired.refusal.empty()) {
-    throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": repair it in a mesh tool first");
+    throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": " + repaired.remedy);
   }
   LoadedMesh organ{std::move(repaired.mesh), {}};
   organ.findings = findings_of(organ.mesh);

@@ -14,6 +14,7 @@ struct RepairedSurface {
   std::vector<std::string> remarks;  // harmless defects that remain
   std::size_t crossing_pairs = 0;    // pairs of triangles that still intersect
   std::string refusal;               // why it cannot be an organ; empty if it can
+  std::string remedy = "repair it in a mesh tool first";
 };
 
 /// [setup] Makes a triangle surface closed, manifold and oriented outwards, as signed distances need it. It

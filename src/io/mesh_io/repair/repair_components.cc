@@ -99,6 +99,7 @@ void drop_small(WorkSurface& surface, ComponentRepairs& done) {
   if (done.kept > kMaxComponents) {
     done.refusal = fmt::format("it is {} separate components of like size, at most {} can be one organ",
                                done.kept, kMaxComponents);
+    done.remedy = "join parts in a mesh tool, or leave some out";
   }
 }
 

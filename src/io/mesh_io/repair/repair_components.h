@@ -18,6 +18,7 @@ struct ComponentRepairs {
   std::size_t crossing_pairs = 0;  // remaining pairs of intersecting triangles
   double crossing_share = 0.0;     // of the surface's area that these triangles have
   std::string refusal;             // empty: none
+  std::string remedy;              // what helps, where no repair does
 };
 
 /// Drops open components of at most a hundredth of the surface's area, but never the largest.

@@ -362,6 +362,16 @@ TEST(Repair, RefusesManyComponentsOfLikeSize) {
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate components"));
 }
 
+TEST(Repair, RefusesManySoundComponentsWithARemedyThatFitsThem) {
+  LoadedMesh loaded{make_ball(0.001, 20), {}};
+  for (int n = 1; n < 33; ++n) add(loaded.mesh, make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
+  EXPECT_THAT(
+      [&] { (void)repair_organ(loaded, "aorta.stl"); },
+      testing::ThrowsMessage<InputError>(
+          "aorta.stl: cannot be an organ: it is 33 separate components of like size, at most 32 can be "
+          "one organ: join parts in a mesh tool, or leave some out"));
+}
+
 TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
   // One vertex is moved through the inside and out again, 10 mm away.
   TriangleMesh mesh = make_ball(0.02, 5120);

@@ -313,6 +313,77 @@ TEST(Vtk, PassesOverAllThatIsNothingToASurface) {
   }
 }
 
+/// A string as VTK writes it in a binary file: the first two bits say how many bytes its length takes.
+std::string with_length(const std::string& text) {
+  const std::size_t n = text.size();
+  const auto byte = [](std::size_t value) { return static_cast<char>(value & 0xffU); };
+  if (n < 64) return std::string{byte(0xc0 + n)} + text;
+  if (n < 16384) return std::string{byte(0x80 + n / 256), byte(n)} + text;
+  return std::string{byte(0x40), byte(n / 65536), byte(n / 256), byte(n)} + text;
+}
+
+TEST(Vtk, SkipsStringsAndBitsOfFieldDataWhereverTheyStand) {
+  const std::vector<std::string> strings{"LPS",
+                                         "",
+                                         "a%20b%0A",
+                                         std::string(63, 'x'),
+                                         std::string(64, 'y'),
+                                         std::string(16383, 'z'),
+                                         std::string(16384, '3')};
+  for (const Form& form : all_forms()) {
+    const auto string_array = [&](Writer& writer, const std::string& type) {
+      writer.text("SPACE 1 " + std::to_string(strings.size()) + " " + type + "\n");
+      for (const std::string& text : strings) writer.text(form.is_binary ? with_length(text) : text + "\n");
+      writer.text(form.is_binary ? "\nMETADATA\nINFORMATION 0\n\n" : "METADATA\nINFORMATION 0\n\n");
+    };
+    const auto field = [&](Writer& writer) {
+      writer.text("FIELD FieldData 5\n");
+      string_array(writer, "string");
+      string_array(writer, "utf8_string");
+      writer.text("kinds 1 2 variant\n13 POINTS%203\n10 -1.5\n");
+      writer.text("NULL_ARRAY\nflags 3 3 bit\n");
+      writer.text(form.is_binary ? std::string("\xff\x80\n", 3) : "1 1 1 1 1 1 1 1 1\n");
+    };
+    Writer writer(form);
+    field(writer);
+    writer.points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    field(writer);
+    writer.cells(form.is_grid ? "CELLS" : "POLYGONS", {{0, 1, 2}});
+    if (form.is_grid) writer.cell_types({5});
+    field(writer);
+    writer.text("CELL_DATA 1\n");
+    field(writer);
+    EXPECT_THAT(read(writer.bytes()).mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+  }
+}
+
+TEST(Vtk, SkipsABinaryStringWhoseLengthTakesEightBytes) {
+  Writer writer({true, false, false, false});
+  writer.text("FIELD FieldData 1\nSPACE 1 1 string\n");
+  writer.text(std::string(7, '\0') + "\3LPS\n");
+  writer.points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  writer.cells("POLYGONS", {{0, 1, 2}});
+  EXPECT_EQ(read(writer.bytes()).mesh.triangles.size(), 1U);
+}
+
+TEST(Vtk, RefusesStringsThatTheFileCannotHold) {
+  const std::string head = "# vtk DataFile Version 4.2\na title\nBINARY\nDATASET POLYDATA\nFIELD f 1\n";
+  const auto refuses = [&](const std::string& rest, const std::string& words) {
+    EXPECT_THAT([&] { (void)read(head + rest); },
+                ThrowsMessage<InputError>(AllOf(StartsWith("a.vtk, byte "), HasSubstr(words))));
+  };
+  refuses("a 1 1 string\n\xff" + std::string(61, 'x'),
+          "63 bytes of a string of FIELD a do not fit in the 61");
+  refuses("a 1 1 string\n\x3f\xff\xff\xff\xff\xff\xff\xff", "bytes of a string of FIELD a do not fit");
+  refuses("a 1 1 string\n\x80", "ends in FIELD a");
+  refuses("a 40 40 string\n\xc0", "1600 strings of FIELD a do not fit");
+}
+
+TEST(Vtk, BeginsWithAByteOrderMark) {
+  const std::string whole = written(random_mesh(3), {});
+  EXPECT_EQ(read("\xEF\xBB\xBF" + whole).mesh.triangles, read(whole).mesh.triangles);
+}
+
 TEST(Vtk, IsRefusedOrReadWhereverItIsCutOff) {
   const TriangleMesh mesh = random_mesh(7);
   for (const Form& form : all_forms()) {
