@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -20,6 +21,7 @@
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
+#include "io/system/file_content.h"
 #include "io/system/input_file.h"
 #include "io/system/path_text.h"
 #include "io/system/temporary.h"
@@ -51,6 +53,17 @@ struct Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 };
+
+/// Whether the superblock says that a program writes the file, not as one does that others may read
+/// meanwhile.
+bool is_marked_as_open(int descriptor) {
+  constexpr std::size_t kVersion = 8;
+  constexpr std::size_t kFlags = 11;
+  constexpr unsigned char kWrites = 1;
+  std::array<unsigned char, kSuperblockBytes> start{};
+  return ::pread(descriptor, start.data(), start.size(), 0) == static_cast<ssize_t>(start.size()) &&
+         start[kVersion] == 3 && start[kFlags] == kWrites;
+}
 
 bool copy_bytes(int from, int to, std::uint64_t count) {
   while (count > 0) {
@@ -277,11 +290,23 @@ void RecordingReader::open() {
   std::array<unsigned char, 8> start{};
   if (::pread(in.descriptor(), start.data(), start.size(), 0) != static_cast<ssize_t>(start.size()) ||
       start != kHdf5Signature) {
+    refuse_other_content(path_, FileContent::kRecording, "a palpate recording");
     refuse("not a palpate recording: not an HDF5 file");
   }
   file_bytes_ = in.size();
-  if (!open_as_is(in.descriptor()) && !open_filled_up(in.descriptor()))
-    refuse("not a palpate recording: a damaged HDF5 file");
+  if (open_as_is(in.descriptor())) return;
+  // HDF5 locks a file that it opens for writing, and cannot say that this is why it does not open it.
+  if (::flock(in.descriptor(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    refuse("is open in another program, which may write to it: close it there first");
+  }
+  ::flock(in.descriptor(), LOCK_UN);
+  if (open_filled_up(in.descriptor())) return;
+  if (is_marked_as_open(in.descriptor())) {
+    refuse(
+        "is marked as open for writing: it is open in another program, which must close it first, or that "
+        "program has ended without closing it (h5clear -s FILE removes the mark)");
+  }
+  refuse("not a palpate recording: a damaged HDF5 file");
 }
 
 bool RecordingReader::open_as_is(int descriptor) {

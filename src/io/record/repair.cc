@@ -26,7 +26,8 @@ class OnlyUser final {
       : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
     if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       ::close(fd_);
-      throw InputError(to_text(file) + ": is still being written or read by another program");
+      throw InputError(to_text(file) +
+                       ": is open in another program, which writes or reads it: close it there first");
     }
   }
   ~OnlyUser() { release(); }

@@ -1,8 +1,13 @@
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "io/record/hdf5_handle.h"
 #include "io/record/recording_writer.h"
@@ -47,6 +52,36 @@ TEST(ForeignFile, FolderTextAndEmptyFileAreRefused) {
   EXPECT_THAT(message_for(folder / "text"), HasSubstr("not an HDF5 file"));
   std::ofstream(folder / "empty") << "";
   EXPECT_THAT(message_for(folder / "empty"), HasSubstr("not an HDF5 file"));
+}
+
+TEST(ForeignFile, ARecordingOpenForWritingElsewhereIsNotCalledDamaged) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 10, 1);
+  const std::string file = (folder / "a.h5").string();
+  const int other = ::open(file.c_str(), O_RDWR);
+  ASSERT_EQ(::flock(other, LOCK_EX), 0);  // as HDF5 locks what it opens for writing
+  EXPECT_THAT(message_for(file), AllOf(StartsWith(file), HasSubstr("is open in another program")));
+  EXPECT_THROW((void)repair_recording(file), InputError);
+  ::close(other);
+  EXPECT_EQ(message_for(file), "no error");
+}
+
+TEST(ForeignFile, ARecordingMarkedAsOpenForWritingIsNotCalledDamaged) {
+  const TemporaryFolder folder;
+  record_sample(folder / "a.h5", 10, 1);
+  const hid_t id = H5Fopen((folder / "a.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(id, 0);
+  std::filesystem::copy_file(folder / "a.h5", folder / "b.h5");  // while it is open
+  H5Fclose(id);
+  EXPECT_THAT(message_for(folder / "b.h5"), HasSubstr("is marked as open for writing"));
+}
+
+TEST(ForeignFile, AFileOfAnotherKindIsNamed) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.h5") << "solid a\nfacet normal 0 0 1\n";
+  EXPECT_THAT(
+      message_for(folder / "a.h5"),
+      HasSubstr("is a mesh (text STL), must be a palpate recording; palpate inspect, --organ and --tool"));
 }
 
 TEST(ForeignFile, AFifoIsRefusedWithoutWaiting) {
