@@ -10,6 +10,7 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
+#include "io/system/file_content.h"
 #include "io/system/file_exists.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
@@ -259,6 +260,7 @@ ParticipantLog StudyFolder::read(const std::string& id) const {
 StudyFolder open_study(const fs::path& folder) {
   StudyFolder made;
   made.folder = folder;
+  if (!folder_exists(folder)) refuse_other_content(folder, FileContent::kUnknown, "the folder of a study");
   if (!file_exists(folder / "lock.json")) {
     throw InputError(folder.string() +
                      ": has no lock.json, must be a folder made by `palpate study prepare`");

@@ -6,6 +6,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/names.h"
+#include "io/system/file_content.h"
 #include "io/system/input_file.h"
 #include "palpate/error.h"
 
@@ -310,7 +311,12 @@ Study parse_study(const std::string& text, const std::filesystem::path& file) {
 }
 
 Study load_study(const std::filesystem::path& file) {
-  return parse_study(InputFile(file, kTomlInput).read_rest(), file);
+  try {
+    return parse_study(InputFile(file, kTomlInput).read_rest(), file);
+  } catch (const InputError&) {
+    refuse_other_content(file, FileContent::kStudy, "a study file");
+    throw;
+  }
 }
 
 }  // namespace palpate::study

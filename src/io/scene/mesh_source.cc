@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "io/mesh_io/repair/repair.h"
+#include "io/system/file_content.h"
 #include "palpate/error.h"
 
 namespace palpate::scene {
@@ -24,7 +25,7 @@ void note(const geometry::MeshFindings& findings, const std::string& file, MeshN
 }
 
 template <typename Read>
-geometry::LoadedMesh with_location(const LocatedString& mesh, const Read& read) {
+auto with_location(const LocatedString& mesh, const Read& read) {
   try {
     return read();
   } catch (const InputError& error) {
@@ -32,8 +33,11 @@ geometry::LoadedMesh with_location(const LocatedString& mesh, const Read& read) 
   }
 }
 
+/// @throws InputError for a missing unit; first for a file that is no mesh, which needs none
 void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& unit) {
-  if (!unit) mesh.fail("its unit is missing, give " + unit_field(mesh) + ": mm, cm, m or in");
+  if (unit) return;
+  with_location(mesh, [&] { refuse_other_content(mesh.file(), FileContent::kMesh, "a mesh file"); });
+  mesh.fail("its unit is missing, give " + unit_field(mesh) + ": mm, cm, m or in");
 }
 
 }  // namespace
@@ -41,7 +45,11 @@ void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& un
 geometry::LoadedMesh read_part_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
                                       MeshNotes& notes) {
   require_unit(mesh, unit);
-  geometry::LoadedMesh loaded = with_location(mesh, [&] { return geometry::read_mesh(mesh.file(), unit); });
+  geometry::LoadedMesh loaded = with_location(mesh, [&] {
+    geometry::LoadedMesh read = geometry::read_mesh(mesh.file(), unit);
+    geometry::require_tool(read, mesh.value);
+    return read;
+  });
   note(loaded.findings, mesh.value, notes);
   return loaded;
 }

@@ -11,8 +11,9 @@ namespace palpate::scene {
 
 bool is_path(std::string_view text) {
   // Extensions of other files, and of formats without a reader: the error message then names the file.
-  static constexpr std::array<std::string_view, 7> kEndings = {".toml", ".csv", ".h5", ".hdf5",
-                                                               ".dae",  ".vtp", ".vtu"};
+  static constexpr std::array<std::string_view, 13> kEndings = {".toml", ".csv", ".h5",   ".hdf5", ".dae",
+                                                                ".vtp",  ".vtu", ".html", ".json", ".png",
+                                                                ".txt",  ".tsv", ".xlsx"};
   if (text.find('/') != std::string_view::npos || geometry::is_mesh_file(to_path(text))) return true;
   std::string ending = to_text(to_path(text).extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),

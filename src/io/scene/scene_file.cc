@@ -7,6 +7,7 @@
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_keys.h"
 #include "io/scene/toml_reader.h"
+#include "io/system/file_content.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
@@ -226,9 +227,14 @@ LengthUnit parse_unit(const LocatedString& stated) {
 }
 
 SceneFile read_scene_file(const std::filesystem::path& file, std::span<const Setting> settings) {
-  TomlFile toml = read_toml(file);
-  apply_to_scene(settings, toml.root);
-  return SceneReader(TomlTable(toml), file.parent_path()).read(to_text(file.stem()));
+  try {
+    TomlFile toml = read_toml(file);
+    apply_to_scene(settings, toml.root);
+    return SceneReader(TomlTable(toml), file.parent_path()).read(to_text(file.stem()));
+  } catch (const InputError&) {
+    refuse_other_content(file, FileContent::kScene, "a scene");
+    throw;
+  }
 }
 
 SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,

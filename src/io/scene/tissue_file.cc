@@ -6,6 +6,7 @@
 #include "core/model/tissue_fields.h"
 #include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
+#include "io/system/file_content.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -90,6 +91,21 @@ model::TissueParameters read_parameters(const TomlTable& table, const std::strin
   return tissue;
 }
 
+model::TissueParameters parse_tissue_file(const std::filesystem::path& file) {
+  const TomlFile toml = read_toml(file);
+  const TomlTable root(toml);
+  root.allow_only({"tissue"});
+  const std::optional<TomlTable> table = root.table("tissue");
+  if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
+  model::TissueParameters tissue = read_parameters(*table, to_text(file.stem()));
+  try {
+    model::validate(tissue);
+  } catch (const ParameterError& error) {
+    table->fail(error);
+  }
+  return tissue;
+}
+
 std::string real(double value) {
   const std::string text = shortest(value);
   return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
@@ -107,18 +123,12 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 model::TissueParameters read_tissue_file(const std::filesystem::path& file) {
-  const TomlFile toml = read_toml(file);
-  const TomlTable root(toml);
-  root.allow_only({"tissue"});
-  const std::optional<TomlTable> table = root.table("tissue");
-  if (!table) root.fail_missing("tissue", "a tissue file must have a table [tissue]");
-  model::TissueParameters tissue = read_parameters(*table, to_text(file.stem()));
   try {
-    model::validate(tissue);
-  } catch (const ParameterError& error) {
-    table->fail(error);
+    return parse_tissue_file(file);
+  } catch (const InputError&) {
+    refuse_other_content(file, FileContent::kTissue, "a tissue file");
+    throw;
   }
-  return tissue;
 }
 
 std::string to_toml(const model::TissueParameters& tissue) {

@@ -11,6 +11,7 @@ namespace {
 
 using test::error_of;
 using test::TemporaryFolder;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -362,6 +363,51 @@ TEST(Load, RefusesWhatAScenesFilesDoWrong) {
   (void)folder.write("back.csv", "time_s,x_m,y_m,z_m\n1,0,0,0\n0,0,0,0\n");
   EXPECT_THAT(error_with(kShortLoaded + "[device]\npath=\"back.csv\"\n"),
               HasSubstr("back.csv:3: time_s = 0: must be later"));
+}
+
+TEST(Load, NamesAFileOfAnotherKindAndWhatReadsIt) {
+  const TemporaryFolder folder;
+  const std::string mesh = folder.write("box.obj", kBox).string();
+  const std::string tissue = folder.write("soft.toml", "[tissue]\nname = \"soft\"\n").string();
+  const std::string scene = folder.write("scene.toml", kShortLoaded).string();
+  const std::string curve = folder.write("curve.csv", "displacement_mm,force_N\n0,0\n1,1\n").string();
+  const std::string page = folder.write("report.html", "<!DOCTYPE html>\n<html></html>\n").string();
+  EXPECT_THAT(
+      error_in(scene_of(mesh)),
+      HasSubstr("box.obj: is a mesh (OBJ), must be a scene; palpate inspect, --organ and --tool read it"));
+  EXPECT_THAT(error_in(scene_of(tissue)),
+              HasSubstr("is a tissue file, must be a scene; --tissue FILE reads it"));
+  Overrides request;
+  request.tissue = scene;
+  EXPECT_THAT(error_in(request), HasSubstr("is a scene, must be a tissue file; palpate run"));
+  request = {};
+  request.organ = tissue;
+  EXPECT_THAT(error_in(request),
+              AllOf(HasSubstr("--organ: "), HasSubstr("is a tissue file, must be a mesh file")));
+  request = {};
+  request.tools = {curve};
+  request.tool_unit = "mm";
+  EXPECT_THAT(error_in(request), HasSubstr("is a measured curve (CSV), must be a mesh file; palpate fit"));
+  request.tools = {page};
+  EXPECT_THAT(error_in(request),
+              HasSubstr("is an HTML page, such as a report, must be a mesh file; open it"));
+  request = {};
+  request.device = "scripted:" + mesh;
+  EXPECT_THAT(error_in(request), HasSubstr("is a mesh (OBJ), must be a CSV file"));
+  request.device = "scripted:" + curve;
+  EXPECT_THAT(error_in(request),
+              HasSubstr("the file is a measured curve (CSV): palpate fit and validate read it"));
+}
+
+TEST(Load, RefusesAToolWithoutExtent) {
+  const TemporaryFolder folder;
+  std::string small = kBox;
+  for (std::size_t at = small.find("20"); at != std::string::npos; at = small.find("20", at + 5))
+    small.insert(at + 2, "e-9");
+  Overrides request;
+  request.tools = {folder.write("point.obj", small).string()};
+  request.tool_unit = "mm";
+  EXPECT_THAT(error_in(request), HasSubstr("point.obj: its largest side is"));
 }
 
 TEST(Load, RepairsAnOrganAndKeepsWhatWasDone) {
