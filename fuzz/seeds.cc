@@ -262,6 +262,31 @@ std::string binary_vtk(const Shape& shape) {
   return bytes;
 }
 
+/// The file with strings and bits as field data, before its points.
+std::string with_field_data(std::string vtk, bool is_binary) {
+  const std::string space = is_binary ? std::string("\xc3LPS\x80\x02") + "ab\n" : "LPS\na%20b\n";
+  const std::string bits = is_binary ? "\xff\n" : "1 1 1\n";
+  return vtk.insert(vtk.find("POINTS"), "FIELD FieldData 2\nSPACE 1 2 string\n" + space +
+                                            "METADATA\nINFORMATION 0\n\nflags 1 3 bit\n" + bits);
+}
+
+/// The file with its vertices' bytes taken for whole numbers.
+std::string quantized(std::string gltf) {
+  const std::string type = "\"componentType\":5126";
+  return gltf.replace(gltf.find(type), type.size(), "\"componentType\":5122,\"normalized\":true");
+}
+
+std::string in_upper_case(std::string text) {
+  for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return text;
+}
+
+std::string utf16(const std::string& ascii) {
+  std::string bytes = "\xff\xfe";
+  for (const char c : ascii) bytes += {c, '\0'};
+  return bytes;
+}
+
 // A hexahedron and a tetrahedron on it that share no face.
 const std::vector<std::array<float, 3>> kSolidNodes{{0, 0, 0},    {20, 0, 0},  {20, 20, 0},
                                                     {0, 20, 0},   {0, 0, 20},  {20, 0, 20},
@@ -342,6 +367,11 @@ void add_meshes(const Seeds& seeds) {
     seeds.add("mesh_vtk", shape.name + "_text", text_vtk(shape));
     seeds.add("mesh_vtk", shape.name, binary_vtk(shape));
   }
+  const Shape& first = kShapes.front();
+  seeds.add("mesh_stl", "upper_case", "\xef\xbb\xbf# by hand\n" + in_upper_case(text_stl(first)));
+  seeds.add("mesh_gltf", "quantized", quantized(gltf(first)));
+  seeds.add("mesh_vtk", "field_text", with_field_data(text_vtk(first), false));
+  seeds.add("mesh_vtk", "field", with_field_data(binary_vtk(first), true));
   seeds.add("mesh_vtk", "solid", solid_vtk());
   seeds.add("mesh_msh", "solid_text", text_msh());
   seeds.add("mesh_msh", "solid", binary_msh());
@@ -397,6 +427,8 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("tool_path", "places", "time_s,x_m,y_m,z_m\n0,0,0,0.1\n0.5,0,1e-3,-0.1\n");
   seeds.add("tool_path", "all",
             "time_s,x_m,y_m,z_m,qw,qx,qy,qz,gripper\n0,0,0,1,1,0,0,0,1\n1,0,0,0,0,1,0,0,0\n");
+  seeds.add("tool_path", "tabs",
+            utf16("time_s\tx_m\ty_m\tz_m\ns\tm\tm\tm\n0,5\t0\t0\t0\n1,5\t0\t0\t1,234\n"));
   std::string curve = "# a comment\ntime_s,displacement_mm,force_N,specimen\n";
   for (int i = 0; i < 12; ++i) {
     const std::string n = std::to_string(i);
@@ -406,6 +438,11 @@ void add_the_rest(const Seeds& seeds) {
       "map_data", "two",
       "probe,x_mm,y_mm,z_mm,nx,ny,nz,depth_mm,force_N\n0,1,2,3,0,0,1,0.5,0.1\n1,4,5e0,-6,0,0,1,1,2e-1\n");
   seeds.add("fit_data", "two", curve);
+  std::string quoted = "\"displacement_mm\";\"force_N\";\n";
+  for (int i = 0; i < 12; ++i) {
+    quoted += "\"" + std::to_string(i) + "\";" + std::to_string(i) + ";0," + std::to_string(i) + ";\n";
+  }
+  seeds.add("fit_data", "quoted", quoted);
   seeds.add("fit_lines", "two", fit_lines());
   seeds.add("deformation", "two",
             "depth_mm,r_mm,u_mm\n1,0,1\n1,-1,.8\n1,2,.4\n1,5,.2\n1,9,.1\n"
