@@ -16,12 +16,13 @@ void read_all(std::span<const std::uint8_t> bytes, std::size_t piece) {
   net::IgtlReader reader("Hand");
   fuzz::read_or_refuse("", [&] {
     for (std::size_t from = 0; from < bytes.size(); from += piece) {
-      reader.read(
-          bytes.subspan(from, std::min(piece, bytes.size() - from)), [](const std::optional<Pose>& pose) {
-            if (!pose) return;
-            fuzz::require(pose->position.allFinite(), "a position is finite", "");
-            fuzz::require(std::abs(pose->rotation.norm() - 1.0) < 1e-9, "an orientation is a rotation", "");
-          });
+      reader.read(bytes.subspan(from, std::min(piece, bytes.size() - from)),
+                  [](const std::optional<Pose>& pose, const std::string& /*status*/) {
+                    if (!pose) return;
+                    fuzz::require(pose->position.allFinite(), "a position is finite", "");
+                    fuzz::require(std::abs(pose->rotation.norm() - 1.0) < 1e-9,
+                                  "an orientation is a rotation", "");
+                  });
     }
   });
 }

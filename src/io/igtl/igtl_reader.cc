@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "io/igtl/igtl_bytes.h"
 #include "palpate/error.h"
 
@@ -52,6 +54,65 @@ std::optional<Pose> pose_of(const std::array<double, kNumbers>& numbers) {
   return Pose{Quat(rotation).normalized(), position};
 }
 
+std::string lower(std::span<const unsigned char> text) {
+  std::string small;
+  for (const unsigned char c : text) small += static_cast<char>(std::tolower(c));
+  return small;
+}
+
+/// A message's body without its extended header and metadata, and the first warning in the metadata.
+struct Parts {
+  std::span<const unsigned char> content;
+  bool has_status = false;  // the metadata has a status, which may be OK
+  std::string warning;      // as in "TransformStatus is INVALID"; empty: none
+};
+
+/// Reads the keys that end in "status". @param heads the number of pairs, then for each the sizes of key and
+/// value @param data keys and values
+void read_metadata(std::span<const unsigned char> heads, std::span<const unsigned char> data, Parts& parts) {
+  constexpr std::size_t kCount = 2;
+  constexpr std::size_t kHead = 8;  // size of the key, encoding, size of the value
+  constexpr std::string_view kStatus = "status";
+  if (heads.size() < kCount) return;
+  const auto pairs = number_at<std::uint16_t>(heads);
+  for (std::size_t n = 0; n < pairs; ++n) {
+    const std::size_t head = kCount + n * kHead;
+    if (head + kHead > heads.size()) throw InputError("its metadata has fewer pairs than it declares");
+    const std::size_t key = number_at<std::uint16_t>(heads.subspan(head));
+    const std::size_t value = number_at<std::uint32_t>(heads.subspan(head + 4));
+    if (key + value > data.size()) throw InputError("its metadata is shorter than it declares");
+    const std::string text = lower(data.subspan(key, value));
+    if (lower(data.first(key)).ends_with(kStatus)) {
+      parts.has_status = true;
+      if (trimmed(text.c_str()) != "ok" && parts.warning.empty()) {
+        const auto name = data.first(key);
+        const auto said = data.subspan(key, value);
+        parts.warning = excerpt(std::string(name.begin(), name.end())) + " is " +
+                        excerpt(std::string(said.begin(), said.end()));
+      }
+    }
+    data = data.subspan(key + value);
+  }
+}
+
+/// @return empty content when the sizes in the extended header do not fit the body
+Parts parts_of(std::span<const unsigned char> body, std::uint16_t version) {
+  Parts parts;
+  if (version < kExtendedVersion) {
+    parts.content = body;
+    return parts;
+  }
+  if (body.size() < kExtensionBytes) return parts;
+  const std::uint64_t begin = std::max<std::uint64_t>(number_at<std::uint16_t>(body), kExtensionBytes);
+  const std::uint64_t heads = number_at<std::uint16_t>(body.subspan(2));
+  const std::uint64_t data = number_at<std::uint32_t>(body.subspan(4));
+  if (begin + heads + data > body.size()) return parts;
+  parts.content = body.subspan(begin, body.size() - begin - heads - data);
+  const auto metadata = body.last(heads + data);
+  read_metadata(metadata.first(heads), metadata.subspan(heads), parts);
+  return parts;
+}
+
 }  // namespace
 
 void IgtlReader::read(std::span<const unsigned char> bytes, const Take& take) {
@@ -63,7 +124,7 @@ void IgtlReader::read(std::span<const unsigned char> bytes, const Take& take) {
     } else if (body_bytes_ > 0) {
       used = std::min(static_cast<std::size_t>(body_bytes_) - body_.size(), bytes.size());
       body_.insert(body_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(used));
-      if (body_.size() == body_bytes_) read_transform(take);
+      if (body_.size() == body_bytes_) read_body(take);
     } else {
       used = std::min(kHeadBytes - head_bytes_, bytes.size());
       std::copy_n(bytes.begin(), used, head_.begin() + static_cast<std::ptrdiff_t>(head_bytes_));
@@ -85,7 +146,8 @@ void IgtlReader::read_head() {
     throw InputError("the bytes are no OpenIGTLink message of version 1 to 3");
   }
   if (std::exchange(first_, false)) is_slicer_ = *type == "STATUS" && name->empty();
-  const bool wanted = *type == "TRANSFORM" && *name == name_;
+  is_status_ = *type == "STATUS" && size > 0 && size <= kLargestTransform;
+  const bool wanted = is_status_ || (*type == "TRANSFORM" && *name == name_);
   const std::uint64_t most = wanted ? kLargestTransform : kLargestBody;
   if (size > most) {
     throw InputError(fmt::format("a {} message has {} bytes, must have at most {}", *type, size, most));
@@ -96,7 +158,8 @@ void IgtlReader::read_head() {
     if (*type == "TRANSFORM" && !known && others_.size() < kMaxOthers) others_.push_back(*name);
     return;
   }
-  if (size < kTransformBytes) {
+  status_name_ = *name;
+  if (!is_status_ && size < kTransformBytes) {
     throw InputError(
         fmt::format("TRANSFORM {} has {} bytes, must have at least {}", name_, size, kTransformBytes));
   }
@@ -106,29 +169,50 @@ void IgtlReader::read_head() {
   body_.clear();
 }
 
-void IgtlReader::read_transform(const Take& take) {
+void IgtlReader::read_body(const Take& take) {
   body_bytes_ = 0;
-  if (igtl_checksum(body_) != checksum_) {
-    throw InputError("TRANSFORM " + name_ + ": its checksum is wrong");
+  const std::string who = is_status_ ? "STATUS " + excerpt(status_name_) : "TRANSFORM " + name_;
+  if (igtl_checksum(body_) != checksum_) throw InputError(who + ": its checksum is wrong");
+  Parts parts;
+  try {
+    parts = parts_of(body_, version_);
+  } catch (const InputError& error) {
+    throw InputError(who + ": " + error.what());
   }
-  std::uint64_t begin = 0;
-  std::uint64_t rest = 0;  // bytes of metadata behind the matrix
-  if (version_ >= kExtendedVersion) {
-    const std::span<const unsigned char> extension(body_);  // the body has at least kTransformBytes
-    begin = std::max<std::uint64_t>(number_at<std::uint16_t>(extension), kExtensionBytes);
-    rest = std::uint64_t{number_at<std::uint16_t>(extension.subspan(2))} +
-           number_at<std::uint32_t>(extension.subspan(4));
+  if (is_status_) return read_status(parts.content);
+  const std::string& status = parts.has_status ? parts.warning : warning_;
+  read_transform(parts.content, status, take);
+}
+
+/// Keeps a warning about the hand until the same sender says OK. 3D Slicer's connector begins with a STATUS
+/// without name and code.
+void IgtlReader::read_status(std::span<const unsigned char> content) {
+  constexpr std::uint16_t kNone = 0;
+  constexpr std::uint16_t kOk = 1;
+  if (content.size() < sizeof kOk) return;
+  const auto code = number_at<std::uint16_t>(content);
+  const bool is_greeting = code == kNone && status_name_.empty();
+  const bool is_of_another = std::find(others_.begin(), others_.end(), status_name_) != others_.end();
+  if (is_greeting || is_of_another) return;
+  if (code != kOk) {
+    warned_by_ = status_name_;
+    warning_ = fmt::format("STATUS {} has the code {}", excerpt(status_name_), code);
+  } else if (status_name_ == warned_by_ || status_name_ == name_) {
+    warning_.clear();
   }
-  if (begin + kTransformBytes + rest != body_.size()) {
+}
+
+void IgtlReader::read_transform(std::span<const unsigned char> content, const std::string& status,
+                                const Take& take) {
+  if (content.size() != kTransformBytes) {
     throw InputError(
         fmt::format("TRANSFORM {}: its {} bytes are not the 12 numbers of a matrix", name_, body_.size()));
   }
   std::array<double, kNumbers> numbers;
   for (std::size_t i = 0; i < kNumbers; ++i) {
-    const auto bits = number_at<std::uint32_t>(std::span<const unsigned char>(body_).subspan(begin + 4 * i));
-    numbers[i] = static_cast<double>(std::bit_cast<float>(bits));
+    numbers[i] = static_cast<double>(std::bit_cast<float>(number_at<std::uint32_t>(content.subspan(4 * i))));
   }
-  take(pose_of(numbers));
+  take(pose_of(numbers), status);
 }
 
 }  // namespace palpate::net

@@ -12,12 +12,13 @@
 
 namespace palpate::net {
 
-/// Finds the TRANSFORM messages of one name in the bytes that a client sends. All other messages are skipped
-/// and not kept, whatever their size. All members: [setup], one thread.
+/// Finds the TRANSFORM messages of one name in the bytes that a client sends, and what STATUS messages and
+/// metadata say about them. All other messages are skipped and not kept, whatever their size. All members:
+/// [setup], one thread.
 class IgtlReader final {
  public:
   static constexpr std::size_t kLongestName = 20;
-  /// Bytes of a TRANSFORM of that name; with protocol version 2 it may carry metadata.
+  /// Bytes of a TRANSFORM of that name and of a STATUS; from protocol version 2 on they may carry metadata.
   static constexpr std::uint64_t kLargestTransform = std::uint64_t{64} << 10;
   static constexpr std::uint64_t kLargestBody = std::uint64_t{1} << 30;  // bytes of any other message
   static constexpr std::size_t kMaxOthers = 8;
@@ -26,8 +27,10 @@ class IgtlReader final {
   explicit IgtlReader(std::string name) : name_(std::move(name)) {}
 
   /// The pose of a TRANSFORM: from the inner frame to the client's (sent in mm), m. Empty: its matrix is not
-  /// finite, or scales, shears or mirrors.
-  using Take = std::function<void(const std::optional<Pose>&)>;
+  /// finite, or scales, shears or mirrors. The text is the client's own warning about the pose, which then is
+  /// none: metadata whose key ends in "status", such as TransformStatus, with a value other than OK, or an
+  /// earlier STATUS message of this name, without name, or of no other TRANSFORM. Empty: no warning.
+  using Take = std::function<void(const std::optional<Pose>&, const std::string&)>;
 
   /// Reads the next bytes of the stream and calls `take` for each TRANSFORM of that name.
   /// @throws InputError when they are no OpenIGTLink messages of version 1 to 3, or a checksum is wrong. The
@@ -43,7 +46,9 @@ class IgtlReader final {
   static constexpr std::size_t kHeadBytes = 58;
 
   void read_head();
-  void read_transform(const Take& take);
+  void read_body(const Take& take);
+  void read_status(std::span<const unsigned char> content);
+  void read_transform(std::span<const unsigned char> content, const std::string& status, const Take& take);
 
   std::string name_;
   std::vector<std::string> others_;
@@ -53,8 +58,12 @@ class IgtlReader final {
   std::array<unsigned char, kHeadBytes> head_{};
   std::size_t head_bytes_ = 0;
   std::uint64_t to_skip_ = 0;        // bytes left of a message that is skipped
-  std::vector<unsigned char> body_;  // of a TRANSFORM of that name, so far
+  std::vector<unsigned char> body_;  // of a TRANSFORM of that name or a STATUS, so far
   std::uint64_t body_bytes_ = 0;     // its size; 0: no such message has begun
+  bool is_status_ = false;           // of these, it is a STATUS
+  std::string status_name_;          // of that STATUS
+  std::string warned_by_;            // name of the STATUS whose warning holds
+  std::string warning_;              // that warning; empty: none
   std::uint16_t version_ = 1;
   std::uint64_t checksum_ = 0;
 };

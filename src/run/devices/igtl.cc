@@ -168,8 +168,9 @@ void IgtlDevice::receive(std::int64_t now) {
   if (got == 0) return drop("the client closed the connection");
   received_ns_ = now;
   try {
-    reader_.read(std::span(bytes).first(static_cast<std::size_t>(got)),
-                 [this, now](const std::optional<Pose>& pose) { take(pose, now); });
+    reader_.read(
+        std::span(bytes).first(static_cast<std::size_t>(got)),
+        [this, now](const std::optional<Pose>& pose, const std::string& status) { take(pose, status, now); });
   } catch (const InputError& error) {
     return drop(std::string(error.what()) + "; the client was disconnected");
   }
@@ -177,7 +178,8 @@ void IgtlDevice::receive(std::int64_t now) {
   if (others_.size() != reader_.others().size()) others_ = reader_.others();
 }
 
-void IgtlDevice::take(const std::optional<Pose>& pose, std::int64_t now) {
+void IgtlDevice::take(const std::optional<Pose>& pose, const std::string& status, std::int64_t now) {
+  if (!status.empty()) return set_error("TRANSFORM " + source_.name + ": no pose, its " + status);
   heard_ns_.store(now);
   if (!pose) {
     set_error("TRANSFORM " + source_.name + ": its matrix is not finite, or scales, shears or mirrors");

@@ -37,7 +37,8 @@ struct IgtlTimes {
 /// through a PoseStream. The force goes back on the same connection, at most every IgtlTimes::period.
 ///
 /// One client at a time. The device's own thread listens, receives and sends. A client that sends what is not
-/// OpenIGTLink is disconnected, and another may connect. Whatever ends a stream of poses is a fault.
+/// OpenIGTLink is disconnected, and another may connect. Whatever ends a stream of poses is a fault. A
+/// message whose status is not OK is no pose, as if it had not come.
 class IgtlDevice final : public haptics::Device {
  public:
   static constexpr const char* kForceName = "PalpateHandForce";    // SENSOR, N; TRANSFORM, 1 mm for 1 N
@@ -72,7 +73,7 @@ class IgtlDevice final : public haptics::Device {
   void serve();
   void let_in(std::int64_t now);
   void receive(std::int64_t now);
-  void take(const std::optional<Pose>& pose, std::int64_t now);
+  void take(const std::optional<Pose>& pose, const std::string& status, std::int64_t now);
   void send_if_due(std::int64_t now);
   void pack(const haptics::ForceCommand& command_D);
   void send_pending();
@@ -83,7 +84,7 @@ class IgtlDevice final : public haptics::Device {
   const IgtlTimes times_;
   const IgtlSource source_;
   std::atomic<bool> closing_{false};
-  std::atomic<std::int64_t> heard_ns_{0};  // arrival of the newest TRANSFORM of that name; 0: none yet
+  std::atomic<std::int64_t> heard_ns_{0};  // arrival of the newest pose of that name; 0: none yet
   PoseStream poses_;
   ForceHandover forces_;
   mutable std::mutex mutex_;

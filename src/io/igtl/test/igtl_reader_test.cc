@@ -60,7 +60,8 @@ const std::array<float, 12> kStraight = {1, 0, 0, 0, 1, 0, 0, 0, 1, 10, 20, 30};
 
 std::vector<std::optional<Pose>> poses_in(IgtlReader& reader, const Bytes& bytes) {
   std::vector<std::optional<Pose>> all;
-  reader.read(bytes, [&](const std::optional<Pose>& pose) { all.push_back(pose); });
+  reader.read(bytes,
+              [&](const std::optional<Pose>& pose, const std::string& /*status*/) { all.push_back(pose); });
   return all;
 }
 
@@ -136,6 +137,95 @@ TEST(IgtlReader, Version2MayCarryAnExtendedHeaderAndMetadata) {
     const std::string why = refusal_of(message(3, "TRANSFORM", "Hand", wrong));
     EXPECT_EQ(why.empty(), sizes == 0) << why;
   }
+}
+
+/// What the client says about the poses in these messages, one text a TRANSFORM.
+std::vector<std::string> warnings_in(IgtlReader& reader, const Bytes& bytes) {
+  std::vector<std::string> all;
+  reader.read(bytes, [&](const std::optional<Pose>&, const std::string& status) { all.push_back(status); });
+  return all;
+}
+
+/// A TRANSFORM of a later protocol version, with metadata.
+Bytes with_metadata(std::uint16_t version, const std::vector<std::pair<std::string, std::string>>& pairs) {
+  Bytes heads;
+  Bytes data;
+  append(heads, pairs.size(), 2);
+  for (const auto& [key, value] : pairs) {
+    append(heads, key.size(), 2);
+    append(heads, 3, 2);  // US-ASCII
+    append(heads, value.size(), 4);
+    data.insert(data.end(), key.begin(), key.end());
+    data.insert(data.end(), value.begin(), value.end());
+  }
+  Bytes body;
+  append(body, 12, 2);
+  append(body, heads.size(), 2);
+  append(body, data.size(), 4);
+  append(body, 1, 4);
+  for (const Bytes& part : {matrix(kStraight), heads, data})
+    body.insert(body.end(), part.begin(), part.end());
+  return message(version, "TRANSFORM", "Hand", body);
+}
+
+TEST(IgtlReader, MetadataWithAnyStatusButOkIsTheTrackersWarning) {
+  for (const std::uint16_t version : {std::uint16_t{2}, std::uint16_t{3}}) {
+    for (const char* key : {"TransformStatus", "Status", "HandToTrackerTransformStatus", "status"}) {
+      for (const char* value : {"INVALID", "MISSING", "OUT_OF_VIEW", "", "0", "NOT OK"}) {
+        IgtlReader reader("Hand");
+        EXPECT_THAT(warnings_in(reader, with_metadata(version, {{"Name", "x"}, {key, value}})),
+                    ElementsAre(std::string(key) + " is " + value));
+      }
+      for (const char* value : {"OK", "ok", " OK "}) {
+        IgtlReader reader("Hand");
+        EXPECT_THAT(warnings_in(reader, with_metadata(version, {{key, value}})), ElementsAre(""));
+      }
+    }
+    IgtlReader reader("Hand");
+    EXPECT_THAT(warnings_in(reader, with_metadata(version, {{"StatusText", "INVALID"}})), ElementsAre(""));
+    EXPECT_THAT(
+        warnings_in(reader, with_metadata(version, {{"Status", "OK"}, {"TransformStatus", "INVALID"}})),
+        ElementsAre("TransformStatus is INVALID"));
+  }
+}
+
+TEST(IgtlReader, MetadataThatIsShorterThanItDeclaresIsRefused) {
+  const Bytes whole = with_metadata(2, {{"Status", "INVALID"}});
+  for (const std::size_t at : {58U + 12U + 48U, 58U + 12U + 48U + 2U, 58U + 12U + 48U + 6U}) {
+    Bytes damaged(whole.begin() + 58, whole.end());
+    damaged[at - 58] = 0xff;  // of the number of pairs, of a key's size and of a value's
+    EXPECT_THAT(refusal_of(message(2, "TRANSFORM", "Hand", damaged)),
+                HasSubstr("TRANSFORM Hand: its metadata"));
+  }
+}
+
+Bytes status(const char* name, std::uint16_t code) {
+  Bytes body;
+  append(body, code, 2);
+  body.resize(31);
+  return message(1, "STATUS", name, body);
+}
+
+TEST(IgtlReader, AStatusMessageOtherThanOkHoldsUntilItsSenderSaysOk) {
+  for (const char* name : {"Hand", "", "Tracker"}) {
+    IgtlReader reader("Hand");
+    EXPECT_TRUE(warnings_in(reader, status(name, 13)).empty());
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre(HasSubstr("has the code 13"))) << name;
+    }
+    EXPECT_THAT(warnings_in(reader, with_metadata(2, {{"TransformStatus", "OK"}})), ElementsAre(""))
+        << "the pose's own status counts more";
+    EXPECT_TRUE(warnings_in(reader, status(name, 1)).empty());
+    EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre("")) << name;
+  }
+}
+
+TEST(IgtlReader, AStatusOfAnotherToolAndAGreetingSayNothingAboutTheHand) {
+  IgtlReader reader("Hand");
+  EXPECT_TRUE(warnings_in(reader, message(1, "STATUS", "", Bytes(30))).empty());  // code 0, as of 3D Slicer
+  EXPECT_TRUE(warnings_in(reader, transform("Probe")).empty());
+  EXPECT_TRUE(warnings_in(reader, status("Probe", 18)).empty());
+  EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre(""));
 }
 
 TEST(IgtlReader, AMatrixThatIsNoRotationGivesNoPose) {

@@ -1,6 +1,7 @@
 // The device "igtl" with clients that use the OpenIGTLink library. No result depends on the machine's speed.
 #include "run/devices/igtl.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -40,6 +41,41 @@ net::Bytes pose_message(const std::string& name, double x = 0.0, const Quat& rot
   net::IgtlBytes messages(unix_ns());
   messages.add_transform(name, {rotation, Vec3(x, 0.02, 0.03)});
   return messages.bytes();
+}
+
+/// A number of N bytes, the highest first.
+template <typename Number>
+void append_number(net::Bytes& bytes, Number number) {
+  for (std::size_t left = sizeof number; left > 0; --left) {
+    bytes.push_back(static_cast<unsigned char>(std::uint64_t{number} >> (8 * (left - 1))));
+  }
+}
+
+/// The pose as a message of protocol version 2 whose metadata gives a status, as a tracker's server sends it.
+net::Bytes pose_with_status(const std::string& name, const std::string& value) {
+  constexpr std::size_t kHead = 58;
+  const std::string key = "TransformStatus";
+  net::Bytes bytes = pose_message(name);
+  net::Bytes body;
+  append_number(body, std::uint16_t{12});
+  append_number(body, std::uint16_t{10});
+  append_number(body, static_cast<std::uint32_t>(key.size() + value.size()));
+  append_number(body, std::uint32_t{1});
+  body.insert(body.end(), bytes.begin() + kHead, bytes.end());
+  append_number(body, std::uint16_t{1});
+  append_number(body, static_cast<std::uint16_t>(key.size()));
+  append_number(body, std::uint16_t{3});
+  append_number(body, static_cast<std::uint32_t>(value.size()));
+  body.insert(body.end(), key.begin(), key.end());
+  body.insert(body.end(), value.begin(), value.end());
+  net::Bytes sizes;
+  append_number(sizes, std::uint64_t{body.size()});
+  append_number(sizes, net::igtl_checksum(body));
+  bytes.resize(kHead);
+  bytes[1] = 2;
+  std::copy(sizes.begin(), sizes.end(), bytes.begin() + 42);
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
 }
 
 /// A client that sends one message again and again, 100 times a second.
@@ -234,6 +270,42 @@ TEST(IgtlDevice, AClientThatSendsNothingIsReplacedByTheNext) {
   EXPECT_TRUE(comes(device, [](const haptics::DeviceState& now) {
     return is_usable(now) && std::abs(now.position_D.x() - 0.09) < 1e-8;
   }));
+}
+
+TEST(IgtlDevice, PosesThatTheTrackerCallsInvalidAreStaleAsSilenceIsUntilItSaysOk) {
+  for (const char* status : {"INVALID", "MISSING"}) {
+    const int port = free_igtl_port();
+    std::unique_ptr<Client> client;
+    std::atomic<bool> valid{true};
+    std::atomic<bool> ending{false};
+    std::thread sending([&] {
+      client = client_at(port);
+      while (!ending) {
+        client->send(pose_with_status("Hand", valid ? "OK" : status));
+        std::this_thread::sleep_for(10ms);
+      }
+    });
+    {
+      IgtlDevice device(source_at(port));
+      ASSERT_TRUE(comes(device, is_usable));
+      valid = false;
+      EXPECT_TRUE(comes(device, [](const haptics::DeviceState& now) {
+        return now.fault == Fault::kNone && now.age > 0.1;
+      }));
+      EXPECT_THAT(device.last_error(), HasSubstr(std::string("its TransformStatus is ") + status));
+      valid = true;
+      EXPECT_TRUE(comes(device, is_usable));
+      ending = true;
+      sending.join();
+    }
+  }
+}
+
+TEST(IgtlDevice, NoRunBeginsWithPosesThatTheTrackerCallsInvalid) {
+  const int port = free_igtl_port();
+  const Sender sender(port, pose_with_status("Hand", "INVALID"));
+  EXPECT_THAT(opening_refusal(source_at(port), {.opening = 1'000'000'000}),
+              HasSubstr("its TransformStatus is INVALID"));
 }
 
 struct Trouble {
