@@ -12,6 +12,9 @@ namespace palpate::app {
 void add_organ_and_tool_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("--organ", request.organ, "built-in organ or mesh file");
   command.add_option("--organ-unit", request.organ_unit, "unit of the organ's file: mm, cm, m or in");
+  command.add_option("--organ-frame", request.organ_frame,
+                     "axes of the organ's file: ras or lps (default: as its header says, else ras); "
+                     "OpenIGTLink clients get ras");
   command
       .add_option("--organ-motion", request.organ_motion,
                   "breathing, heartbeat or none, instead of the scene's; repeat the flag for both")

@@ -122,6 +122,11 @@ std::vector<std::string> remarks(const RunResult& run) {
   for (const auto& [bit, text] : texts) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }
+  if (run.statistics.contact_ticks == 0 && run.statistics.nearest > 0.0 &&
+      std::isfinite(run.statistics.nearest)) {
+    all.emplace_back(fmt::format("no tool touched the organ: the nearest came within {:.1f} mm",
+                                 1e3 * run.statistics.nearest));
+  }
   if (run.statistics.limited_ticks > 0) {
     all.emplace_back(fmt::format("force or torque was reduced to the limits under [safety] in {} ticks",
                                  run.statistics.limited_ticks));

@@ -24,6 +24,7 @@ _palpate() {
     --task | --direction) mapfile -t COMPREPLY < <(compgen -W "press pull" -- "$word") ;;
     --organ) mapfile -t COMPREPLY < <(compgen -W "$(_palpate_organs "$program")" -- "$word") ;;
     --law) mapfile -t COMPREPLY < <(compgen -W "layered smooth" -- "$word") ;;
+    --organ-frame) mapfile -t COMPREPLY < <(compgen -W "ras lps" -- "$word") ;;
     --unit | --organ-unit | --tool-unit) mapfile -t COMPREPLY < <(compgen -W "mm cm m in" -- "$word") ;;
     *)
       if [[ "$word" == -* ]]; then

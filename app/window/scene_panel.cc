@@ -29,6 +29,7 @@ void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands
     scene::Overrides request = shown.request;
     request.organ = name;
     request.organ_unit.reset();
+    request.organ_frame.reset();
     request.tissue.reset();  // the tissue of the new organ
     commands.request = std::move(request);
   }

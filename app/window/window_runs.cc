@@ -232,6 +232,7 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kOrgan:
       request.organ = file.path.string();
       request.organ_unit = file.unit;
+      request.organ_frame.reset();  // that of the file's header
       break;
     case FileUse::kTool:
     case FileUse::kFurtherJaw:

@@ -24,6 +24,8 @@ struct MeshFindings {
 struct LoadedMesh {
   TriangleMesh mesh;  // metres
   MeshFindings findings;
+  std::string
+      space{};  // axes that the file's header declares, as "LPS" in SPACE=LPS of 3D Slicer; empty: none
 };
 
 /// [setup] File name extensions of the meshes that read_mesh() reads: ".stl", ".obj", ...

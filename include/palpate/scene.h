@@ -80,6 +80,15 @@ struct EmulatedHand {
   std::vector<EmulatedFault> faults{};
 };
 
+/// Axes of a patient's coordinates: x points to the patient's right and y to the front (RAS), or x to the
+/// left and y to the back (LPS). z points to the head in both.
+enum class OrganFrame : std::uint8_t { kRas, kLps };
+
+/// [any] "ras" or "lps", as in a scene.
+[[nodiscard]] const char* to_string(OrganFrame frame) noexcept;
+/// [any] The frame with this name; empty for an unknown name.
+[[nodiscard]] std::optional<OrganFrame> find_organ_frame(std::string_view name) noexcept;
+
 enum class Task { kPress, kPull, kPalpate };
 
 /// [any] "press", "pull" or "palpate", as in a scene.
@@ -184,10 +193,11 @@ struct Scene {
   Task task = Task::kPress;
   double rate_Hz = 1000.0;
   std::uint64_t seed = 1;
-  std::string organ_name;        // built-in name or file, for messages
-  geometry::TriangleMesh organ;  // organ frame, m
-  OrganDistance organ_distance;  // of `organ`, which may be replaced
-  Pose organ_pose;               // at rest
+  std::string organ_name;                     // built-in name or file, for messages
+  geometry::TriangleMesh organ;               // organ frame, m
+  OrganDistance organ_distance;               // of `organ`, which may be replaced
+  OrganFrame organ_frame = OrganFrame::kRas;  // of the world; OpenIGTLink clients get RAS
+  Pose organ_pose;                            // at rest
   std::vector<model::OrganMotionParameters>
       organ_motion;  // their sum, about the centre of the bounding box; empty: no motion
   model::TissueParameters tissue;
@@ -224,10 +234,11 @@ struct Overrides {
   std::optional<std::string> task;      // press | pull | palpate
   std::optional<std::string> organ;     // built-in name or path
   std::optional<std::string> organ_unit;
-  std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
-  std::vector<std::string> inclusions;    // presets, or none; replace the scene's inclusions
-  std::optional<std::string> tissue;      // built-in name or tissue file
-  std::vector<std::string> tools;         // one entry: the tool; several: the jaws of one tool
+  std::optional<std::string> organ_frame;  // ras | lps
+  std::vector<std::string> organ_motion;   // breathing, heartbeat, none; replaces the scene's motions
+  std::vector<std::string> inclusions;     // presets, or none; replace the scene's inclusions
+  std::optional<std::string> tissue;       // built-in name or tissue file
+  std::vector<std::string> tools;          // one entry: the tool; several: the jaws of one tool
   std::optional<std::string> tool_unit;
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -47,7 +48,8 @@ struct RunStatistics {
   double dissipated = 0.0;     // J: work of the hands that was not returned by the end of the run
   std::uint64_t deepest_tick = 0;
   std::uint32_t deepest_hand = 0;
-  std::uint64_t contact_ticks = 0;    // ticks with a hand pressing or pulling
+  std::uint64_t contact_ticks = 0;                           // ticks with a hand pressing or pulling
+  double nearest = std::numeric_limits<double>::infinity();  // m, of a tool to the organ without contact
   std::uint64_t limited_ticks = 0;    // ticks in which the gate limited a force or torque
   std::uint32_t status = 0;           // bitwise OR of all ticks' status bits
   std::uint64_t changes = 0;          // number of parameter updates during the run

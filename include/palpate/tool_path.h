@@ -50,10 +50,13 @@ class ToolPath final {
   bool has_gripper_;
 };
 
-/// [setup] Reads a path CSV (columns by header name). @throws InputError that names file, line,
-/// column and value.
+/// [setup] Reads a path CSV (columns by header name). A path that begins before 0 s or after 10 s, as a log
+/// with Unix time, is counted from its first row. @param remarks if given, receives a sentence when it is so
+/// @throws InputError that names file, line, column and value, also for times that cannot be in seconds and
+/// positions beyond 100 m.
 [[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file,
-                                      PathInterpolation interpolation = PathInterpolation::kLinear);
+                                      PathInterpolation interpolation = PathInterpolation::kLinear,
+                                      std::vector<std::string>* remarks = nullptr);
 
 /// [setup] The path of a scripted device without a file, in the device's frame. The tool points down (+z
 /// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. In a press it

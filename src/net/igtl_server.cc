@@ -147,7 +147,7 @@ void IgtlServer::pack(std::int64_t now, bool last) {
   const haptics::Snapshot& snapshot = published_.cell().value();
   const std::int64_t taken = running ? stamp() : unix_ns();
   if (running && std::exchange(state_stale_, false)) {
-    send_next(kPoseChannel, IgtlStream::poses(snapshot, taken));
+    send_next(kPoseChannel, stream_->poses(snapshot, taken));
     send_next(kSensorChannel, stream_->sensors(snapshot, taken));
   }
   if (last || now >= status_due_ || (running && faults_changed())) {

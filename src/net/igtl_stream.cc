@@ -86,16 +86,28 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
 
 IgtlStream::IgtlStream(const scene::Scene& scene)
     : rate_Hz_(scene.rate_Hz),
+      lps_(scene.organ_frame == scene::OrganFrame::kLps),
       deformer_(finely_divided(scene.organ)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}
 
-Bytes IgtlStream::poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {
+/// A vector or point of the world as R, A, S.
+Vec3 IgtlStream::in_ras(const Vec3& vector_W) const {
+  return lps_ ? Vec3(-vector_W.x(), -vector_W.y(), vector_W.z()) : vector_W;
+}
+
+Pose IgtlStream::in_ras(const Pose& pose_W) const {
+  if (!lps_) return pose_W;
+  const Quat half_turn(0.0, 0.0, 0.0, 1.0);  // about z
+  return {half_turn * pose_W.rotation, in_ras(pose_W.position)};
+}
+
+Bytes IgtlStream::poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const {
   IgtlMessages messages(unix_ns);
   for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
     const contact::ToolResult& result = snapshot.results[hand];
     const bool touches = result.phase != contact::Phase::kApproach;
-    messages.add_transform(name_for_hand("PalpateTool", hand), snapshot.tools[hand].pose_W);
-    messages.add_point(name_for_hand("PalpateContact", hand), "contact", result.contact_W, touches);
+    messages.add_transform(name_for_hand("PalpateTool", hand), in_ras(snapshot.tools[hand].pose_W));
+    messages.add_point(name_for_hand("PalpateContact", hand), "contact", in_ras(result.contact_W), touches);
   }
   return messages.bytes();
 }
@@ -107,8 +119,9 @@ Bytes IgtlStream::sensors(const haptics::Snapshot& snapshot, std::int64_t unix_n
   for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
     const haptics::ForceCommand& command = snapshot.commands[hand];
     const std::array<double, 1> depth = {1e3 * snapshot.results[hand].depth};
-    messages.add_sensor(name_for_hand("PalpateForce", hand), plain(command.force), SensorUnit::kNewton);
-    messages.add_sensor(name_for_hand("PalpateTorque", hand), plain(command.torque),
+    messages.add_sensor(name_for_hand("PalpateForce", hand), plain(in_ras(command.force)),
+                        SensorUnit::kNewton);
+    messages.add_sensor(name_for_hand("PalpateTorque", hand), plain(in_ras(command.torque)),
                         SensorUnit::kNewtonMetre);
     messages.add_sensor(name_for_hand("PalpateDepth", hand), depth, SensorUnit::kMillimetre);
   }
@@ -142,7 +155,7 @@ Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_n
   Shape now{deform::indentations_of(snapshot.hand_results()), snapshot.organ_W, snapshot.reach};
   if (last_ != nullptr && same(now, *last_)) return {};
   deformer_.deform(now.reach, now.indentations, vertices_);
-  for (Vec3& vertex : vertices_) vertex = now.organ_W * vertex;
+  for (Vec3& vertex : vertices_) vertex = in_ras(now.organ_W * vertex);
   last_ = std::make_unique<Shape>(std::move(now));
   return surface_.message(vertices_, unix_ns);
 }

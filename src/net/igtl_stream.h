@@ -25,7 +25,7 @@ class IgtlStream final {
   explicit IgtlStream(const scene::Scene& scene);
 
   /// Pose and contact of every hand.
-  [[nodiscard]] static Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns);
+  [[nodiscard]] Bytes poses(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
   /// Time of the run; force, torque and depth of every hand.
   [[nodiscard]] Bytes sensors(const haptics::Snapshot& snapshot, std::int64_t unix_ns) const;
   /// STRING with these values as text, and STATUS with the fault of every hand.
@@ -41,7 +41,11 @@ class IgtlStream final {
   };
   [[nodiscard]] static bool same(const Shape& a, const Shape& b);
 
+  [[nodiscard]] Vec3 in_ras(const Vec3& vector_W) const;
+  [[nodiscard]] Pose in_ras(const Pose& pose_W) const;
+
   double rate_Hz_;
+  bool lps_;  // the world's x and y point to the patient's left and back
   deform::SurfaceDeformer deformer_;
   IgtlSurface surface_;
   std::vector<Vec3> vertices_;

@@ -42,7 +42,53 @@ void refuse_other_format(const MeshFile& file) {
       fmt::format("{}: is {}: its name must end in {}", to_text(file.path), found.name, found.extension));
 }
 
+/// The letters at the start of a text, in upper case, at most eight.
+std::string leading_letters(std::string_view text) {
+  constexpr std::size_t kMost = 8;
+  std::string letters;
+  for (const char c : text.substr(0, kMost)) {
+    if (std::isalpha(static_cast<unsigned char>(c)) == 0) break;
+    letters += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return letters;
+}
+
+/// The part of a file before its coordinates.
+std::string_view header_of(const MeshFile& file) {
+  constexpr std::size_t kMost = 4096;  // bytes
+  constexpr std::size_t kStlHeader = 80;
+  const std::string_view start = std::string_view(file.bytes).substr(0, kMost);
+  const auto until = [start](std::string_view end) { return start.substr(0, start.find(end)); };
+  switch (file.format) {
+    case MeshFormat::kStl:
+      return until("facet").substr(0, kStlHeader);
+    case MeshFormat::kPly:
+      return until("end_header");
+    case MeshFormat::kObj:
+      return until("\nv ");
+    case MeshFormat::kVtk:
+      return until("\nPOINTS");
+    default:
+      return {};
+  }
+}
+
 }  // namespace
+
+std::string declared_space(const MeshFile& file) {
+  constexpr std::string_view kTag = "SPACE=";
+  constexpr std::string_view kArray = "SPACE 1 1 string";  // of field data; the text is in the next line
+  const std::string_view header = header_of(file);
+  if (const std::size_t tag = header.find(kTag); tag != std::string_view::npos) {
+    return leading_letters(header.substr(tag + kTag.size()));
+  }
+  const std::size_t array = header.find(kArray);
+  if (array == std::string_view::npos) return {};
+  const std::string_view rest = header.substr(array + kArray.size());
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
+  const auto first = std::find_if(rest.begin(), rest.end(), is_letter);  // after the length in binary files
+  return leading_letters(rest.substr(static_cast<std::size_t>(first - rest.begin())));
+}
 
 std::vector<std::string> mesh_file_extensions() {
   std::vector<std::string> endings;

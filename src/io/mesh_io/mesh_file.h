@@ -36,6 +36,11 @@ struct ImportedMesh {
 /// large.
 [[nodiscard]] MeshFile open_mesh_file(const std::filesystem::path& path);
 
+/// [setup] The axes that a file's header declares as 3D Slicer writes it, in upper case: SPACE=LPS in the
+/// header of an STL, in a comment of a PLY or OBJ, in the title of a VTK file or in its field data. Empty:
+/// none.
+[[nodiscard]] std::string declared_space(const MeshFile& file);
+
 /// [setup] Reads the mesh with its format's reader. The reader bounds declared counts by the file's size and
 /// checks all coordinates and vertex indices. Call from one thread at a time (assimp has one global log).
 /// @throws InputError naming the file, the line, byte or element, the value and what would be right.

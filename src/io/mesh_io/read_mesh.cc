@@ -14,15 +14,11 @@
 #include "io/mesh_io/mesh_file.h"
 #include "io/mesh_io/repair/repair_surface.h"
 #include "io/system/path_text.h"
+#include "io/system/plausible.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kSmallestOrgan = 5e-3;  // m
-constexpr double kLargestOrgan = 2.0;    // m
-constexpr double kSmallestTool = 1e-6;   // m
-constexpr double kLargestTool = 100.0;   // m
 
 struct Merged {
   TriangleMesh mesh;
@@ -83,19 +79,6 @@ void report_merged(const MeshFile& file, std::size_t vertices, const Merged& mer
   }
 }
 
-/// A hint at the unit in which a size of `size` metres, as read, would be a plausible organ.
-std::string unit_hint(double size) {
-  for (const double factor : {1e-3, 1e3, 1e-2, 1e2, 25.4e-3, 1.0 / 25.4e-3}) {
-    const double other = size * factor;
-    if (other >= 0.02 && other <= 0.5) {
-      return fmt::format(": is its unit right? ({} times {} it would be {} mm)",
-                         shortest(factor < 1.0 ? 1.0 / factor : factor), factor < 1.0 ? "smaller" : "larger",
-                         shortest(std::round(other * 1e3)));
-    }
-  }
-  return ": is its unit right?";
-}
-
 }  // namespace
 
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
@@ -113,7 +96,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
     throw InputError(fmt::format("{}: no triangles ({})", to_text(path), joined(imported.repairs)));
   }
   for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
-  LoadedMesh loaded{std::move(merged.mesh), {}};
+  LoadedMesh loaded{std::move(merged.mesh), {}, declared_space(file)};
   loaded.findings = findings_of(loaded.mesh);
   loaded.findings.repairs = std::move(imported.repairs);
   return loaded;
@@ -121,9 +104,9 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
 
 void require_organ(const LoadedMesh& loaded, const std::string& name) {
   const double size = bounds(loaded.mesh).size().maxCoeff();
-  if (!(size >= kSmallestOrgan && size <= kLargestOrgan)) {
-    throw InputError(fmt::format("{}: its largest side is {} mm, an organ's is 5 to 2000 mm{}", name,
-                                 shortest(size * 1e3), unit_hint(size)));
+  if (!kOrganExtent.possible.contains(size)) {
+    throw InputError(fmt::format("{}: its largest side is {}, an organ's is 5 to 2000 mm{}", name,
+                                 in_unit(kOrganExtent, size), unit_question(kOrganExtent, size)));
   }
   if (loaded.findings.defects.empty()) return;
   throw InputError(name + ": cannot be an organ: " + joined(loaded.findings.defects) +
@@ -132,9 +115,9 @@ void require_organ(const LoadedMesh& loaded, const std::string& name) {
 
 void require_tool(const LoadedMesh& loaded, const std::string& name) {
   const double size = bounds(loaded.mesh).size().maxCoeff();
-  if (size >= kSmallestTool && size <= kLargestTool) return;
-  throw InputError(fmt::format("{}: its largest side is {} mm, a tool's is 0.001 to 100000 mm{}", name,
-                               shortest(size * 1e3), unit_hint(size)));
+  if (kToolExtent.possible.contains(size)) return;
+  throw InputError(fmt::format("{}: its largest side is {}, a tool's is 0.1 to 5000 mm{}", name, in_unit(kToolExtent, size),
+                               unit_question(kToolExtent, size)));
 }
 
 }  // namespace palpate::geometry

@@ -75,6 +75,9 @@ void read_json(const JsonField& json, scene::EmulatedFaultKind& value) {
 void read_json(const JsonField& json, scene::PathInterpolation& value) {
   read_name(json, scene::interpolation_of(json.text()), "linear or cubic", value);
 }
+void read_json(const JsonField& json, scene::OrganFrame& value) {
+  read_name(json, scene::find_organ_frame(json.text()), "ras or lps", value);
+}
 void read_json(const JsonField& json, scene::Task& value) {
   read_name(json, scene::find_task(json.text()), "press, pull or palpate", value);
 }
@@ -339,6 +342,7 @@ void fields(auto& io, Is<scene::Scene> auto& scene) {
   io("seed", scene.seed);
   io.nested("organ", [&scene](auto& organ) {
     organ("name", scene.organ_name);
+    if (organ.there("frame", scene.organ_frame != scene::OrganFrame::kRas)) organ("frame", scene.organ_frame);
     organ("pose", scene.organ_pose);
     organ.list("motion", scene.organ_motion, model::kMaxOrganMotions);
     if (organ.there("inclusions", !scene.inclusions.empty())) {

@@ -7,6 +7,7 @@
 
 #include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
+#include "io/scene/plausibility.h"
 #include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -115,6 +116,12 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
   if (tool.parts.size() > kMaxParts) {
     const LocatedString& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
     last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxParts));
+  }
+  const LocatedString& named = description.mesh ? *description.mesh : description.jaws.front().mesh;
+  if (is_path(named.value)) {
+    if (std::string remark = tool_size_remark(tool, named); !remark.empty()) {
+      notes.remarks.push_back(std::move(remark));
+    }
   }
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);

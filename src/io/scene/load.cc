@@ -14,6 +14,7 @@
 #include "io/scene/names.h"
 #include "io/scene/organ_distance.h"
 #include "io/scene/organ_motion_reader.h"
+#include "io/scene/plausibility.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/scene_keys.h"
 #include "io/scene/stiffness_map_reader.h"
@@ -76,8 +77,12 @@ void override_meshes(const Overrides& request, SceneFile& scene_file) {
   if (request.organ) {
     scene_file.organ = flag("--organ", *request.organ);
     scene_file.organ_unit.reset();
+    scene_file.organ_frame.reset();
   }
   if (request.organ_unit) scene_file.organ_unit = parse_unit(flag("--organ-unit", *request.organ_unit));
+  if (request.organ_frame) {
+    scene_file.organ_frame = parse_organ_frame(flag("--organ-frame", *request.organ_frame));
+  }
   if (!request.organ_motion.empty()) scene_file.organ_motion = organ_motions_by_flags(request.organ_motion);
   if (!request.inclusions.empty()) scene_file.inclusions = inclusions_by_flags(request.inclusions);
   if (request.tissue) scene_file.tissue = flag("--tissue", *request.tissue);
@@ -192,13 +197,43 @@ SceneFile describe(const Overrides& request) {
   return scene_file;
 }
 
+/// The frame that the scene states, else that of the file's header, else RAS. @param space of
+/// geometry::LoadedMesh
+void set_organ_frame(const SceneFile& scene_file, const std::string& space, Scene& scene, MeshNotes& notes) {
+  const OrganFrame declared = space == "LPS" ? OrganFrame::kLps : OrganFrame::kRas;
+  scene.organ_frame = scene_file.organ_frame.value_or(declared);
+  if (space.empty() || (space == "RAS" && scene.organ_frame == declared)) return;
+  const bool is_known = space == "LPS" || space == "RAS";
+  const std::string header = fmt::format("{}: its header says SPACE={}: ", scene.organ_name, space);
+  if (scene_file.organ_frame && (!is_known || declared != scene.organ_frame)) {
+    notes.remarks.push_back(header + "the scene's frame is used, " + to_string(scene.organ_frame));
+  } else if (!is_known) {
+    notes.remarks.push_back(header + "must be RAS or LPS; it is taken as ras (--organ-frame, organ.frame)");
+  } else {
+    notes.remarks.push_back(header + "OpenIGTLink clients get it in RAS, with the signs of x and y changed");
+  }
+}
+
+/// Poses of an OpenIGTLink client are in RAS, as those to it.
+void turn_clients(Scene& scene) {
+  if (scene.organ_frame != OrganFrame::kLps) return;
+  for (DeviceSetup& device : scene.devices) {
+    const bool is_client = find_device_kind(device.kind)->path == DevicePath::kClient;
+    const bool has_base = !device.base.position.isZero(0.0) || !device.base.rotation.vec().isZero(0.0);
+    if (is_client && !has_base) device.base.rotation = Quat(0.0, 0.0, 0.0, 1.0);  // half a turn about z
+  }
+}
+
 void load_organ(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
   const LocatedString& organ = *scene_file.organ;
   scene.organ_name = organ.value;
   if (is_path(organ.value)) {
-    scene.organ = read_organ_source(organ, scene_file.organ_unit, notes);
+    geometry::LoadedMesh loaded = read_organ_source(organ, scene_file.organ_unit, notes);
+    scene.organ = std::move(loaded.mesh);
+    set_organ_frame(scene_file, loaded.space, scene, notes);
     return;
   }
+  set_organ_frame(scene_file, {}, scene, notes);
   const std::vector<std::string>& known = geometry::builtin_organ_names();
   if (std::find(known.begin(), known.end(), organ.value) == known.end()) {
     const std::string near = nearest_word(organ.value, known);
@@ -270,12 +305,14 @@ const DeviceKind& check_device_kind(const LocatedString& kind) {
   kind.fail("must be " + alternatives(names));
 }
 
-void check_tool_path(const LocatedString& path, const std::filesystem::path& file, Task task) {
+PathSummary check_tool_path(const LocatedString& path, const std::filesystem::path& file, Task task,
+                            MeshNotes& notes) {
   try {
-    const ToolPath read = read_tool_path(file);
+    const ToolPath read = read_tool_path(file, PathInterpolation::kLinear, &notes.remarks);
     if (task == Task::kPull && !read.has_gripper()) {
       throw InputError(to_text(file) + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
     }
+    return summary_of(read);
   } catch (const InputError& error) {
     throw InputError(path.where + ": " + error.what());
   }
@@ -301,7 +338,7 @@ void check_client(const LocatedString& path) {
 }
 
 /// Checks the files that a device reads when it is opened. @return its resolved path; empty if none is given
-std::string check_device_path(const DeviceTable& device, const DeviceKind& kind, Task task) {
+std::string check_device_path(const DeviceTable& device, const DeviceKind& kind) {
   if (!device.path) {
     if (kind.path == DevicePath::kRecording) device.kind.fail("needs the path of a recording beside it");
     if (kind.path == DevicePath::kClient) {
@@ -318,11 +355,13 @@ std::string check_device_path(const DeviceTable& device, const DeviceKind& kind,
   const std::filesystem::path file = device.path->file();
   if (!file_exists(file)) device.path->fail("there is no such file");
   if (folder_exists(file)) device.path->fail("is a folder, must be a file");
-  if (kind.path == DevicePath::kToolPath) check_tool_path(*device.path, file, task);
   return to_text(file);
 }
 
-void load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+using PathSummaries = std::vector<std::optional<PathSummary>>;  // one a hand; empty: no path from a file
+
+PathSummaries load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+  PathSummaries paths;
   const std::size_t hands = scene_file.tools.size();
   if (hands > kMaxHands) {
     throw InputError(fmt::format("{}: there are {} tools, must be at most {}", scene_file.tool_location,
@@ -339,12 +378,28 @@ void load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
     DeviceSetup& made = scene.devices.emplace_back(device.setup);
     made.kind = kind.name;
     if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
-    made.path = check_device_path(device, kind, scene_file.task);
+    made.path = check_device_path(device, kind);
     made.path_speed = scene_file.path_speed;
-    if (kind.path != DevicePath::kToolPath || made.path.empty())
-      made.interpolation = PathInterpolation::kLinear;
+    std::optional<PathSummary>& path = paths.emplace_back();
+    if (kind.path != DevicePath::kToolPath || made.path.empty()) continue;
+    path = check_tool_path(*device.path, device.path->file(), scene_file.task, notes);
+    made.interpolation = device.interpolation.value_or(path->is_sampled ? PathInterpolation::kCubic
+                                                                        : PathInterpolation::kLinear);
   }
   for (const ToolTable& tool : scene_file.tools) scene.tools.push_back(load_instrument(tool, notes));
+  return paths;
+}
+
+/// Questions about numbers that are probably in another unit (plausibility.h).
+void add_questions(const SceneFile& scene_file, const PathSummaries& paths, Scene& scene, MeshNotes& notes) {
+  const auto add = [&notes](std::string remark) {
+    if (!remark.empty()) notes.remarks.push_back(std::move(remark));
+  };
+  add(organ_distance_remark(scene, scene_file.organ->where));
+  for (std::string& remark : tissue_remarks(scene.tissue)) add(std::move(remark));
+  for (std::size_t hand = 0; hand < paths.size(); ++hand) {
+    if (paths[hand]) add(far_path_remark(scene, hand, *paths[hand]));
+  }
 }
 
 void set_noise(const SceneFile& scene_file, Scene& scene) {
@@ -407,8 +462,10 @@ Scene load(const Overrides& request) {
   apply_to_tissue(request.settings, scene.tissue);
   check_layers(scene_file, scene);
   MeshNotes notes;
-  load_hands(scene_file, scene, notes);
+  const PathSummaries paths = load_hands(scene_file, scene, notes);
   load_organ(scene_file, scene, notes);
+  turn_clients(scene);
+  add_questions(scene_file, paths, scene, notes);
   place_inclusions(scene_file.inclusions, scene);
   if (scene.task == Task::kPalpate) {
     scene.search = scene_file.search.setup;

@@ -1,7 +1,5 @@
 #include "io/scene/mesh_source.h"
 
-#include <utility>
-
 #include "io/mesh_io/repair/repair.h"
 #include "io/system/file_content.h"
 #include "palpate/error.h"
@@ -54,13 +52,13 @@ geometry::LoadedMesh read_part_source(const LocatedString& mesh, const std::opti
   return loaded;
 }
 
-geometry::TriangleMesh read_organ_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
-                                         MeshNotes& notes) {
+geometry::LoadedMesh read_organ_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
+                                       MeshNotes& notes) {
   require_unit(mesh, unit);
   geometry::LoadedMesh loaded = with_location(
       mesh, [&] { return geometry::repair_organ(geometry::read_mesh(mesh.file(), unit), mesh.value); });
   note(loaded.findings, mesh.value, notes);
-  return std::move(loaded.mesh);
+  return loaded;
 }
 
 }  // namespace palpate::scene

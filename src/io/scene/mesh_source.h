@@ -22,8 +22,7 @@ struct MeshNotes {
 
 /// [setup] Reads and repairs an organ's mesh file. @throws InputError naming the field or flag, also when the
 /// unit is missing or the mesh cannot be an organ.
-[[nodiscard]] geometry::TriangleMesh read_organ_source(const LocatedString& mesh,
-                                                       const std::optional<LengthUnit>& unit,
-                                                       MeshNotes& notes);
+[[nodiscard]] geometry::LoadedMesh read_organ_source(const LocatedString& mesh,
+                                                     const std::optional<LengthUnit>& unit, MeshNotes& notes);
 
 }  // namespace palpate::scene

@@ -21,6 +21,15 @@ bool is_path(std::string_view text) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
+const char* to_string(OrganFrame frame) noexcept { return frame == OrganFrame::kLps ? "lps" : "ras"; }
+
+std::optional<OrganFrame> find_organ_frame(std::string_view name) noexcept {
+  for (const OrganFrame frame : {OrganFrame::kRas, OrganFrame::kLps}) {
+    if (name == to_string(frame)) return frame;
+  }
+  return std::nullopt;
+}
+
 const char* to_string(Task task) noexcept {
   switch (task) {
     case Task::kPull:

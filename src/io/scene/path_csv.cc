@@ -1,12 +1,21 @@
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "core/haptics/simulation.h"
 #include "io/system/csv_table.h"
+#include "io/system/input_file.h"
+#include "io/system/path_text.h"
+#include "io/system/plausible.h"
+#include "palpate/error.h"
 #include "palpate/tool_path.h"
 
 namespace palpate::scene {
@@ -42,16 +51,151 @@ Quat rotation(const CsvTable& table) {
                          shortest(q.x()), shortest(q.y()), shortest(q.z()), shortest(norm)));
 }
 
+/// The first line that is neither blank nor a comment, within the first 64 KiB; else the last of these.
+std::string first_line(const std::filesystem::path& file) {
+  std::string start(std::size_t{64} << 10U, '\0');
+  InputFile input(file, kCsvInput);
+  start.resize(input.read(std::span(start)));
+  std::string_view line;
+  for (std::string_view rest = start; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    line = trimmed(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (!line.empty() && !line.starts_with('#')) break;
+  }
+  return std::string(line);
+}
+
+/// The values of a line between blanks, commas or semicolons.
+std::vector<std::string_view> values_of(std::string_view line) {
+  constexpr std::string_view kBetween = " \t,;";
+  std::vector<std::string_view> values;
+  for (std::size_t from = line.find_first_not_of(kBetween); from != std::string_view::npos;) {
+    const std::size_t to = std::min(line.find_first_of(kBetween, from), line.size());
+    values.push_back(line.substr(from, to - from));
+    from = line.find_first_not_of(kBetween, to);
+  }
+  return values;
+}
+
+/// Names the format of a trajectory that other programs write, and how to convert it; empty for any other
+/// file.
+std::string known_trajectory(const std::filesystem::path& file) {
+  const std::string line = first_line(file);
+  const std::vector<std::string_view> values = values_of(line);
+  const bool numbers = std::all_of(values.begin(), values.end(),
+                                   [](std::string_view value) { return parse_number(value).has_value(); });
+  const auto has = [&line](std::string_view name) { return line.find(name) != std::string::npos; };
+  const std::string to_csv =
+      ": write it as CSV with the header time_s,x_m,y_m,z_m,qx,qy,qz,qw (metres, seconds)";
+  const std::string by_command = fmt::format(
+      ", such as by (echo time_s,x_m,y_m,z_m,qx,qy,qz,qw; grep -v '^[#t]' {} | tr -s ' \\t' ,) > path.csv",
+      excerpt(to_text(file)));
+  constexpr std::size_t kTum = 8;
+  constexpr std::size_t kKitti = 12;
+  constexpr std::size_t kEuroc = 17;
+  if ((numbers && values.size() == kTum) || (has("tx") && has("ty") && has("qw"))) {
+    return "; this is a trajectory of TUM or evo (timestamp tx ty tz qx qy qz qw)" + to_csv + by_command;
+  }
+  if (numbers && values.size() == kKitti) {
+    return "; this is a trajectory of KITTI (3 x 4 matrices without times)" + to_csv +
+           ", such as by evo_traj kitti --save_as_tum with the times, then from TUM";
+  }
+  if ((numbers && values.size() == kEuroc) || has("p_RS_R_x")) {
+    return "; this is a trajectory of EuRoC (times in ns, quaternion w first)" + to_csv +
+           ", such as by evo_traj euroc --save_as_tum, then from TUM";
+  }
+  if (has("field.")) {
+    return "; this is a topic of ROS as rostopic echo -p writes it (times in ns)" + to_csv;
+  }
+  return {};
+}
+
+CsvTable open_path(const std::filesystem::path& file) {
+  try {
+    return {file, kColumns};
+  } catch (const InputError& error) {
+    const std::string known = known_trajectory(file);
+    if (known.empty()) throw;
+    throw InputError(error.what() + known);
+  }
+}
+
+/// A log whose times count from elsewhere, such as from 1970, begins at its first row. @return the time of
+/// the path's start [s]
+double start_of(const CsvTable& table, const std::filesystem::path& file, std::vector<std::string>* remarks) {
+  const double first = table.number(kTime);
+  if (const std::string question = unix_time_question(first); !question.empty()) {
+    table.fail(kTime, question);
+  }
+  if (first >= 0.0 && first <= kLatestStart) return 0.0;
+  if (remarks != nullptr) {
+    remarks->push_back(fmt::format("{}: the path begins at {} s: its times are counted from its first row",
+                                   to_text(file), shortest(first)));
+  }
+  return first;
+}
+
+/// @throws InputError when a position is out of reach, such as one in mm
+void require_within_reach(const CsvTable& table, const Vec3& position) {
+  for (const std::size_t column : {kX, kY, kZ}) {
+    const double value = position[static_cast<Eigen::Index>(column - kX)];
+    if (std::abs(value) <= haptics::kFarthest) continue;
+    table.fail(column,
+               fmt::format("must be within {} m{}", shortest(haptics::kFarthest),
+                           column_question(kOrganDistance, std::abs(value), kColumns[column].name, 1.0)));
+  }
+}
+
+/// @throws InputError when the rows are too far apart for a motion in seconds
+void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::path& file) {
+  constexpr std::size_t kFewest = 8;  // rows of a log; fewer are drawn by hand
+  constexpr double kMoves = 1e-3;     // m, of a log in which the tool moves
+  const double length = rows.back().time - rows.front().time;
+  if (length > kLongestTimes) {
+    throw InputError(
+        fmt::format("{}: time_s: the path is {:.3g} s long, must be at most {:.3g} s: is time_s in "
+                    "seconds, without a jump?",
+                    to_text(file), length, kLongestTimes));
+  }
+  if (rows.size() < kFewest) return;
+  std::vector<double> steps;
+  RowTimes times;
+  double way = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    steps.push_back(rows[i].time - rows[i - 1].time);
+    const double moved = (rows[i].position - rows[i - 1].position).norm();
+    way += moved;
+    times.fastest = std::max(times.fastest, moved / steps.back());
+  }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  times.median_step = *middle;
+  if (way < kMoves) return;
+  const std::string question = slow_rows_question(times, kSpeedRange.usual.low);
+  if (question.empty()) return;
+  throw InputError(fmt::format(
+      "{}: time_s: the rows are {:.3g} s apart, the tool moves at most {:.3g} mm/s{}; a motion so slow needs "
+      "rows less than 1 s apart",
+      to_text(file), times.median_step, times.fastest * 1e3, question));
+}
+
 }  // namespace
 
-ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation interpolation) {
-  CsvTable table(file, kColumns);
+ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation interpolation,
+                        std::vector<std::string>* remarks) {
+  CsvTable table = open_path(file);
   const bool turns = has_rotations(table);
   std::vector<PathRow> rows;
+  double start = 0.0;   // s, subtracted from the times
+  double before = 0.0;  // s, time of the row before, as in the file
   while (table.next_row()) {
     PathRow row;
-    row.time = table.number(kTime);
+    const double time = table.number(kTime);
+    if (rows.empty()) start = start_of(table, file, remarks);
+    row.time = time - start;
     row.position = {table.number(kX), table.number(kY), table.number(kZ)};
+    require_within_reach(table, row.position);
     if (turns) row.orientation = rotation(table);
     row.gripper = table.number(kGripper);
     if (row.gripper < 0.0 || row.gripper > 1.0) table.fail(kGripper, "must be 0 (closed) to 1 (open)");
@@ -60,15 +204,16 @@ ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation int
       table.fail(kButtons, "must be a whole number, the sum of 2^button over the pressed buttons");
     }
     row.buttons = static_cast<std::uint32_t>(buttons);
-    if (!rows.empty() && row.time <= rows.back().time) {
-      table.fail(kTime, "must be later than the row before, " + shortest(rows.back().time));
+    if (!rows.empty() && time <= before) {
+      table.fail(kTime, "must be later than the row before, " + shortest(before));
     }
-    if (!rows.empty() && !std::isfinite(row.time - rows.front().time)) {
-      table.fail(kTime,
-                 "the path's length must be a finite number, it begins at " + shortest(rows.front().time));
+    if (!std::isfinite(row.time)) {
+      table.fail(kTime, "the path's length must be a finite number, it begins at " + shortest(start));
     }
+    before = time;
     rows.push_back(row);
   }
+  require_seconds(rows, file);
   return ToolPath(std::move(rows), table.has(kGripper), interpolation);
 }
 

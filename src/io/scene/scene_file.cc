@@ -85,6 +85,7 @@ class SceneReader final {
     table->allow_only(keys_in("organ", {"pose", "motion", "inclusion", "stiffness"}));
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
+    if (const auto frame = stated(*table, "frame")) scene.organ_frame = parse_organ_frame(*frame);
     scene.tissue = stated(*table, "tissue");
     scene.organ_pose = read_pose(*table, "pose");
     scene.organ_motion = read_organ_motions(*table);
@@ -135,7 +136,7 @@ class SceneReader final {
     if (device.kind.where.empty()) device.kind.where = table.location("kind") + ": " + table.field("kind");
     device.path = stated(table, "path");
     DeviceSetup& setup = device.setup;
-    if (const auto name = stated(table, "interpolation")) setup.interpolation = parse_interpolation(*name);
+    if (const auto name = stated(table, "interpolation")) device.interpolation = parse_interpolation(*name);
     setup.workspace_scale = number_in(table, "workspace_scale").value_or(setup.workspace_scale);
     setup.base = read_pose(table, "base");
     setup.dynamics.damping = number_in(table, "damping_N_s_per_m");
@@ -211,6 +212,11 @@ void LocatedString::fail(const std::string& want) const {
 Task parse_task(const LocatedString& stated) {
   if (const auto task = find_task(stated.value)) return *task;
   stated.fail("must be press, pull or palpate");
+}
+
+OrganFrame parse_organ_frame(const LocatedString& stated) {
+  if (const auto frame = find_organ_frame(stated.value)) return *frame;
+  stated.fail("must be ras or lps");
 }
 
 PathInterpolation parse_interpolation(const LocatedString& stated) {

@@ -50,7 +50,8 @@ struct ToolTable {
 struct DeviceTable {
   LocatedString kind = {"scripted", "", {}};
   std::optional<LocatedString> path;
-  DeviceSetup setup;  // except kind and path
+  std::optional<PathInterpolation> interpolation;  // of a tool path; empty: by its rows
+  DeviceSetup setup;                               // except kind, path and interpolation
 };
 
 /// The content of a scene file, checked except for the files that it names. SI units.
@@ -61,6 +62,7 @@ struct SceneFile {
   std::uint64_t seed = 1;
   std::optional<LocatedString> organ;
   std::optional<LengthUnit> organ_unit;
+  std::optional<OrganFrame> organ_frame;  // empty: that of the mesh file's header, else RAS
   std::optional<LocatedString> tissue;
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
@@ -92,6 +94,9 @@ struct SceneFile {
 
 /// [setup] The length unit that `stated` names. @throws InputError naming where `stated` was written.
 [[nodiscard]] LengthUnit parse_unit(const LocatedString& stated);
+
+/// [setup] "ras" or "lps". @throws InputError naming where `stated` was written.
+[[nodiscard]] OrganFrame parse_organ_frame(const LocatedString& stated);
 
 /// [setup] "linear" or "cubic". @throws InputError naming where `stated` was written.
 [[nodiscard]] PathInterpolation parse_interpolation(const LocatedString& stated);

@@ -29,6 +29,7 @@ std::vector<SceneKey> make_keys() {
       {"scene.seed", kWhole},
       {"organ.mesh", kText},
       {"organ.unit", kText},
+      {"organ.frame", kText},
       {"organ.tissue", kText},
       {"organ.motion.kind", kText},
       {"organ.motion.amplitude_mm", kNumber},

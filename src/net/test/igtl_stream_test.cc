@@ -63,7 +63,7 @@ const Received& find(const std::vector<Received>& all, const std::string& type, 
 }
 
 TEST(IgtlStream, PosesAndSensorsAreTheSnapshotsInMillimetresAndNewtonsForEachHand) {
-  auto all = read_all(IgtlStream::poses(two_hands(), kNow));
+  auto all = read_all(IgtlStream(block()).poses(two_hands(), kNow));
   EXPECT_EQ(all.size(), 4u) << "two of each hand";
   for (Received& received : read_all(IgtlStream(block()).sensors(two_hands(), kNow))) all.push_back(received);
   EXPECT_EQ(all.size(), 11u) << "the time, and three of each hand";
@@ -79,8 +79,57 @@ TEST(IgtlStream, PosesAndSensorsAreTheSnapshotsInMillimetresAndNewtonsForEachHan
   for (const Received& received : all) EXPECT_DOUBLE_EQ(received.time, 1.7e9) << received.name;
 }
 
+TEST(IgtlStream, AnOrganInLpsIsSentInRasWithItsTool) {
+  scene::Scene scene = block();
+  for (Vec3& vertex : scene.organ.vertices) vertex += Vec3(-0.06, -0.035, 0.12);  // 90 to 30 mm to the left
+  scene.organ_frame = scene::OrganFrame::kLps;
+  IgtlStream stream(scene);
+  haptics::Snapshot snapshot = two_hands();
+  snapshot.tools[0].pose_W.rotation = rotation_about(Vec3::UnitX(), 0.5);
+  snapshot.results[0].contact_W = Vec3(-0.06, -0.035, 0.14);
+  snapshot.commands[0].force = Vec3(0.2, 0.3, 0.4);
+
+  const auto sent = stream.poses(snapshot, kNow);
+  auto all = read_all(sent);
+  EXPECT_THAT(find(all, "TRANSFORM", "PalpateTool").position(),
+              ElementsAre(FloatEq(-1.0F), FloatEq(-2.0F), FloatEq(3.0F)));
+  igtl::Matrix4x4 matrix;
+  find(all, "TRANSFORM", "PalpateTool").as<igtl::TransformMessage>()->GetMatrix(matrix);
+  const Mat3 turned = rotation_about(Vec3::UnitX(), 0.5).toRotationMatrix();
+  for (int column = 0; column < 3; ++column) {
+    EXPECT_NEAR(matrix[0][column], -turned(0, column), 1e-6);
+    EXPECT_NEAR(matrix[1][column], -turned(1, column), 1e-6);
+    EXPECT_NEAR(matrix[2][column], turned(2, column), 1e-6);
+  }
+  igtl::PointElement::Pointer point;
+  find(all, "POINT", "PalpateContact").as<igtl::PointMessage>()->GetPointElement(0, point);
+  std::array<float, 3> place{};
+  point->GetPosition(place.data());
+  EXPECT_THAT(place, ElementsAre(FloatEq(60.0F), FloatEq(35.0F), FloatEq(140.0F)));
+
+  all = read_all(stream.sensors(snapshot, kNow));
+  EXPECT_THAT(find(all, "SENSOR", "PalpateForce").values(), ElementsAre(-0.2, -0.3, 0.4));
+  EXPECT_THAT(find(all, "SENSOR", "PalpateTorque").values(), ElementsAre(-0.01, 0.0, 0.0));
+
+  all = read_all(stream.surface(snapshot, kNow));
+  igtl::PolyDataMessage::Pointer organ = find(all, "POLYDATA", "PalpateOrgan").as<igtl::PolyDataMessage>();
+  Vec3 low = Vec3::Constant(1e9);
+  Vec3 high = -low;
+  for (unsigned i = 0; i < static_cast<unsigned>(organ->GetPoints()->GetNumberOfPoints()); ++i) {
+    std::array<igtlFloat32, 3> at{};
+    organ->GetPoints()->GetPoint(i, at.data());
+    for (int axis = 0; axis < 3; ++axis) {
+      const double value = static_cast<double>(at[static_cast<std::size_t>(axis)]);
+      low[axis] = std::min(low[axis], value);
+      high[axis] = std::max(high[axis], value);
+    }
+  }
+  EXPECT_LT((low - Vec3(30.0, 5.0, 100.0)).norm(), 1e-3) << low.transpose();
+  EXPECT_LT((high - Vec3(90.0, 65.0, 140.0)).norm(), 1e-3) << high.transpose();
+}
+
 TEST(IgtlStream, TheContactPointIsShownWhileTheToolTouches) {
-  const auto all = read_all(IgtlStream::poses(two_hands(), kNow));
+  const auto all = read_all(IgtlStream(block()).poses(two_hands(), kNow));
   for (const auto& [name, opacity] : {std::pair("PalpateContact", 255), std::pair("PalpateContact2", 0)}) {
     const igtl::PointMessage::Pointer message = find(all, "POINT", name).as<igtl::PointMessage>();
     igtl::PointElement::Pointer point;

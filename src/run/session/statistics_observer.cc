@@ -45,6 +45,7 @@ void StatisticsObserver::on_row(const haptics::TickRow& row) noexcept {
     statistics_.deepest_tick = row.tick;
     statistics_.deepest_hand = row.hand;
   }
+  if (row.phase == 0 && row.fault == 0) statistics_.nearest = std::min(statistics_.nearest, row.distance);
   if (row.phase != 0 && row.tick != last_contact_tick_) {
     ++statistics_.contact_ticks;
     last_contact_tick_ = row.tick;

@@ -217,7 +217,7 @@ LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   if (!repaired.refusal.empty()) {
     throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": " + repaired.remedy);
   }
-  LoadedMesh organ{std::move(repaired.mesh), {}};
+  LoadedMesh organ{std::move(repaired.mesh), {}, std::move(loaded.space)};
   organ.findings = findings_of(organ.mesh);
   organ.findings.crossing_pairs = repaired.crossing_pairs;
   const auto append = [](std::vector<std::string>& all, const std::vector<std::string>& more) {

@@ -101,7 +101,7 @@ max_slew_N_m_per_ms = 0.02
   ASSERT_EQ(scene.devices.size(), 1U);
   EXPECT_EQ(scene.devices[0].kind.value, "scripted");
   EXPECT_EQ(scene.devices[0].path->value, "way.csv");
-  EXPECT_EQ(scene.devices[0].setup.interpolation, PathInterpolation::kCubic);
+  EXPECT_EQ(scene.devices[0].interpolation, PathInterpolation::kCubic);
   EXPECT_EQ(scene.devices[0].setup.workspace_scale, 2.0);
   EXPECT_NEAR((scene.devices[0].setup.base * Vec3(0.0, 1.0, 0.0) - Vec3(0.1, 0.0, 1.0)).norm(), 0.0, 1e-15);
   EXPECT_FALSE(scene.noise.enabled);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -258,6 +259,85 @@ TEST(ReadToolPath, RefusesGripperAndRotationOutOfRange) {
             "way.csv:2: gripper = -0.1: must be 0 (closed) to 1 (open)");
   EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n"),
             "way.csv:2: qw,qx,qy,qz = 0,0,0,0: must be a rotation, not of length 0");
+}
+
+/// A robot's log of 4 s with ten rows a second: down by 20 mm at 10 mm/s, then at rest.
+std::string log_with_times(double begin, double second) {
+  std::string text = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 40; ++i) {
+    text += fmt::format("{:.3f},0,0,{:.4f}\n", begin + 0.1 * second * i, 0.06 - 0.001 * std::min(i, 20));
+  }
+  return text;
+}
+
+TEST(ReadToolPath, ALogThatCountsFromElsewhereBeginsAtItsFirstRowAndThatIsSaidOnce) {
+  const TemporaryFolder folder;
+  const ToolPath plain = read_tool_path(folder.write("plain.csv", log_with_times(0.0, 1.0)));
+  for (const double begin : {1636500000.1, 100.0, -3.0}) {
+    std::vector<std::string> remarks;
+    const auto file = folder.write("log.csv", log_with_times(begin, 1.0));
+    const ToolPath path = read_tool_path(file, PathInterpolation::kLinear, &remarks);
+    EXPECT_EQ(path.rows().front().time, 0.0);
+    EXPECT_NEAR(path.end_time(), 4.0, 1e-6);
+    for (const double time : {0.0, 0.55, 1.95, 3.0}) {
+      EXPECT_LT((path.at(time).position - plain.at(time).position).norm(), 1e-8) << begin;
+    }
+    ASSERT_EQ(remarks.size(), 1U);
+    EXPECT_THAT(remarks[0], HasSubstr("log.csv: the path begins at "));
+    EXPECT_THAT(remarks[0], HasSubstr(" s: its times are counted from its first row"));
+  }
+}
+
+TEST(ReadToolPath, APathThatBeginsWithinTenSecondsHoldsItsFirstRowUntilThen) {
+  const TemporaryFolder folder;
+  std::vector<std::string> remarks;
+  const ToolPath path =
+      read_tool_path(folder.write("p.csv", log_with_times(2.0, 1.0)), PathInterpolation::kLinear, &remarks);
+  EXPECT_EQ(path.rows().front().time, 2.0);
+  EXPECT_EQ(path.at(1.0).position.z(), 0.06);
+  EXPECT_TRUE(remarks.empty());
+}
+
+TEST(ReadToolPath, TimesInOtherUnitsThanSecondsAreRefusedWithTheUnit) {
+  EXPECT_EQ(path_error_in(log_with_times(1636500000100.0, 1e3)),
+            "way.csv:2: time_s = 1636500000100: must be in seconds: is time_s in ms since 1970?");
+  EXPECT_THAT(path_error_in(log_with_times(1.6365e15, 1e6)), HasSubstr("is time_s in us since 1970?"));
+  EXPECT_THAT(path_error_in(log_with_times(1.6365e18, 1e9)), HasSubstr("is time_s in ns since 1970?"));
+  EXPECT_THAT(
+      path_error_in(log_with_times(0.0, 1e3)),
+      HasSubstr(
+          "way.csv: time_s: the rows are 100 s apart, the tool moves at most 0.01 mm/s: is time_s in ms? "
+          "(the motion would reach 10 mm/s)"));
+  EXPECT_THAT(path_error_in(log_with_times(0.0, 1e5)), HasSubstr("the rows are 1e+04 s apart"));
+  EXPECT_THAT(path_error_in(log_with_times(0.0, 1e9)),
+              HasSubstr("the path is 4e+09 s long, must be at most 1e+06 s"));
+  EXPECT_THAT(path_error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n1636500000,0,0,0\n"), HasSubstr("without a jump?"));
+}
+
+TEST(ReadToolPath, ASlowPathOfAFewRowsIsTaken) {
+  const TemporaryFolder folder;
+  const ToolPath path = read_tool_path(folder.write("p.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n3600,0,0,0.01\n"));
+  EXPECT_EQ(path.end_time(), 3600.0);
+}
+
+TEST(ReadToolPath, APositionOutOfReachIsRefusedWithTheUnitThatWouldBeRight) {
+  EXPECT_EQ(path_error_in("time_s,x_m,y_m,z_m\n0,0,-250,0\n"),
+            "way.csv:2: y_m = -250: must be within 100 m: is y_m in mm? (it would be 0.25 m)");
+}
+
+TEST(ReadToolPath, TrajectoriesOfOtherProgramsAreToldByName) {
+  const std::string tum =
+      "1305031102.1758 1.3 0.6 1.6 0.6 0.6 -0.3 -0.3\n1305031102.2758 1.3 0.6 1.6 0.6 0.6 -0.3 -0.3\n";
+  for (const std::string& text : {std::string(tum), "# timestamp tx ty tz qx qy qz qw\n" + tum,
+                                  std::string("timestamp,tx,ty,tz,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n")}) {
+    EXPECT_THAT(path_error_in(text), testing::AllOf(HasSubstr("this is a trajectory of TUM or evo"),
+                                                    HasSubstr("echo time_s,x_m,y_m,z_m,qx,qy,qz,qw")));
+  }
+  EXPECT_THAT(path_error_in("1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("trajectory of KITTI"));
+  EXPECT_THAT(
+      path_error_in("#timestamp [ns],p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,"
+                    "0,0,0,0,0,0\n"),
+      HasSubstr("trajectory of EuRoC (times in ns"));
 }
 
 TEST(ToolPath, AFasterOneIsAtTheSamePlacesInLessTime) {

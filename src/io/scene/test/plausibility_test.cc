@@ -1,0 +1,203 @@
+// Scenes whose numbers are in another unit than their files say, and the frame and paths of a scene.
+#include "io/scene/plausibility.h"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "io/scene/test/temporary_folder.h"
+#include "palpate/scene.h"
+
+namespace palpate::scene {
+namespace {
+
+using test::error_of;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// A box with an edge of 2 `half`, at `x` along x, as an OBJ file.
+std::string box_obj(double half, double x = 0.0, const std::string& header = "") {
+  std::string text = header;
+  for (int i = 0; i < 8; ++i) {
+    text += fmt::format("v {} {} {}\n", x + ((i + 1) / 2 % 2 == 1 ? half : -half),
+                        i / 2 % 2 == 1 ? half : -half, i >= 4 ? half : -half);
+  }
+  return text +
+         "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\n"
+         "f 4 5 8\n";
+}
+
+/// A log of ten rows a second that goes down by 20 mm. @param metres in the unit of the file
+std::string log_from(double z, double metres = 1.0) {
+  std::string text = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 20; ++i) text += fmt::format("{:.1f},0,0,{}\n", 0.1 * i, metres * (z - 1e-3 * i));
+  return text;
+}
+
+std::vector<std::string> remarks_of(const Overrides& request) { return load(request).remarks; }
+
+class Plausibility : public testing::Test {
+ protected:
+  /// A scene with a box of 2 `half_mm` as the organ, and a ball as the tool.
+  [[nodiscard]] Overrides with_organ(double half_mm, double x_mm = 0.0,
+                                     const std::string& header = "") const {
+    Overrides request;
+    request.organ = folder_.write("organ.obj", box_obj(half_mm, x_mm, header)).string();
+    request.organ_unit = "mm";
+    request.tissue = "liver";
+    request.tools = {"sphere:3"};
+    return request;
+  }
+  [[nodiscard]] Overrides with_path(const std::string& path) const {
+    Overrides request = with_organ(20.0);
+    request.device = "scripted:" + folder_.write("path.csv", path).string();
+    return request;
+  }
+  [[nodiscard]] Overrides with_tool(double half_mm) const {
+    Overrides request = with_organ(20.0);
+    request.tools = {folder_.write("jaw.obj", box_obj(half_mm)).string()};
+    request.tool_unit = "mm";
+    return request;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Plausibility, AnInstrumentInMetresThatIsTakenAsMillimetresIsRefused) {
+  const std::string why = error_of([&] { (void)load(with_tool(0.006)); });
+  EXPECT_THAT(why, AllOf(HasSubstr("--tool = "), HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm"),
+                         HasSubstr("is its unit right? (1000 times larger it would be 12 mm)")));
+  EXPECT_THAT(error_of([&] { (void)load(with_tool(6000.0)); }),
+              HasSubstr("1000 times smaller it would be 12 mm"));
+}
+
+TEST_F(Plausibility, AnUnusualInstrumentIsQuestionedAndAUsualOneIsNot) {
+  EXPECT_THAT(remarks_of(with_tool(0.25)),
+              Contains(HasSubstr("largest side is 0.5 mm, usual is 1 to 1000 mm")));
+  EXPECT_THAT(remarks_of(with_tool(6.0)), IsEmpty());
+}
+
+TEST_F(Plausibility, AnOrganOutOfReachIsRefusedWithItsPlaceAndAFarOneIsQuestioned) {
+  const std::string why = error_of([&] { (void)load(with_organ(30.0, 250e3)); });
+  EXPECT_THAT(why,
+              AllOf(HasSubstr("--organ: the organ lies 250 m from the origin"),
+                    HasSubstr("at x 249.97 to 250.03, y -0.03 to 0.03"), HasSubstr("must be within 50 m")));
+  EXPECT_THAT(remarks_of(with_organ(30.0, -3e3)),
+              Contains(HasSubstr("the organ lies 2.97 m from the origin")));
+  EXPECT_THAT(remarks_of(with_organ(30.0, 1e3)), IsEmpty());
+}
+
+TEST_F(Plausibility, TheOrgansPoseCountsForItsPlace) {
+  Overrides request;
+  (void)folder_.write("organ.obj", box_obj(30.0, 250e3));
+  request.scene = folder_.write("s.toml",
+                                "[organ]\nmesh = \"organ.obj\"\nunit = \"mm\"\n"
+                                "pose = { position_mm = [-250000, 0, 0] }\n[tool]\nmesh = \"sphere:3\"\n");
+  EXPECT_THAT(remarks_of(request), IsEmpty());
+}
+
+TEST_F(Plausibility, APathInMillimetresIsQuestionedWithItsDistance) {
+  EXPECT_THAT(remarks_of(with_path(log_from(0.065, 1e3))),
+              Contains(AllOf(HasSubstr("path.csv: the tool comes no nearer to the organ than 44.977 m"),
+                             HasSubstr("are x_m, y_m and z_m in mm?"))));
+  EXPECT_THAT(remarks_of(with_path(log_from(0.065, 1e2))),
+              Contains(HasSubstr("are x_m, y_m and z_m in mm or cm?")));
+  EXPECT_THAT(remarks_of(with_path(log_from(0.5))), Contains(HasSubstr("are its positions in metres")));
+  EXPECT_THAT(remarks_of(with_path(log_from(0.065))), IsEmpty());
+}
+
+TEST_F(Plausibility, AWorkspaceScaleCountsForAPathsDistance) {
+  (void)folder_.write("path.csv", log_from(0.065, 1e3));
+  Overrides request;
+  request.scene = folder_.write("s.toml",
+                                "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n"
+                                "[device]\npath = \"path.csv\"\nworkspace_scale = 0.001\n");
+  EXPECT_THAT(remarks_of(request), IsEmpty());
+}
+
+TEST_F(Plausibility, ALogWithUnixTimeIsSaidOnceInAScene) {
+  std::string text = log_from(0.065);
+  for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) {
+    text.insert(at + 1, "163650000");  // before 0.0 to 2.0 s
+  }
+  EXPECT_THAT(remarks_of(with_path(text)),
+              testing::ElementsAre(HasSubstr("the path begins at 1636500000 s")));
+}
+
+TEST_F(Plausibility, TissueNumbersInOtherUnitsAreQuestioned) {
+  model::TissueParameters tissue = model::tissue_preset("liver");
+  EXPECT_THAT(tissue_remarks(tissue), IsEmpty());
+  tissue.k1 = 0.018;
+  EXPECT_THAT(tissue_remarks(tissue),
+              Contains(HasSubstr("k1_N_per_m = 0.018, usual is 0.5 to 2e+04: is k1_N_per_m in "
+                                 "N/cm? (it would be 1.8 N/m)")));
+  tissue.rest_length *= 1e-3;
+  tissue.min_length *= 1e-3;
+  EXPECT_THAT(tissue_remarks(tissue), Contains(HasSubstr("is rest_length_mm in m?")));
+}
+
+TEST_F(Plausibility, EveryPresetIsUsual) {
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    EXPECT_THAT(tissue_remarks(model::tissue_preset(name)), IsEmpty()) << name;
+  }
+}
+
+TEST_F(Plausibility, ALogBelow200RowsASecondIsCubicUnlessTheSceneSaysLinear) {
+  EXPECT_EQ(load(with_path(log_from(0.065))).devices[0].interpolation, PathInterpolation::kCubic);
+  Overrides request;
+  request.scene = folder_.write("s.toml",
+                                "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n"
+                                "[device]\npath = \"path.csv\"\ninterpolation = \"linear\"\n");
+  EXPECT_EQ(load(request).devices[0].interpolation, PathInterpolation::kLinear);
+}
+
+TEST_F(Plausibility, PathsOf200RowsASecondOrOfSomeCornersAreLinear) {
+  std::string fast = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 20; ++i) fast += fmt::format("{},0,0,0.06\n", 0.005 * i);
+  EXPECT_EQ(load(with_path(fast)).devices[0].interpolation, PathInterpolation::kLinear);
+  const std::string corners = "time_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0.03\n2,0,0,0.06\n";
+  EXPECT_EQ(load(with_path(corners)).devices[0].interpolation, PathInterpolation::kLinear);
+  EXPECT_EQ(load({}).devices[0].interpolation, PathInterpolation::kLinear) << "the default path";
+}
+
+TEST_F(Plausibility, AnOrganHasTheFrameThatItsHeaderDeclares) {
+  const Scene plain = load(with_organ(20.0));
+  EXPECT_EQ(plain.organ_frame, OrganFrame::kRas);
+  const Scene lps = load(with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=LPS\n"));
+  EXPECT_EQ(lps.organ_frame, OrganFrame::kLps);
+  EXPECT_EQ(lps.organ.vertices, plain.organ.vertices) << "Palpate's own frame is the file's";
+  EXPECT_THAT(lps.remarks,
+              Contains(HasSubstr("its header says SPACE=LPS: OpenIGTLink clients get it in RAS")));
+  const Scene ras = load(with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=RAS\n"));
+  EXPECT_EQ(ras.organ_frame, OrganFrame::kRas);
+  EXPECT_THAT(ras.remarks, IsEmpty());
+  EXPECT_THAT(remarks_of(with_organ(20.0, 0.0, "# SPACE=LAI\n")), Contains(HasSubstr("must be RAS or LPS")));
+}
+
+TEST_F(Plausibility, TheStatedFrameCountsMoreThanTheHeader) {
+  Overrides request = with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=LPS\n");
+  request.organ_frame = "ras";
+  const Scene scene = load(request);
+  EXPECT_EQ(scene.organ_frame, OrganFrame::kRas);
+  EXPECT_THAT(scene.remarks, Contains(HasSubstr("the scene's frame is used, ras")));
+  request = with_organ(20.0);
+  request.organ_frame = "lps";
+  EXPECT_EQ(load(request).organ_frame, OrganFrame::kLps);
+  request.organ_frame = "LPI";
+  EXPECT_EQ(error_of([&] { (void)load(request); }), "--organ-frame = \"LPI\": must be ras or lps");
+}
+
+TEST_F(Plausibility, AClientsPosesAreTurnedToAnOrganInLps) {
+  Overrides request = with_organ(20.0);
+  request.device = "igtl:18945/Hand";
+  EXPECT_EQ(load(request).devices[0].base * Vec3(0.03, 0.02, 0.01), Vec3(0.03, 0.02, 0.01));
+  request.organ_frame = "lps";
+  EXPECT_EQ(load(request).devices[0].base * Vec3(0.03, 0.02, 0.01), Vec3(-0.03, -0.02, 0.01));
+}
+
+}  // namespace
+}  // namespace palpate::scene
