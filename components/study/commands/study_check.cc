@@ -88,6 +88,10 @@ void check_surroundings(const std::string& file, CheckedStudy& made) {
   } else if (!regular_file_exists(consent)) {
     made.missing.push_back("ethics.consent_file: there is no file " + consent.string());
   }
+  if (study.approval.empty()) {
+    made.hints.emplace_back(
+        "no [ethics] approval of an ethics committee: only simulated people can take part");
+  }
   const scene::DeviceKind* device = scene::find_device_kind(made.scene.devices.front().kind);
   if (device != nullptr && (!device->held || device->name == "emulated")) {
     made.hints.push_back(fmt::format(

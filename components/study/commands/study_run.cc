@@ -54,7 +54,7 @@ std::unique_ptr<StudyScreens> open_screens(const study::StudyFolder& study, cons
 // A folder holds people or simulated ones, since their data are analysed together.
 void require_one_kind(study::StudyFolder& study, const std::string& observer) {
   if (observer.empty()) {
-    if (!study.simulated) return;
+    if (!study.simulated) return study::require_ethics(study.study);
     throw InputError(study.folder.string() + ": is for simulated participants; prepare another for people");
   }
   (void)study::make_person(observer, 1, 0);  // refuses an unknown one

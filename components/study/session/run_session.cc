@@ -247,10 +247,7 @@ void RunningSession::note() {
 
 // A person consents, and feels a device that a hand holds.
 void RunningSession::require_for_person() const {
-  if (study_.study.consent_file.empty()) {
-    throw InputError(study_.study.file.string() +
-                     ": ethics.consent_file: is missing; without it only simulated people take part");
-  }
+  require_ethics(study_.study);
   const std::string kind = study_scene(study_.study, options_.device).devices.front().kind;
   const scene::DeviceKind* found = scene::find_device_kind(kind);
   if (found != nullptr && found->held) return;
@@ -436,6 +433,20 @@ SessionOutcome RunningSession::run() {
 }
 
 }  // namespace
+
+void require_ethics(const Study& study) {
+  if (study.consent_file.empty()) {
+    throw InputError(study.file.string() +
+                     ": ethics.consent_file: is missing; without it only simulated people take part");
+  }
+  if (study.approval.find_first_not_of(" \t") == std::string::npos) {
+    throw InputError(
+        study.file.string() +
+        ": ethics.approval: is missing, must be the ethics committee and the number of its approval; "
+        "without it only simulated people take part: write it into the study file, and prepare the "
+        "study again");
+  }
+}
 
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options) {
   return RunningSession(study, key, options).run();

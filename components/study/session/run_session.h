@@ -80,6 +80,10 @@ struct SessionOutcome {
   std::uint32_t fault = 0;  // latched haptics::Fault that ended the session
 };
 
+/// [setup] What an ethics committee wants of a study with people: a consent text and its approval.
+/// @throws InputError that names what is missing; only simulated people may take part then
+void require_ethics(const Study& study);
+
 /// [setup] Runs a session, or goes on with an interrupted one. An observer's session runs offline.
 /// @throws InputError, ParameterError
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options);

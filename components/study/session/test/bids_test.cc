@@ -32,7 +32,7 @@ class Bids : public testing::Test {
  protected:
   Bids() {
     study_.ask = {"age_band"};
-    study_.approval = "EC 1";
+    study_.approval = "PLACEHOLDER";
     study_.tasks[2].name = "stiff-ness";
     for (std::uint32_t number = 0; number < 2; ++number) {
       people_.push_back(new_participant(number));
@@ -71,7 +71,7 @@ TEST_F(Bids, FilesAreNamedByPersonSessionTaskAndRun) {
   EXPECT_EQ(json["response_time"]["Units"], "s");
   EXPECT_TRUE(json["condition"]["Levels"].contains("paper"));
   const auto description = nlohmann::json::parse(content_of(folder / "dataset_description.json"));
-  EXPECT_EQ(description["EthicsApprovals"][0], "EC 1");
+  EXPECT_EQ(description["EthicsApprovals"][0], "PLACEHOLDER");
   EXPECT_EQ(content_of(folder / "participants.tsv"),
             "participant_id\tage_band\tsimulated\nsub-P1000\t30-39\tno\n");
   EXPECT_FALSE(fs::exists(folder / "sub-P1001"));  // withdrew

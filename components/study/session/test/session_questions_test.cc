@@ -26,6 +26,7 @@ name = "asking"
 scene = "box"
 [ethics]
 consent_file = "consent.md"
+approval = "PLACEHOLDER, no committee and no number"
 [participants]
 ask = ["age_band", "hand"]
 [[task]]
@@ -118,6 +119,22 @@ TEST_F(SessionQuestionsTest, NobodyTakesPartInAStudyWithoutAConsentText) {
   study_.study.consent_file.clear();
   ScriptedScreens screens({});
   EXPECT_THROW(run(screens), InputError);
+}
+
+TEST_F(SessionQuestionsTest, NobodyTakesPartInAStudyWithoutAnApproval) {
+  for (const char* approval : {"", "  "}) {
+    study_.study.approval = approval;
+    ScriptedScreens screens({});
+    try {
+      run(screens);
+      ADD_FAILURE() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_THAT(
+          error.what(),
+          testing::HasSubstr("ethics.approval: is missing, must be the ethics committee and the number"));
+    }
+    EXPECT_TRUE(screens.asked.empty());
+  }
 }
 
 TEST_F(SessionQuestionsTest, AParticipantWhoWithdrawsDuringAQuestionHasWithdrawn) {

@@ -49,7 +49,7 @@ TEST_F(ExampleStudy, HasItsTablesInSiUnits) {
   EXPECT_EQ(study_.seed, 20260301U);
   EXPECT_EQ(study_.sessions, 4);
   EXPECT_EQ(study_.consent_file, "consent-en.md");
-  EXPECT_EQ(study_.approval, "EC 2026-014");
+  EXPECT_EQ(study_.approval, "");
   EXPECT_TRUE(study_.random_ids);
   EXPECT_THAT(study_.ask, ElementsAre("age_band", "hand", "palpation_experience_years"));
   EXPECT_EQ(study_.max_noise, 0.1);
