@@ -94,7 +94,7 @@ export interface Result {
   toolOrientation: Quaternion;
   /** 0 closed .. 1 open */
   gripper: number;
-  /** J, work on the tissue force that was not returned so far */
+  /** J, work on the tissue force that was not returned; outside the tissue a surplus is reset to 0 */
   energy: number;
   /** Gain of force and noise (force ramp), 0 .. 1 */
   engagement: number;

@@ -32,7 +32,7 @@ struct TickRow {
   std::uint32_t status = 0;  // status bits of contact (tool_contact.h) and of the gate (gate.h)
   std::uint32_t fault = 0;   // latched Fault
   double energy = 0.0;       // J, passivity observer: work of the hand and of the organ motion on the tissue
-                             // force that was not returned so far
+                             // force that was not returned; outside the tissue a surplus is reset to 0
   double engagement = 1.0;   // gain of force and noise (force ramp), 0 to 1
   // The device's sample, from which a replay computes the tick again:
   std::array<double, 3> device{};           // m, device frame
