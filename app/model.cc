@@ -80,6 +80,13 @@ std::vector<double> layer_deformation_mm(const LayeredSpringLaw::LayerState& sta
   return deformation;
 }
 
+std::string note(const model::TissueParameters& tissue, const LayeredSpringLaw::LayerState& state) {
+  if (state.saturated) return "  saturated: all layers are at their largest deformation";
+  if (!state.extrapolated) return "";
+  return "  past " + shortest(*tissue.max_depth / kMillimetre) +
+         " mm, where the evidence for this tissue ends: the tangent stays";
+}
+
 void print_json(const Account& account) {
   nlohmann::ordered_json json;
   json["tissue"] = account.tissue.name;
@@ -95,6 +102,7 @@ void print_json(const Account& account) {
     result["depth_mm"] = answer.state.depth / kMillimetre;
     result["cutoff_layer"] = answer.state.cutoff_layer;
     result["saturated"] = answer.state.saturated;
+    result["extrapolated"] = answer.state.extrapolated;
     result["tangent_stiffness_N_per_m"] = answer.state.stiffness;
     result["layer_deformation_mm"] = layer_deformation_mm(answer.state);
     json["results"].push_back(result);
@@ -125,8 +133,7 @@ void print_table(const Account& account) {
     std::cout << std::setw(kLayerWidth) << answer.state.cutoff_layer << ' ';
     for (const double deformation : layer_deformation_mm(answer.state))
       std::cout << ' ' << shortest(deformation);
-    std::cout << (answer.state.saturated ? "  saturated: all layers are at their largest deformation\n"
-                                         : "\n");
+    std::cout << note(account.tissue, answer.state) << '\n';
   }
 }
 

@@ -133,6 +133,7 @@ int run(const char* expected_file, const std::string& wanted) {
     if (!wanted.empty() && task != wanted) continue;
     for (const Tools& tools : all) {
       scene::Scene scene = bench::bench_scene(task, 0, tools.triangles[0]);
+      scene.tissue.max_depth.reset();  // shaken and moving tools go deeper
       const scene::ToolPath path = bench::hand_path(scene);
       for (std::size_t hand = 1; hand < tools.triangles.size(); ++hand) {
         scene.tools.push_back(bench::bench_scene(task, 0, tools.triangles[hand]).tools[0]);

@@ -39,6 +39,7 @@ scene::Scene two_hands() {
   request.task = "press";
   request.organ_motion = {"breathing", "heartbeat"};
   scene::Scene scene = scene::load(request);
+  scene.tissue.max_depth.reset();  // the organ breathes deeper than that onto the tools
   scene.tools.push_back(scene.tools.front());
   scene.devices.push_back(scene.devices.front());
   return scene;

@@ -68,6 +68,7 @@ typedef int32_t palpate_status;
 #define PALPATE_CONTACTS_FULL (UINT32_C(1) << 1)   // a part of the tool has more than four contacts
 #define PALPATE_GRIP_RELEASED (UINT32_C(1) << 2)   // the force exceeded the grip limit, the grasp let go
 #define PALPATE_JUMP (UINT32_C(1) << 3)            // the tool moved faster than any hand: contacts reset
+#define PALPATE_EXTRAPOLATED (UINT32_C(1) << 4)    // deeper than the tissue's source.max_depth_mm
 #define PALPATE_FORCE_CLAMPED (UINT32_C(1) << 8)   // limited to palpate_info.max_force
 #define PALPATE_FORCE_SLEWED (UINT32_C(1) << 9)    // its change per tick was limited
 #define PALPATE_TORQUE_CLAMPED (UINT32_C(1) << 10)
@@ -190,7 +191,8 @@ typedef struct palpate_result {
   double tool_position[3];     // m, of the handle
   double tool_orientation[4];  // w x y z
   double gripper;
-  // J, work of the hand and of the organ motion on the tissue force that was not returned so far
+  // J, work of the hand and of the organ motion on the tissue force that was not returned; outside the tissue
+  // a surplus is reset to 0
   double energy;
   double engagement;      // gain of force and noise (force ramp), 0 .. 1
   uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS or PALPATE_PULL

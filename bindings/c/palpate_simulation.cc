@@ -24,6 +24,7 @@ static_assert(PALPATE_ENERGY_DAMPED == palpate::haptics::kEnergyDamped);
 static_assert(PALPATE_DUTY_HIGH == palpate::haptics::kDutyHigh);
 static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
+static_assert(PALPATE_EXTRAPOLATED == palpate::contact::kExtrapolated);
 
 /// Whether every sample and result has the library's size.
 bool sizes_are_right(const palpate_sample* samples, const palpate_result* results,

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <variant>
 
 #include "palpate/tissue.h"
@@ -9,10 +10,11 @@ namespace palpate::model {
 
 /// Force and tangent stiffness at a penetration depth.
 struct ContactResponse {
-  double force = 0.0;      // [N]
-  double stiffness = 0.0;  // dF/dD [N/m]; at the end of a layer that of this layer; 0 when saturated
-  int cutoff_layer = 1;    // cut-off layer M, 1-based
-  bool saturated = false;  // beyond the last allowed layer: force and deformation stay constant
+  double force = 0.0;         // [N]
+  double stiffness = 0.0;     // dF/dD [N/m]; at the end of a layer that of this layer; 0 when saturated
+  int cutoff_layer = 1;       // cut-off layer M, 1-based
+  bool saturated = false;     // beyond the last allowed layer: force and deformation stay constant
+  bool extrapolated = false;  // beyond the tissue's max_depth: the force goes on by its tangent there
 };
 
 /// Closed-form law of the equal-ratio layered parallel springs under one contact point.
@@ -27,14 +29,48 @@ class LayeredSpringLaw final {
 
   /// Deformation of all layers, as the paper computes it from a force.
   struct LayerState {
-    double depth = 0.0;      // D = sum of the layers' deformations [m]
-    double force = 0.0;      // carried by the layers [N]; less than the applied force when saturated
-    double stiffness = 0.0;  // tangent stiffness dF/dD [N/m]; 0 when saturated
-    int cutoff_layer = 1;    // M, 1-based; number of entries used in `deformation`
-    bool saturated = false;  // beyond the last allowed layer
+    double depth = 0.0;         // D = sum of the layers' deformations [m]
+    double force = 0.0;         // carried by the layers [N]; less than the applied force when saturated
+    double stiffness = 0.0;     // tangent stiffness dF/dD [N/m]; 0 when saturated
+    int cutoff_layer = 1;       // M, 1-based; number of entries used in `deformation`
+    bool saturated = false;     // beyond the last allowed layer
+    bool extrapolated = false;  // beyond the tissue's max_depth
     // Deformation of one spring of each layer [m]; 0 beyond the cut-off layer. The law writes every entry, so
     // no initial value is needed.
     std::array<double, kMaxLayers> deformation;
+  };
+
+  /// Continuation of a law by its tangent past D_m, the tissue's `max_depth`: F = F(D_m) + K(D_m) (D - D_m).
+  /// A tissue without `max_depth` has an infinite D_m.
+  struct Continuation {
+    double depth = std::numeric_limits<double>::infinity();                // D_m [m]
+    ContactResponse at{.force = std::numeric_limits<double>::infinity()};  // at D_m
+    double energy = 0.0;                                                   // at D_m [J]
+
+    /// [any] Whether the force rises past D_m: it does not where the law is saturated there.
+    [[nodiscard]] bool rises() const noexcept {
+      return depth < std::numeric_limits<double>::infinity() && !at.saturated;
+    }
+    /// [rt] Response and energy [J] at a depth [m] > D_m.
+    [[nodiscard]] ContactResponse response_at(double deeper) const noexcept {
+      return {at.force + at.stiffness * (deeper - depth), at.stiffness, at.cutoff_layer, at.saturated, true};
+    }
+    [[nodiscard]] double energy_at(double deeper) const noexcept {
+      const double past = deeper - depth;
+      return energy + (at.force + 0.5 * at.stiffness * past) * past;
+    }
+    /// [rt] Depth [m] under a force [N] above that at D_m; only where the force rises.
+    [[nodiscard]] double depth_under(double force) const noexcept {
+      return depth + (force - at.force) / at.stiffness;
+    }
+    /// [rt] State at a depth [m] > D_m: the cut-off layer deforms on, past its limit. @param state at D_m
+    [[nodiscard]] LayerState state_at(double deeper, LayerState state) const noexcept {
+      state.depth = deeper;
+      state.force = response_at(deeper).force;
+      state.extrapolated = true;
+      state.deformation[static_cast<std::size_t>(state.cutoff_layer) - 1] += deeper - depth;
+      return state;
+    }
   };
 
   /// [setup] Precomputes each layer's start depth [m], start force [N] and slope [N/m].
@@ -44,8 +80,9 @@ class LayeredSpringLaw final {
   LayeredSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period);
 
   /// [rt] Contact force [N] and tangent stiffness [N/m] at a penetration depth [m]; O(layers). A depth <= 0
-  /// gives force 0 and the slope of layer 1. Beyond the last layer the force stays constant and `saturated`
-  /// is set. NaN gives NaN.
+  /// gives force 0 and the slope of layer 1. Beyond the tissue's max_depth the tangent stays what it is there
+  /// and `extrapolated` is set. Beyond the last layer the force stays constant and `saturated` is set. NaN
+  /// gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
   /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
@@ -62,9 +99,16 @@ class LayeredSpringLaw final {
   /// [rt] Number of layers whose delay is below the loop period, at most kMaxLayers. A layer with a value
   /// that is not finite, and all layers after it, are not allowed.
   [[nodiscard]] int layers_allowed() const noexcept { return layers_; }
-  /// [rt] Depth [m] and force [N] at the end of the last allowed layer.
-  [[nodiscard]] double max_depth() const noexcept { return start_depth_[static_cast<std::size_t>(layers_)]; }
-  [[nodiscard]] double max_force() const noexcept { return start_force_[static_cast<std::size_t>(layers_)]; }
+  /// [rt] Depth [m] and force [N] at the end of the last allowed layer; infinite when the law goes on by its
+  /// tangent from a lesser depth.
+  [[nodiscard]] double max_depth() const noexcept {
+    return continuation_.rises() ? std::numeric_limits<double>::infinity()
+                                 : start_depth_[static_cast<std::size_t>(layers_)];
+  }
+  [[nodiscard]] double max_force() const noexcept {
+    return continuation_.rises() ? std::numeric_limits<double>::infinity()
+                                 : start_force_[static_cast<std::size_t>(layers_)];
+  }
 
  private:
   [[nodiscard]] LayerState layer_state(std::size_t cutoff, double in_cutoff) const noexcept;
@@ -79,6 +123,7 @@ class LayeredSpringLaw final {
   std::array<double, kMaxLayers> slope_{};  // P_i k_i [N/m]
   std::array<double, kMaxLayers> limit_{};  // L_i [m]
   std::array<std::array<double, kMaxLayers>, kMaxLayers> filled_{};  // deformations while layer i+1 fills [m]
+  Continuation continuation_;
 };
 
 /// The layered law without steps in the tangent stiffness K = dF/dD (docs/model.md, "Beyond the paper").
@@ -99,8 +144,9 @@ class SmoothSpringLaw final {
   SmoothSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period);
 
   /// [rt] Contact force [N] and tangent stiffness [N/m] at a penetration depth [m]; O(layers). A depth <= 0
-  /// gives force 0 and the stiffness at D = 0. Beyond the last layer the force stays constant and `saturated`
-  /// is set. NaN gives NaN.
+  /// gives force 0 and the stiffness at D = 0. Beyond the tissue's max_depth the tangent stays what it is
+  /// there and `extrapolated` is set. Beyond the last layer the force stays constant and `saturated` is set.
+  /// NaN gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
   /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
@@ -115,8 +161,13 @@ class SmoothSpringLaw final {
 
   /// [rt] Number of layers whose delay is below the loop period.
   [[nodiscard]] int layers_allowed() const noexcept { return layers_.layers_allowed(); }
-  [[nodiscard]] double max_depth() const noexcept { return layers_.max_depth(); }  // m
-  [[nodiscard]] double max_force() const noexcept { return max_force_; }           // N
+  /// [rt] As LayeredSpringLaw::max_depth() and max_force().
+  [[nodiscard]] double max_depth() const noexcept {
+    return continuation_.rises() ? std::numeric_limits<double>::infinity() : layers_.max_depth();
+  }
+  [[nodiscard]] double max_force() const noexcept {
+    return continuation_.rises() ? std::numeric_limits<double>::infinity() : max_force_;
+  }
 
  private:
   struct Piece {
@@ -130,11 +181,12 @@ class SmoothSpringLaw final {
   [[nodiscard]] double force_in(const Piece& piece, double depth) const noexcept;
   [[nodiscard]] double energy_in(const Piece& piece, double depth) const noexcept;
 
-  LayeredSpringLaw layers_;
+  LayeredSpringLaw layers_;  // without the continuation
   std::size_t pieces_ = 1;
   std::array<Piece, kMaxLayers> piece_{};
   double max_force_ = 0.0;
   double max_energy_ = 0.0;  // at the end of the last layer [J]
+  LayeredSpringLaw::Continuation continuation_;
 };
 
 /// The layered or the smooth law, as `tissue.law` selects. It is one value without virtual calls and without

@@ -111,6 +111,8 @@ struct TissueNumbers {
   RelaxationTerms relaxation;  // empty: purely elastic
   FalloffRatios reach;
   ContactParameters contact;
+  // D_m [m], the deepest depth of the measurement: past it F(D) goes on by its tangent; empty: the whole law
+  std::optional<double> max_depth;
 
   /// [any] L_1 [m], limit of the first layer: X_1max - X_1o when pulled, X_1o - X_1min when pressed.
   [[nodiscard]] double first_limit(Direction direction) const noexcept;

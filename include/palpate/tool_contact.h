@@ -16,6 +16,8 @@ inline constexpr std::uint32_t kStartedInside = 1U << 0;  // a part gives no for
 inline constexpr std::uint32_t kContactsFull = 1U << 1;   // a part has more contacts than kContactsPerPart
 inline constexpr std::uint32_t kGripReleased = 1U << 2;   // above the grip limit: the grasp let go
 inline constexpr std::uint32_t kJump = 1U << 3;  // the tool moved faster than any hand: contact starts again
+inline constexpr std::uint32_t kExtrapolated = 1U << 4;  // deeper than the tissue's max_depth: the force goes
+                                                         // on by its tangent there
 
 inline constexpr int kContactsPerPart = 4;
 inline constexpr int kMaxViews = kContactsPerPart * static_cast<int>(kMaxParts) + 1;

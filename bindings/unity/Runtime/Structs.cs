@@ -69,6 +69,8 @@ namespace Palpate
         GripReleased = 1u << 2,
         /// <summary>The tool moved faster than any hand, and the contacts were reset.</summary>
         Jump = 1u << 3,
+        /// <summary>Deeper than the tissue's source.max_depth_mm.</summary>
+        Extrapolated = 1u << 4,
         ForceClamped = 1u << 8,
         ForceSlewed = 1u << 9,
         TorqueClamped = 1u << 10,
@@ -176,7 +178,7 @@ namespace Palpate
         public Quatd ToolOrientation;
         /// <summary>0 closed to 1 open.</summary>
         public double Gripper;
-        /// <summary>J, work on the tissue force that was not returned so far.</summary>
+        /// <summary>J, work on the tissue force that was not returned; outside the tissue a surplus is reset to 0.</summary>
         public double Energy;
         /// <summary>Gain of force and noise (force ramp), 0 to 1.</summary>
         public double Engagement;

@@ -98,7 +98,7 @@ std::vector<double> Law::forces_at(const std::vector<double>& depths, std::size_
     for (const double depth : depths) {
       const model::ContactResponse response = springs.force_at(depth);
       forces.push_back(response.force);
-      beyond += response.saturated ? 1 : 0;
+      beyond += response.saturated || response.extrapolated ? 1 : 0;
     }
     return forces;
   });

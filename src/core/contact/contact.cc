@@ -123,6 +123,7 @@ void add_view(const ContactView& view, ToolResult& result) noexcept {
 void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, WrenchSum& sums,
                ToolResult& result) noexcept {
   double largest = -1.0;
+  bool extrapolated = false;  // of the contact with the largest force
   for (PartState& part : tool.parts) {
     for (const Proxy& contact : part.active()) {
       const Load& load = contact.load();
@@ -142,10 +143,12 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Wre
       result.depth = contact.depth();
       result.cutoff_layer = response.cutoff_layer;
       result.saturated = response.saturated;
+      extrapolated = response.extrapolated;
       result.contact_W = organ_W * load.at.point;
       result.normal_W = organ_W.rotation * load.normal;
     }
   }
+  if (extrapolated) result.status |= kExtrapolated;
 }
 
 void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolResult& result) noexcept {
@@ -163,6 +166,7 @@ void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolR
   result.depth = length;
   result.cutoff_layer = grip.cutoff_layer();
   result.saturated = grip.saturated();
+  if (grip.extrapolated()) result.status |= kExtrapolated;
   result.contact_W = organ_W * grip.anchor().point;
   result.normal_W = organ_W.rotation * grip.normal();
 }

@@ -97,6 +97,7 @@ bool Grasp::pull(const ToolTissue& tissue, const Pose& tool_S) noexcept {
   force_ = force;
   cutoff_layer_ = response.cutoff_layer;
   saturated_ = response.saturated;
+  extrapolated_ = response.extrapolated;
   return true;
 }
 

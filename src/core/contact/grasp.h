@@ -44,6 +44,7 @@ class Grasp final {
   [[nodiscard]] double tip_radius() const noexcept { return tip_radius_; }
   [[nodiscard]] int cutoff_layer() const noexcept { return cutoff_layer_; }
   [[nodiscard]] bool saturated() const noexcept { return saturated_; }
+  [[nodiscard]] bool extrapolated() const noexcept { return extrapolated_; }
 
  private:
   [[nodiscard]] bool follow(double gripper) noexcept;
@@ -69,6 +70,7 @@ class Grasp final {
   double fade_ = 0.0;  // 1 to 0 after release
   int cutoff_layer_ = 0;
   bool saturated_ = false;
+  bool extrapolated_ = false;
 };
 
 }  // namespace palpate::contact

@@ -98,7 +98,8 @@ inline constexpr auto kTickFields = [] {
     {{"fault"}, kU32, offsetof(TickRow, fault), "fault", nullptr,
      "`0`, `not-finite`, `device`, `stale-sample`, `stalled-loop`, `force-off` or `unstable`"},
     {{"energy_J"}, kF64, offsetof(TickRow, energy), "energy_J", "energy",
-     "net energy that the hand and the organ's own motion have put into the tissue force so far"},
+     "net energy that the hand and the organ's own motion have put into the tissue force; outside the tissue a "
+     "surplus is reset to 0, a deficit stays"},
     {{"engagement"}, kF64, offsetof(TickRow, engagement), "engagement", "engagement",
      "gain of force and noise (force ramp), 0 to 1"},
     {{"device_x_m", "device_y_m", "device_z_m"}, kF64, offsetof(TickRow, device), nullptr, nullptr,

@@ -50,10 +50,15 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
     filled_[below] = filled_[below - 1];
     filled_[below][below - 1] = limit_[below - 1];
   }
+  if (tissue.max_depth) {
+    const double deepest = *tissue.max_depth;
+    continuation_ = {deepest, force_at(deepest), energy_at(deepest)};
+  }
 }
 
 ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   if (depth <= 0.0) return {0.0, slope_[0], 1, false};
+  if (depth > continuation_.depth) return continuation_.response_at(depth);
   const auto layers = static_cast<std::size_t>(layers_);
   // 1-based number of the cut-off layer, which ends at start_depth_[end]. Counted without branches, which
   // changing depths would mispredict.
@@ -68,6 +73,7 @@ ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
 
 double LayeredSpringLaw::energy_at(double depth) const noexcept {
   if (depth <= 0.0) return 0.0;
+  if (depth > continuation_.depth) return continuation_.energy_at(depth);
   const auto layers = static_cast<std::size_t>(layers_);
   std::size_t end = 1;
   for (std::size_t i = 1; i < layers; ++i) end += depth > past_depth_[i] ? 1 : 0;
@@ -91,6 +97,11 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::layer_state(std::size_t cutoff,
 LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) const noexcept {
   const auto layers = static_cast<std::size_t>(layers_);
   if (force <= 0.0) return layer_state(1, 0.0);
+  if (continuation_.rises() && force > continuation_.at.force) {
+    LayerState state = deformation_at(continuation_.depth_under(force));
+    state.force = force;
+    return state;
+  }
   std::size_t end = 1;
   for (std::size_t i = 1; i < layers; ++i) end += force > past_force_[i] ? 1 : 0;
   if (force > past_force_[end]) {
@@ -109,6 +120,9 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
 }
 
 LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_at(double depth) const noexcept {
+  if (continuation_.rises() && depth > continuation_.depth) {
+    return continuation_.state_at(depth, deformation_at(continuation_.depth));
+  }
   const ContactResponse response = force_at(depth);
   const auto cutoff = static_cast<std::size_t>(response.cutoff_layer);
   const double reached = std::clamp(depth, 0.0, start_depth_[cutoff]);
@@ -117,6 +131,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_at(double depth) cons
   state.force = response.force;
   state.stiffness = response.stiffness;
   state.saturated = response.saturated;
+  state.extrapolated = response.extrapolated;
   return state;
 }
 

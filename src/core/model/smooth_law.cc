@@ -6,9 +6,19 @@
 #include "palpate/spring_law.h"
 
 namespace palpate::model {
+namespace {
+
+/// @throws ParameterError as validate()
+TissueParameters without_max_depth(TissueParameters tissue) {
+  validate(tissue);
+  tissue.max_depth.reset();
+  return tissue;
+}
+
+}  // namespace
 
 SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direction, double loop_period)
-    : layers_(tissue, direction, loop_period) {
+    : layers_(without_max_depth(tissue), direction, loop_period) {
   constexpr double kLn4 = 1.3862943611198906;
   const auto layers = static_cast<std::size_t>(layers_.layers_allowed());
   const double step = kLn4 + 1.0 / tissue.beta;  // ln(P_(i+1) k_(i+1)) - ln(P_i k_i), eq. 3
@@ -30,10 +40,14 @@ SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direc
     }
     limit *= tissue.q;
   }
-  max_force_ = force_in(piece_[pieces_ - 1], max_depth());
-  max_energy_ = energy_in(piece_[pieces_ - 1], max_depth());
+  max_force_ = force_in(piece_[pieces_ - 1], layers_.max_depth());
+  max_energy_ = energy_in(piece_[pieces_ - 1], layers_.max_depth());
   if (!std::isfinite(max_force_)) {
     throw ParameterError("beta", tissue.beta, "large enough that the smooth law's force stays finite");
+  }
+  if (tissue.max_depth) {
+    const double deepest = *tissue.max_depth;
+    continuation_ = {deepest, force_at(deepest), energy_at(deepest)};
   }
 }
 
@@ -59,7 +73,8 @@ double SmoothSpringLaw::energy_in(const Piece& piece, double depth) const noexce
 
 double SmoothSpringLaw::energy_at(double depth) const noexcept {
   if (depth <= 0.0) return 0.0;
-  if (depth > max_depth()) return max_energy_ + max_force_ * (depth - max_depth());
+  if (depth > continuation_.depth) return continuation_.energy_at(depth);
+  if (depth > layers_.max_depth()) return max_energy_ + max_force_ * (depth - layers_.max_depth());
   std::size_t last = 0;
   for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
   return energy_in(piece_[last], depth);
@@ -67,6 +82,7 @@ double SmoothSpringLaw::energy_at(double depth) const noexcept {
 
 ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
   if (depth <= 0.0) return {0.0, piece_[0].stiffness, 1, false};
+  if (depth > continuation_.depth) return continuation_.response_at(depth);
   const ContactResponse layered = layers_.force_at(depth);
   if (layered.saturated) return {max_force_, 0.0, layered.cutoff_layer, true};
   std::size_t last = 0;
@@ -79,23 +95,32 @@ ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
 }
 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const noexcept {
+  if (continuation_.rises() && depth > continuation_.depth) {
+    return continuation_.state_at(depth, deformation_at(continuation_.depth));
+  }
   LayerState state = layers_.deformation_at(depth);
   const ContactResponse response = force_at(depth);
   state.force = response.force;
   state.stiffness = response.stiffness;
+  state.extrapolated = response.extrapolated;
   return state;
 }
 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_under(double force) const noexcept {
   if (force <= 0.0) return deformation_at(0.0);
+  if (continuation_.rises() && force > continuation_.at.force) {
+    LayerState state = deformation_at(continuation_.depth_under(force));
+    state.force = force;
+    return state;
+  }
   constexpr double kJustPast = 1.0 + 1e-12;  // rounding of the summed pieces is not saturation
-  if (force > max_force_ * kJustPast) return deformation_at(2.0 * max_depth());
+  if (force > max_force_ * kJustPast) return deformation_at(2.0 * layers_.max_depth());
   std::size_t last = 0;
   for (std::size_t i = 1; i < pieces_; ++i) last += force > piece_[i].force ? 1 : 0;
   const Piece& piece = piece_[last];
   const double share = (force - piece.force) / piece.stiffness;  // depth at the piece's initial stiffness
   const double in = piece.growth == 0.0 ? share : portable::log1p(piece.growth * share) / piece.growth;
-  LayerState state = deformation_at(std::min(piece.depth + in, max_depth()));
+  LayerState state = deformation_at(std::min(piece.depth + in, layers_.max_depth()));
   state.force = std::min(force, max_force_);
   return state;
 }

@@ -29,14 +29,15 @@ struct Preset {
   double first_limit_mm;  // L_1, equal in press and pull
   double rest_length_mm;
   double t1_us;
+  double max_depth_mm;
 };
 
 // Sources of all values: docs/tissues.md. k1 and beta of gallbladder and heart are the paper's.
 constexpr std::array kPresets{
-    Preset{"gallbladder", 18.0, 1.6, 0.7, 8.0, 14.0, 1.0},
-    Preset{"heart", 15.0, 2.0, 0.7, 8.0, 14.0, 1.0},
-    Preset{"liver", 25.0, 2.5, 0.7, 8.0, 16.0, 1.0},
-    Preset{"kidney", 40.0, 3.5, 0.7, 7.5, 15.0, 1.0},
+    Preset{"gallbladder", 18.0, 1.6, 0.7, 8.0, 14.0, 1.0, 15.0},
+    Preset{"heart", 15.0, 2.0, 0.7, 8.0, 14.0, 1.0, 15.0},
+    Preset{"liver", 25.0, 2.5, 0.7, 8.0, 16.0, 1.0, 15.0},
+    Preset{"kidney", 40.0, 3.5, 0.7, 7.5, 15.0, 1.0, 15.0},
 };
 
 }  // namespace
@@ -110,6 +111,7 @@ TissueParameters tissue_preset(const std::string& name) {
       tissue.max_length = (preset.rest_length_mm + preset.first_limit_mm) * kMillimetre;
       tissue.min_length = (preset.rest_length_mm - preset.first_limit_mm) * kMillimetre;
       tissue.t1 = preset.t1_us * kMicrosecond;
+      tissue.max_depth = preset.max_depth_mm * kMillimetre;
       return tissue;
     }
     known += (known.empty() ? "" : ", ") + std::string(preset.name);

@@ -17,6 +17,10 @@ std::string FieldRange::to_string(const std::string& rest_length) const {
 
 std::string TissueField::path() const { return section.empty() ? key : std::string(section) + "." + key; }
 
+std::string TissueField::recorded_section() const {
+  return section == kSourceSection ? std::string() : std::string(section);
+}
+
 void TissueField::check(const TissueNumbers& tissue) const {
   const std::optional<double> value = at.get(tissue);
   if (!value) return;

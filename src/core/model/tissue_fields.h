@@ -115,6 +115,8 @@ struct TissueField {
 
   /// [any] Its name in recordings.
   [[nodiscard]] constexpr const char* column() const noexcept { return si_key != nullptr ? si_key : key; }
+  /// [any] Its table in the tissue of a recorded scene; `source` is the indenter or null there.
+  [[nodiscard]] std::string recorded_section() const;
   /// [any] Whether a tissue file must have it. The others default to the value of their C++ member.
   [[nodiscard]] constexpr bool required() const noexcept { return section.empty(); }
   /// [any] Whether it may be omitted; it then follows from other numbers.
@@ -135,8 +137,11 @@ struct TissueSection {
   std::string_view key;
   const char* title;  // for users
 };
+/// A tissue file has the text `indenter` and its `radius_mm` beside the numbers of this section.
+inline constexpr std::string_view kSourceSection = "source";
 inline constexpr std::array kTissueSections{TissueSection{"reach", "Reach of the dent"},
-                                            TissueSection{"contact", "Contact"}};
+                                            TissueSection{"contact", "Contact"},
+                                            TissueSection{kSourceSection, "Source"}};
 
 /// Every number of a tissue, in the order of tissue files. CONTRIBUTING.md describes how to add one.
 // clang-format off
@@ -189,6 +194,10 @@ inline constexpr auto kTissueFields = [] {
      kPositive, "reference_radius_m"},
     {"contact", "grip_limit_N", "grip_limit", kNewton, kAtContact<&C::grip_limit>,
      "Grip limit", "pull force at which the jaws lose the tissue", {0.05, 0.1, 50, 2}},
+    {kSourceSection, "max_depth_mm", "max_depth", kInMillimetres, kAt<&T::max_depth>,
+     "Deepest evidence", "past this depth F(D) goes on by its tangent there", {0.1, 1, 60, 1},
+     kPositive, "max_depth_m", true,
+     [](const T&) noexcept { return std::numeric_limits<double>::infinity(); }, "none"},
   });
 }();
 // clang-format on

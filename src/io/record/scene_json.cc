@@ -147,7 +147,8 @@ class SceneWriter final {
     json[key] = std::move(io.json);
   }
   void tissue_number(const model::TissueField& field, const model::TissueParameters& tissue) {
-    Json& table = field.section.empty() ? json : json[std::string(field.section)];
+    const std::string section = field.recorded_section();
+    Json& table = section.empty() ? json : json[section];
     const std::optional<double> value = field.at.get(tissue);
     table[field.column()] = value ? Json(*value) : Json(nullptr);
   }
@@ -195,7 +196,8 @@ class SceneReader final {
     fields_of(io);
   }
   void tissue_number(const model::TissueField& field, model::TissueParameters& tissue) {
-    const JsonField table = field.section.empty() ? json_ : json_.at(std::string(field.section));
+    const std::string section = field.recorded_section();
+    const JsonField table = section.empty() ? json_ : json_.at(section);
     const std::string name = field.column();
     if (field.added_later && !table.has(name)) return;
     if (!table.has(name)) table.at(name).fail("a number");

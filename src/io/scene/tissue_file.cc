@@ -63,9 +63,11 @@ void read_numbers(const TomlTable& table, std::string_view section, model::Tissu
   }
 }
 
-model::SourceParameters read_source(const TomlTable& table) {
+/// The indenter, which a table with numbers alone does not have.
+std::optional<model::SourceParameters> read_source(const TomlTable& table,
+                                                   const model::TissueNumbers& tissue) {
+  if (tissue.max_depth && !table.text("indenter") && !table.number("radius_mm")) return std::nullopt;
   model::SourceParameters source;
-  table.allow_only({"indenter", "radius_mm"});
   source.indenter = table.text("indenter", kLongestName).value_or("");
   source.radius = table.required_number("radius_mm", kPositive) * kMillimetre;
   return source;
@@ -74,7 +76,7 @@ model::SourceParameters read_source(const TomlTable& table) {
 model::TissueParameters read_parameters(const TomlTable& table, const std::string& default_name) {
   model::TissueParameters tissue;
   std::vector<std::string> keys = keys_of("");
-  keys.insert(keys.end(), {"name", "law", "relaxation", "source"});
+  keys.insert(keys.end(), {"name", "law", "relaxation"});
   for (const model::TissueSection& section : model::kTissueSections) keys.emplace_back(section.key);
   table.allow_only(keys);
   tissue.name = table.text("name", kLongestName).value_or(default_name);
@@ -84,10 +86,13 @@ model::TissueParameters read_parameters(const TomlTable& table, const std::strin
   for (const model::TissueSection& section : model::kTissueSections) {
     const std::optional<TomlTable> below = table.table(section.key);
     if (!below) continue;
-    below->allow_only(keys_of(section.key));
+    std::vector<std::string> allowed = keys_of(section.key);
+    const bool is_source = section.key == model::kSourceSection;
+    if (is_source) allowed.insert(allowed.begin(), {"indenter", "radius_mm"});
+    below->allow_only(allowed);
     read_numbers(*below, section.key, tissue);
+    if (is_source) tissue.source = read_source(*below, tissue);
   }
-  if (const auto source = table.table("source")) tissue.source = read_source(*source);
   return tissue;
 }
 
@@ -150,13 +155,14 @@ std::string to_toml(const model::TissueParameters& tissue) {
     line("time_s", real(term.tau));
   }
   for (const model::TissueSection& section : model::kTissueSections) {
+    const bool is_source = section.key == model::kSourceSection;
+    if (is_source && !tissue.source && !tissue.max_depth) continue;
     out += "[tissue." + std::string(section.key) + "]\n";
+    if (is_source && tissue.source) {
+      if (!tissue.source->indenter.empty()) line("indenter", quoted(tissue.source->indenter));
+      line("radius_mm", real(tissue.source->radius / kMillimetre));
+    }
     numbers(section.key);
-  }
-  if (tissue.source) {
-    out += "[tissue.source]\n";
-    if (!tissue.source->indenter.empty()) line("indenter", quoted(tissue.source->indenter));
-    line("radius_mm", real(tissue.source->radius / kMillimetre));
   }
   return out;
 }

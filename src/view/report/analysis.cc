@@ -277,11 +277,13 @@ std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows) 
 }
 
 std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) {
-  static constexpr std::array<std::pair<std::uint32_t, const char*>, 10> kStatusTexts{{
+  static constexpr std::array<std::pair<std::uint32_t, const char*>, 11> kStatusTexts{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},
       {contact::kGripReleased, "the grip let go, past its limit"},
       {contact::kJump, "the tool moved faster than any hand; its contacts were reset"},
+      {contact::kExtrapolated,
+       "deeper than the tissue's max_depth_mm: the force went on by its tangent there, without evidence"},
       {haptics::kForceClamped, "the force was clamped at max_force_N"},
       {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
       {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},

@@ -135,11 +135,11 @@ void write_pictures(Page& page, const PictureSet& pictures) {
   }
   page.figures("two", pictures.close_ups);
   page.figures("four", pictures.overviews);
-  page.paragraph(
-      escaped(fmt::format("Drawn by {}, {} × {} pixels, {} ms a picture (median, deformation included). All "
-                          "from the same two places. Contacts of this tool at its deepest tick: {}.",
-                          pictures.driver, pictures.width, pictures.height, fixed(pictures.draw_ms, 1),
-                          pictures.contacts_at_depth)));
+  page.paragraph(escaped(fmt::format(
+      "Drawn by {}, {} × {} pixels, {} ms a picture (median, deformation included; the paper: 32 ms). "
+      "All from the same two places. Contacts of this tool at its deepest tick: {}.",
+      pictures.driver, pictures.width, pictures.height, fixed(pictures.draw_ms, 1),
+      pictures.contacts_at_depth)));
 }
 
 void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures, std::size_t hands) {
@@ -311,20 +311,31 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
   return facts;
 }
 
+/// Where the law ends, or from where on it has no evidence.
+std::string end_of(const model::SpringLaw& law, const model::TissueParameters& tissue) {
+  if (std::isfinite(law.max_depth())) {
+    return fmt::format("largest {} and {} N", millimetres(law.max_depth()), fixed(law.max_force(), 2));
+  }
+  const double deepest = *tissue.max_depth;
+  return fmt::format("past {} it goes on by its tangent there, {}", millimetres(deepest),
+                     number(law.force_at(deepest).stiffness, "N/m"));
+}
+
 Facts tissue_facts(const scene::Scene& scene, model::Direction direction) {
   const model::TissueParameters& tissue = scene.tissue;
   const model::SpringLaw law = law_of(scene, direction);
   Facts facts{
       {"name", tissue.name},
-      {"law", fmt::format("{}{}, {} layers at this rate; largest {} and {} N",
+      {"law", fmt::format("{}{}, {} layers at this rate; {}",
                           tissue.law == model::LawKind::kSmooth
                               ? "smooth: parallel springs without jumps of stiffness, "
                               : "layered parallel springs, ",
                           direction == model::Direction::kPull ? "pulled" : "pressed", law.layers_allowed(),
-                          millimetres(law.max_depth()), fixed(law.max_force(), 2))},
+                          end_of(law, tissue))},
   };
   for (const model::TissueField& field : model::kTissueFields) {
-    facts.emplace_back(field.label, number(field.in_force(tissue) / field.unit.si, field.unit.text));
+    const double value = field.in_force(tissue);
+    if (std::isfinite(value)) facts.emplace_back(field.label, number(value / field.unit.si, field.unit.text));
   }
   for (const model::RelaxationTerm& term : tissue.relaxation) {
     facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.g),

@@ -158,6 +158,43 @@ TEST(Laws, PulledTheForceIsTheClosedFormOfEitherLawAtTheStretch) {
   }
 }
 
+/// Force of either law at a depth past 9 mm, which lies in the second layer: the tangent there stays.
+double past_nine_millimetres(const model::TissueParameters& t, double depth) {
+  constexpr double kLimit = 8e-3;
+  constexpr double kDeepest = 9e-3;
+  const double step = std::log(4.0) + 1.0 / t.beta;
+  const bool smooth = t.law == model::LawKind::kSmooth;
+  // Smooth: ln K is linear from the middle of layer 1, 4 mm, to that of layer 2, 8 mm + 2.8 mm.
+  const double tangent = t.k1 * std::exp(smooth ? step * 5.0 / 6.8 : step);
+  const double force =
+      smooth ? smooth_by_quadrature(t, kLimit, kDeepest) : layered_by_sum(t, kLimit, kDeepest);
+  return force + tangent * (depth - kDeepest);
+}
+
+TEST(Laws, PastTheMaxDepthATickGivesTheTangentThereAndSaysSo) {
+  for (const model::LawKind law : {model::LawKind::kLayered, model::LawKind::kSmooth}) {
+    model::TissueParameters tissue = plain_tissue();
+    tissue.law = law;
+    tissue.max_depth = 9e-3;
+    tissue.contact.grip_limit = 1e3;
+    Bench pressed(tissue);
+    pressed.press(8.9e-3);
+    EXPECT_EQ(pressed.result.status & kExtrapolated, 0U);
+    pressed.press(16e-3);
+    const double want = past_nine_millimetres(tissue, pressed.result.depth);
+    EXPECT_NEAR(pressed.result.force_W.z(), want, 1e-6 * want);
+    EXPECT_EQ(pressed.result.status, kExtrapolated);
+    EXPECT_FALSE(pressed.result.saturated);
+    Bench pulled(tissue);
+    pulled.go(Vec3(0, 0, kLawRadius));
+    pulled.close();
+    pulled.go(Vec3(0, 0, kLawRadius + 16e-3));
+    const double want_pulled = past_nine_millimetres(tissue, 16e-3);
+    EXPECT_NEAR(-pulled.still().force_W.z(), want_pulled, 1e-6 * want_pulled);
+    EXPECT_EQ(pulled.result.status, kExtrapolated);
+  }
+}
+
 /// F(t) = integral G(t - s) dF_e by the midpoint rule, one sample per tick.
 double by_convolution(const std::vector<double>& elastic, std::size_t end) {
   double force = 0.0;

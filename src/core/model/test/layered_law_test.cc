@@ -69,7 +69,10 @@ struct Case {
 
 std::vector<Case> many_cases() {
   std::vector<TissueParameters> tissues;
-  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) tissues.push_back(tissue_preset(name));
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    tissues.push_back(tissue_preset(name));
+    tissues.back().max_depth.reset();  // continuation_test.cc
+  }
   std::mt19937_64 random(7);
   const auto between = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -376,7 +379,9 @@ TEST(TissuePresets, StayStableToFifteenMillimetresAndEqualAtEveryRate) {
 // By hand: 0.144 N + 134.5137 x 0.0056 N + 1005.2188 x 0.0014 N = 2.304582 N; the third layer ends at 17.52
 // mm.
 TEST(TissuePresets, GallbladderGivesTwoPointThreeNewtonsAtFifteenMillimetres) {
-  const LayeredSpringLaw law(tissue_preset("gallbladder"), Direction::kPress, 1e-3);
+  TissueParameters tissue = tissue_preset("gallbladder");
+  tissue.max_depth.reset();
+  const LayeredSpringLaw law(tissue, Direction::kPress, 1e-3);
   EXPECT_NEAR(law.force_at(15e-3).force, 2.304582, 1e-5);
   EXPECT_LE(law.force_at(17.5e-3).stiffness, 1.0e3 * 1.006);  // 1.0 N/mm to the stated digits
   EXPECT_GT(law.force_at(17.53e-3).stiffness, 1.2e3);

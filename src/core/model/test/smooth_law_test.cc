@@ -39,7 +39,10 @@ struct SmoothCase {
 
 std::vector<SmoothCase> many_smooth_cases() {
   std::vector<TissueParameters> tissues;
-  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) tissues.push_back(tissue_preset(name));
+  for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+    tissues.push_back(tissue_preset(name));
+    tissues.back().max_depth.reset();  // continuation_test.cc
+  }
   std::mt19937_64 random(7);
   const auto between = [&random](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);

@@ -51,7 +51,9 @@ TEST(TissueFields, WithoutAValueANumberThatMustBeGivenStaysAndAnotherIsDerived) 
   TissueParameters tissue = tissue_preset("heart");
   tissue.contact.tangential_stiffness = 7.0;
   for (const TissueField& field : kTissueFields) field.at.set(tissue, std::nullopt);
-  EXPECT_EQ(tissue.numbers(), tissue_preset("heart").numbers());
+  TissueParameters heart = tissue_preset("heart");
+  heart.max_depth.reset();
+  EXPECT_EQ(tissue.numbers(), heart.numbers());
   EXPECT_EQ(tissue.contact.tangential_stiffness, std::nullopt);
 }
 

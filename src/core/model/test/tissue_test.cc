@@ -61,6 +61,7 @@ const std::vector<PositiveField> kPositiveFields{
      [](TissueParameters& t) -> double& { return t.contact.tangential_stiffness.emplace(1.0); }},
     {"contact.grip_limit_N", 1.0, [](TissueParameters& t) -> double& { return t.contact.grip_limit; }},
     {"source.radius_mm", 1e-3, [](TissueParameters& t) -> double& { return t.source->radius; }},
+    {"source.max_depth_mm", 1e-3, [](TissueParameters& t) -> double& { return t.max_depth.emplace(1.0); }},
 };
 
 TEST(ValidateTissue, RefusesWhatIsNotFiniteAndAboveZeroInTheUnitOfTheFile) {

@@ -58,6 +58,7 @@ grip_limit_N = 6.0
 [tissue.source]
 indenter = "ball"
 radius_mm = 3.0
+max_depth_mm = 9.0
 )");
   const model::TissueParameters tissue = read_tissue_file(file);
   EXPECT_EQ(tissue.name, "example");
@@ -82,6 +83,7 @@ radius_mm = 3.0
   ASSERT_TRUE(tissue.source.has_value());
   EXPECT_EQ(tissue.source->indenter, "ball");
   EXPECT_DOUBLE_EQ(tissue.source->radius, 0.003);
+  EXPECT_DOUBLE_EQ(tissue.max_depth.value(), 0.009);
 }
 
 TEST(TissueFile, DefaultsAllThatIsNotRequired) {
@@ -99,6 +101,15 @@ TEST(TissueFile, DefaultsAllThatIsNotRequired) {
   EXPECT_EQ(tissue.contact.damping, 0.5);
   EXPECT_EQ(tissue.contact.reference_radius, 0.010);
   EXPECT_EQ(tissue.contact.grip_limit, 8.0);
+  EXPECT_FALSE(tissue.source.has_value());
+  EXPECT_EQ(tissue.max_depth, std::nullopt);
+}
+
+TEST(TissueFile, AMaxDepthNeedsNoIndenter) {
+  const TemporaryFolder folder;
+  const model::TissueParameters tissue =
+      read_tissue_file(folder.write("soft.toml", kRequired + "[tissue.source]\nmax_depth_mm = 12\n"));
+  EXPECT_EQ(tissue.max_depth, 0.012);
   EXPECT_FALSE(tissue.source.has_value());
 }
 
@@ -159,6 +170,10 @@ TEST(TissueFile, RefusesValuesOutOfRangeAtTheirOwnLine) {
               HasSubstr("soft.toml:10: tissue.source.radius_mm = 0: must be"));
   EXPECT_THAT(tissue_error_in(kRequired + "[tissue.source]\nindenter = \"ball\"\n"),
               HasSubstr("soft.toml:9: tissue.source.radius_mm: missing"));
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.source]\nindenter = \"ball\"\nmax_depth_mm = 9\n"),
+              HasSubstr("soft.toml:9: tissue.source.radius_mm: missing"));
+  EXPECT_THAT(tissue_error_in(kRequired + "[tissue.source]\nmax_depth_mm = 0\n"),
+              HasSubstr("soft.toml:10: tissue.source.max_depth_mm = 0: must be finite and > 0"));
 }
 
 TEST(TissueFile, ReadsLawAndRelaxation) {
@@ -241,6 +256,11 @@ TEST(TissueFile, WrittenTextReadsBackTheSame) {
     EXPECT_EQ(back.contact.tangential_stiffness, 123.0);
     EXPECT_EQ(back.source->indenter, "a \"ball\"");
     EXPECT_DOUBLE_EQ(back.source->radius, 0.003);
+    EXPECT_EQ(back.max_depth, 0.015);
+    tissue.source.reset();
+    const model::TissueParameters bare = read_tissue_file(folder.write("bare.toml", to_toml(tissue)));
+    EXPECT_FALSE(bare.source.has_value());
+    EXPECT_EQ(bare.max_depth, 0.015);
   }
 }
 
