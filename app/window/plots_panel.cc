@@ -141,7 +141,9 @@ void force_over_depth(const ImVec2& low, const ImVec2& high, const Plotted& show
     const haptics::TickRow& at = shown.hands[hand].now;
     if (at.phase != 0) plot.dot({1e3 * at.depth, at.tissue_force}, packed(colour::kText), 4.0F);
   }
-  plot.note("wide: the law; fine: felt", packed(colour::kFaint));
+  plot.note(shown.tissue.size_exponent == 0.0 ? "wide: the law; fine: felt"
+                                              : "wide: the law for the source's radius; fine: felt",
+            packed(colour::kFaint));
 }
 
 }  // namespace

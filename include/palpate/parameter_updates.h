@@ -62,6 +62,7 @@ struct ParameterUpdate {
   LiveNoise noise;
   LiveInclusion inclusion;              // only with kInclusionChanged
   LiveStimulus stimulus;                // only with kStimulusChanged
+  double source_radius = 0.0;           // m, of the tissue's source; 0: a tissue without size exponent
   std::array<char, kNameBytes> name{};  // name of the tissue, truncated or padded with zeros
 
   bool operator==(const ParameterUpdate&) const = default;
@@ -73,7 +74,7 @@ static_assert(std::is_trivially_copyable_v<ParameterUpdate>);
 [[nodiscard]] ParameterUpdate parameter_update(const model::TissueParameters& tissue, const LiveNoise& noise,
                                                std::uint32_t what);
 
-/// [setup] The tissue of an update. It is not validated, and its `source` is empty.
+/// [setup] The tissue of an update. It is not validated, and without a size exponent its `source` is empty.
 [[nodiscard]] model::TissueParameters tissue_of(const ParameterUpdate& change);
 
 struct PreparedUpdate;

@@ -100,13 +100,14 @@ struct SourceParameters {
 /// It is plain data of fixed size, so a running loop replaces the tissue with one copy. model/tissue_fields.h
 /// lists every number.
 struct TissueNumbers {
-  double k1 = 0.0;           // stiffness of the first layer's spring [N/m]
-  double beta = 0.0;         // eq. 3
-  double q = 0.0;            // eq. 4
-  double rest_length = 0.0;  // X_1o [m]
-  double max_length = 0.0;   // X_1max [m]
-  double min_length = 0.0;   // X_1min [m]
-  double t1 = 0.0;           // delay of the first layer [s], eq. 6
+  double k1 = 0.0;             // stiffness of the first layer's spring [N/m]
+  double beta = 0.0;           // eq. 3
+  double q = 0.0;              // eq. 4
+  double rest_length = 0.0;    // X_1o [m]
+  double max_length = 0.0;     // X_1max [m]
+  double min_length = 0.0;     // X_1min [m]
+  double t1 = 0.0;             // delay of the first layer [s], eq. 6
+  double size_exponent = 0.0;  // F(D) grows as the tool's tip radius over that of the source to this power
   LawKind law = LawKind::kLayered;
   RelaxationTerms relaxation;  // empty: purely elastic
   FalloffRatios reach;
@@ -136,6 +137,14 @@ struct TissueParameters : TissueNumbers {
 /// tissue file (k1_N_per_m, rest_length_mm, contact.friction, ...), its value in that unit and the valid
 /// range.
 void validate(const TissueParameters& tissue);
+
+/// [any] Factor of F(D) for a tool of this tip radius [m]: (tip_radius / source_radius)^size_exponent.
+/// Without exponent 1, whatever the radii are.
+[[nodiscard]] double size_factor(double size_exponent, double source_radius, double tip_radius) noexcept;
+
+/// [setup] The law's tissue as a tool of this tip radius [m] meets it: its size_factor() multiplies k_1, and
+/// so F(D), and no exponent is left. @param tissue a valid one
+[[nodiscard]] TissueParameters for_tool(TissueParameters tissue, double tip_radius);
 
 /// [setup] Checks only relaxation terms. @throws ParameterError as validate().
 void validate_relaxation(std::span<const RelaxationTerm> terms);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "core/contact/contact.h"
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "palpate/scene.h"
@@ -54,6 +55,7 @@ struct CheckedStudy {
 double press_force(const StudyTask& task, const scene::Scene& scene) {
   model::TissueParameters tissue = scene.tissue;
   tissue.k1 = task.standard_k1 * task.largest;
+  tissue = model::for_tool(tissue, contact::tip_radius_of(scene.tools.front()));
   return model::SpringLaw(tissue, model::Direction::kPress, 1.0 / scene.rate_Hz).force_at(task.depth).force;
 }
 

@@ -254,6 +254,7 @@ std::vector<model::Inclusion> World::inclusions() const {
   for (const PlacedInclusion& one : data_->inclusions.at_rest()) inclusions.push_back(one.inclusion);
   return inclusions;
 }
+double tip_radius_of(const geometry::Tool& tool) { return sample_tool(tool).tip_radius; }
 double World::tip_radius(std::size_t tool) const noexcept { return data_->tools[tool].tip_radius; }
 
 State::State(const World& world) : data_(std::make_unique<Data>()) {

@@ -20,6 +20,10 @@ class SignedDistance;
 
 namespace palpate::contact {
 
+/// [setup] Radius of curvature [m] of a tool at its tip, as World::tip_radius(). @throws InputError for a
+/// tool without parts or triangles
+[[nodiscard]] double tip_radius_of(const geometry::Tool& tool);
+
 /// The constant part of a simulation: an organ, its tissue and the tools.
 class World final {
  public:

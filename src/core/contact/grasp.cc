@@ -82,7 +82,8 @@ bool Grasp::pull(const ToolTissue& tissue, const Pose& tool_S) noexcept {
   stretch_ = tool_S * anchor_T_ - anchor_.point;
   const double length = stretch_.norm();
   model::ContactResponse response = laws.pull.force_at(length);
-  if (!tissue.uniform()) response.force = TissueAt(tissue, anchor_).force_at(laws.pull, length).normal;
+  response.force = tissue.uniform() ? tissue.size_factor * response.force
+                                    : TissueAt(tissue, anchor_).force_at(laws.pull, length).normal;
   Vec3 force = length > 0.0 ? Vec3(-(response.force / length) * stretch_) : Vec3(Vec3::Zero());
   if (laws.relaxation.count() > 0) {
     // Relax each component. Relaxation is linear in the force, and it stays passive for a force that is the

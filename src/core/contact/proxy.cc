@@ -244,7 +244,8 @@ void Proxy::press(const ToolTissue& tissue, const DistanceCache& distances, doub
   follow_patch(distances, period);
   held_back_.depth = std::max(0.0, held_back_.depth - held_back_.admitted);
   depth_ = std::max(0.0, patch_.depth - held_back_.depth);
-  const double elastic = tissue.uniform() ? laws.press.force_at(depth_).force : press_at_place(tissue);
+  const double elastic =
+      tissue.uniform() ? tissue.size_factor * laws.press.force_at(depth_).force : press_at_place(tissue);
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
   // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
   // steps of the walk.

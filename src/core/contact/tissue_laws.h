@@ -25,7 +25,9 @@ struct TissueLaws {
         tangential_damping(tissue.contact.tangential_damping),
         friction(tissue.contact.friction),
         damping(tissue.contact.damping),
-        grip_limit(tissue.contact.grip_limit) {
+        grip_limit(tissue.contact.grip_limit),
+        size_exponent(tissue.size_exponent),
+        source_radius(tissue.source ? tissue.source->radius : 0.0) {
     for (const model::SpringLaw* law : {&press, &pull}) {
       constexpr double kJustBelow = 1.0 - 1e-12;  // at the law's largest force its tangent is zero
       const double force = std::min(kForceWithinReach, kJustBelow * law->max_force());
@@ -42,6 +44,13 @@ struct TissueLaws {
   double friction;              // mu
   double damping;               // b [N s/m]
   double grip_limit;            // N
+  double size_exponent;         // a valid tissue has one only with a source_radius
+  double source_radius;         // m
+
+  /// [rt] Factor of both laws' forces for a tool of this tip radius [m].
+  [[nodiscard]] double size_factor(double tip_radius) const noexcept {
+    return model::size_factor(size_exponent, source_radius, tip_radius);
+  }
 };
 static_assert(std::is_trivially_copyable_v<TissueLaws>, "a tick copies it without memory of its own");
 

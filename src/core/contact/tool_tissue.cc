@@ -10,6 +10,8 @@ TissueAt::TissueAt(const ToolTissue& tissue, const SurfacePoint& place) noexcept
       tip_radius_(tissue.tip_radius),
       factor_(tissue.map.factor_at(place)),
       place_S_(place.point) {
+  factor_.value *= tissue.size_factor;
+  factor_.gradient_S *= tissue.size_factor;
   for (std::size_t j = 0; j < inclusions_.size(); ++j) {
     const InclusionNow& one = inclusions_[j];
     squares_[j] = std::max(0.0, (place_S_ - one.centre_S).squaredNorm() - one.depth_squared);

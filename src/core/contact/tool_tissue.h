@@ -17,6 +17,7 @@ struct ToolTissue {
   std::span<const InclusionNow> inclusions;  // at most model::kMaxInclusions
   const StiffnessMap& map;
   double tip_radius;  // of the tool [m]
+  double size_factor = laws.size_factor(tip_radius);
 
   [[nodiscard]] bool uniform() const noexcept { return inclusions.empty() && map.empty(); }
 };
@@ -25,8 +26,8 @@ struct ToolTissue {
 ///
 ///     U(D, c) = U_0(D) k(c) cap(prod_j (1 + e_j(D, s_j^2))),   s_j^2 = |c - centre_j|^2 - h_j^2,
 ///
-/// with k the stiffness map and e_j the inclusions' laws. (A product stays positive where several soft
-/// inclusions overlap; model::cap_factor() bounds it where hard ones do.)
+/// with k the stiffness map, times the tool's size factor, and e_j the inclusions' laws. (A product stays
+/// positive where several soft inclusions overlap; model::cap_factor() bounds it where hard ones do.)
 class TissueAt final {
  public:
   /// [rt] @param tissue must outlive this

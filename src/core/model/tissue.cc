@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
@@ -81,7 +82,23 @@ void validate(const TissueParameters& tissue) {
                          "finite and >= 1");
   }
   validate_relaxation(tissue.relaxation);
+  if (tissue.size_exponent != 0.0 && !tissue.source) {
+    throw ParameterError("size_exponent", tissue.size_exponent,
+                         "0 where [tissue.source] has no radius_mm that a tool's size can be compared with");
+  }
   if (tissue.source) require_positive("source.radius_mm", tissue.source->radius / kMillimetre);
+}
+
+double size_factor(double size_exponent, double source_radius, double tip_radius) noexcept {
+  return size_exponent == 0.0 ? 1.0
+                              : portable::exp(size_exponent * portable::log(tip_radius / source_radius));
+}
+
+TissueParameters for_tool(TissueParameters tissue, double tip_radius) {
+  if (tissue.size_exponent == 0.0) return tissue;
+  tissue.k1 *= size_factor(tissue.size_exponent, tissue.source->radius, tip_radius);
+  tissue.size_exponent = 0.0;
+  return tissue;
 }
 
 void validate_relaxation(std::span<const RelaxationTerm> terms) {

@@ -46,6 +46,7 @@ inline constexpr FieldRange kTangentialRange{.high = 1e5, .high_allowed = true};
 /// force.
 inline constexpr FieldRange kStiffnessRange{.high = 1e9, .high_allowed = true};
 inline constexpr FieldRange kDampingRange{.low_allowed = true, .high = 1e6, .high_allowed = true};
+inline constexpr FieldRange kSizeExponentRange{.low_allowed = true, .high = 2.0, .high_allowed = true};
 inline constexpr FieldRange kAboveRest{.order = LengthOrder::kAboveRest};
 inline constexpr FieldRange kBelowRest{.low_allowed = true, .order = LengthOrder::kBelowRest};
 
@@ -118,7 +119,7 @@ struct TissueField {
   /// [any] Its table in the tissue of a recorded scene; `source` is the indenter or null there.
   [[nodiscard]] std::string recorded_section() const;
   /// [any] Whether a tissue file must have it. The others default to the value of their C++ member.
-  [[nodiscard]] constexpr bool required() const noexcept { return section.empty(); }
+  [[nodiscard]] constexpr bool required() const noexcept { return section.empty() && !added_later; }
   /// [any] Whether it may be omitted; it then follows from other numbers.
   [[nodiscard]] constexpr bool optional() const noexcept { return derived != nullptr; }
   /// [any] The value used, given or derived, SI.
@@ -167,6 +168,9 @@ inline constexpr auto kTissueFields = [] {
     {"", "t1_us", "t1", kInMicroseconds, kAt<&T::t1>,
      "Layer delay t\u2081", "delay of the first layer: bounds the number of layers", {0.05, 0.05, 200, 2},
      kPositive, "t1_s"},
+    {"", "size_exponent", "size_exponent", kNoUnit, kAt<&T::size_exponent>,
+     "Size exponent", "F(D) grows as (tool's tip radius / source.radius_mm)^this; ball 0.5 (Hertz), flat punch 1",
+     {0.005, 0, 2, 3}, kSizeExponentRange, nullptr, true},
     {"reach", "contact_ratio", "contact_ratio", kNoUnit, kAtReach<&R::contact_ratio>,
      "Contact radius c", "R_1 = c R (D/R)^p", {0.005, 0.1, 5, 3}},
     {"reach", "first_bar_ratio", "first_bar_ratio", kNoUnit, kAtReach<&R::first_bar_ratio>,

@@ -19,7 +19,7 @@ using model::kTissueFields;
 
 static_assert(std::is_standard_layout_v<UpdateRow> && std::is_trivially_copyable_v<UpdateRow>);
 static_assert(sizeof(UpdateRow) ==
-                  (14 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
+                  (15 + kTissueFields.size() + 2 * kMaxRelaxationTerms) * 8 + ParameterUpdate::kNameBytes,
               "no padding");
 
 constexpr std::array<const char*, kMaxRelaxationTerms> kShareColumns{
@@ -57,6 +57,7 @@ std::vector<Column> all_columns() {
   add("stimulus_force_N", offsetof(UpdateRow, stimulus_force), 0, true);
   add("stimulus_ramp_s", offsetof(UpdateRow, stimulus_ramp), 0, true);
   columns.push_back({"stimulus_interval", ColumnType::kU64, offsetof(UpdateRow, stimulus_interval), true});
+  add("source_radius_m", offsetof(UpdateRow, source_radius), 0, true);
   return columns;
 }
 
@@ -85,6 +86,7 @@ UpdateRow row_of(const ParameterUpdate& change) noexcept {
     row.stimulus_ramp = change.stimulus.ramp;
     row.stimulus_interval = change.stimulus.interval;
   }
+  row.source_radius = change.source_radius;
   row.name = change.name;
   return row;
 }
@@ -133,6 +135,7 @@ ParameterUpdate update_of(const UpdateRow& row) {
     change.stimulus = {row.stimulus_force, row.stimulus_ramp,
                        static_cast<std::uint32_t>(row.stimulus_interval)};
   }
+  change.source_radius = row.source_radius;
   change.name = row.name;
   return change;
 }

@@ -28,6 +28,7 @@ struct UpdateRow {
   double stimulus_force = 0.0;          // N
   double stimulus_ramp = 0.0;           // s
   std::uint64_t stimulus_interval = 0;  // 0: none
+  double source_radius = 0.0;           // m, of a tissue with size exponent
   std::array<char, haptics::ParameterUpdate::kNameBytes> name{};
 };
 

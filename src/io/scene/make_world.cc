@@ -37,7 +37,8 @@ model::Direction direction_of(const Scene& scene) {
 double largest_variation(const Scene& scene, const haptics::SimulationWorld& world,
                          const model::TissueParameters& tissue,
                          const std::vector<model::Inclusion>& inclusions) {
-  if (inclusions.empty() && scene.stiffness.empty()) return 1.0;
+  const bool uniform = inclusions.empty() && scene.stiffness.empty();
+  if (uniform && tissue.size_exponent == 0.0) return 1.0;
   const contact::TissueLaws laws(tissue, 1.0 / scene.rate_Hz);
   const model::Direction direction = direction_of(scene);
   double scale = 1.0;
@@ -45,7 +46,12 @@ double largest_variation(const Scene& scene, const haptics::SimulationWorld& wor
   const contact::StiffnessReach reach{direction, scene.safety.max_force / scale, haptics::kDepthWithinReach};
   double largest = 0.0;
   for (std::size_t tool = 0; tool < scene.tools.size(); ++tool) {
-    largest = std::max(largest, contact::largest_stiffness(world.contact, laws, inclusions, tool, reach));
+    const contact::TissueLaws met(model::for_tool(tissue, world.contact.tip_radius(tool)),
+                                  1.0 / scene.rate_Hz);
+    largest = std::max(
+        largest,
+        uniform ? contact::largest_tangent(direction == model::Direction::kPull ? met.pull : met.press, reach)
+                : contact::largest_stiffness(world.contact, met, inclusions, tool, reach));
   }
   return largest /
          contact::largest_tangent(direction == model::Direction::kPull ? laws.pull : laws.press, reach);
@@ -65,6 +71,13 @@ haptics::StabilityCheck stability_of(const Scene& scene, const DeviceSetup& devi
 }
 
 std::string rounded(double value) { return brief(value, 3); }
+
+/// How the tissue's size exponent changes the force of a tool of this tip radius [m]; empty: not at all.
+std::string size_scaling(const model::TissueParameters& tissue, double radius) {
+  if (tissue.size_exponent == 0.0) return {};
+  return "; size_exponent = " + rounded(tissue.size_exponent) + " multiplies it by " +
+         rounded(model::size_factor(tissue.size_exponent, tissue.source->radius, radius));
+}
 
 /// A warning when the tissue is stiffer than the device can render; empty when it is not, or that is unknown.
 std::string too_stiff(const Scene& scene, const DeviceSetup& device, const model::TissueParameters& tissue,
@@ -187,7 +200,8 @@ std::vector<std::string> radius_remarks(const Scene& scene, const haptics::Simul
     if (!(radius > 2.0 * fitted || 2.0 * radius < fitted)) continue;
     remarks.push_back("tissue '" + scene.tissue.name + "' was fitted with an indenter of " + in_mm(fitted) +
                       " radius, the tip of '" + scene.tools[hand].name + "' has " + in_mm(radius) +
-                      ": more than twofold apart, so the force may be wrong");
+                      ": more than twofold apart, so the force may be wrong" +
+                      size_scaling(scene.tissue, radius));
   }
   return remarks;
 }

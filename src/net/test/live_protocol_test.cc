@@ -228,6 +228,16 @@ TEST(LiveProtocol, ATissueStaysWhereAnEditDoesNotNameIt) {
   EXPECT_EQ(made.name, "heart");
 }
 
+TEST(LiveProtocol, AnEditedTissueKeepsItsSourceOnlyForItsSizeExponent) {
+  model::TissueParameters tissue = model::tissue_preset("heart");
+  tissue.source = model::SourceParameters{"ball", 3e-3};
+  const auto edit = read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"k1_N_per_m":33}})");
+  EXPECT_FALSE(edited(tissue, edit.edit).source.has_value());
+  tissue.size_exponent = 0.5;
+  EXPECT_EQ(edited(tissue, edit.edit).source->radius, 3e-3);
+  EXPECT_EQ(edited(tissue, edit.edit).max_depth, 15e-3);
+}
+
 TEST(LiveProtocol, APresetComesFirstAndANullTangentialStiffnessIsTheDefault) {
   model::TissueParameters stiff = model::tissue_preset("heart");
   stiff.contact.tangential_stiffness = 500.0;

@@ -65,7 +65,8 @@ void FeltMap::add(const haptics::TickRow& row, const Pose& organ_W) {
   const double force = normal - world_.tissue().contact.damping * rate;
   const bool tells =
       std::isfinite(rate) && row.depth >= kLeastDepth && (row.status & contact::kStartedInside) == 0;
-  const double uniform = tells ? world_.press_law().force_at(row.depth).force : 0.0;
+  const double size = world_.data().laws.size_factor(world_.tip_radius(row.hand));
+  const double uniform = tells ? size * world_.press_law().force_at(row.depth).force : 0.0;
   const double reach_squared = reach(row.hand) * reach(row.hand);
   const auto add_to = [&](Sums& sums, double weight) {
     if (tells) {
@@ -109,7 +110,8 @@ double FeltMap::true_factor(std::size_t vertex) const {
   const contact::ToolTissue tissue{data.laws, data.inclusions.now(), data.map, world_.tip_radius(0)};
   const geometry::NearestPoint place = data.surface.nearest(surface().vertices[vertex], -1);
   const contact::TissueAt at(tissue, {place.point, place.triangle});
-  return at.force_at(data.laws.press, depth).normal / data.laws.press.force_at(depth).force;
+  return at.force_at(data.laws.press, depth).normal /
+         (tissue.size_factor * data.laws.press.force_at(depth).force);
 }
 
 }  // namespace palpate::palpation

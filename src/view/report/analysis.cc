@@ -60,7 +60,7 @@ KeyTicks find_key_ticks(const std::vector<haptics::TickRow>& rows, model::Direct
 
 LawDeparture departure(const std::vector<haptics::TickRow>& rows, const record::Recording& recording,
                        model::Direction direction) {
-  LawOverTime law(recording, direction);
+  LawOverTime law(recording, direction, rows.empty() ? 0 : rows.front().hand);
   std::vector<double> apart;
   double peak = 0.0;
   for (const haptics::TickRow& row : rows) {
@@ -176,18 +176,26 @@ std::string tissue_text(const model::TissueParameters& tissue) {
   return text;
 }
 
+/// The tissue as the tool of a hand meets it.
+model::TissueParameters met_tissue(const scene::Scene& scene, const model::TissueParameters& tissue,
+                                   std::size_t hand) {
+  if (tissue.size_exponent == 0.0) return tissue;
+  return model::for_tool(tissue, contact::tip_radius_of(scene.tools.at(hand)));
+}
+
 }  // namespace
 
-LawOverTime::LawOverTime(const record::Recording& recording, model::Direction direction)
+LawOverTime::LawOverTime(const record::Recording& recording, model::Direction direction, std::size_t hand)
     : recording_(recording),
       direction_(direction),
+      hand_(hand),
       period_(1.0 / recording.scene.rate_Hz),
-      law_(law_of(recording.scene, direction)),
+      law_(law_of(recording.scene, direction, hand)),
       relaxation_(recording.scene.tissue.relaxation, period_) {}
 
 void LawOverTime::change_to(const model::TissueParameters& tissue) {
   const model::Relaxation before = relaxation_;
-  law_ = model::SpringLaw(tissue, direction_, period_);
+  law_ = model::SpringLaw(met_tissue(recording_.scene, tissue, hand_), direction_, period_);
   relaxation_ = model::Relaxation(tissue.relaxation, period_);
   relaxation_.convert_history(memory_, before);
 }
@@ -222,8 +230,8 @@ std::string change_text(const haptics::ParameterUpdate& change) {
 
 }  // namespace
 
-model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction) {
-  return {scene.tissue, direction, 1.0 / scene.rate_Hz};
+model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction, std::size_t hand) {
+  return {met_tissue(scene, scene.tissue, hand), direction, 1.0 / scene.rate_Hz};
 }
 
 bool in_contact(const haptics::TickRow& row, model::Direction direction) {

@@ -118,8 +118,10 @@ struct Analysis {
 /// [setup] Computes the results of a recording. @throws InputError when it has no row.
 [[nodiscard]] Analysis analyse(const record::Recording& recording);
 
-/// [setup] Elastic law at the start of the run, before relaxation and parameter updates.
-[[nodiscard]] model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction);
+/// [setup] Elastic law at the start of the run, before relaxation and parameter updates, as the tool of this
+/// hand meets it.
+[[nodiscard]] model::SpringLaw law_of(const scene::Scene& scene, model::Direction direction,
+                                      std::size_t hand);
 
 using palpation::normal_force;
 
@@ -137,7 +139,7 @@ using palpation::normal_force;
 class LawOverTime final {
  public:
   /// [setup] @param recording must outlive this object @throws ParameterError for an invalid recorded tissue
-  LawOverTime(const record::Recording& recording, model::Direction direction);
+  LawOverTime(const record::Recording& recording, model::Direction direction, std::size_t hand);
 
   /// [setup] Expected force [N] of a row; 0 out of contact. Call it once per row of one hand, in order.
   double force_at(const haptics::TickRow& row);
@@ -147,6 +149,7 @@ class LawOverTime final {
 
   const record::Recording& recording_;
   model::Direction direction_;
+  std::size_t hand_;
   double period_;  // s
   model::SpringLaw law_;
   model::Relaxation relaxation_;

@@ -159,7 +159,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
 Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
   const scene::Scene& scene = recording.scene;
-  const model::SpringLaw law = law_of(scene, direction);
+  const model::SpringLaw law = law_of(scene, direction, hand.hand);
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};
   double deepest = 1e-3;

@@ -323,7 +323,7 @@ std::string end_of(const model::SpringLaw& law, const model::TissueParameters& t
 
 Facts tissue_facts(const scene::Scene& scene, model::Direction direction) {
   const model::TissueParameters& tissue = scene.tissue;
-  const model::SpringLaw law = law_of(scene, direction);
+  const model::SpringLaw law(tissue, direction, 1.0 / scene.rate_Hz);
   Facts facts{
       {"name", tissue.name},
       {"law", fmt::format("{}{}, {} layers at this rate; {}",

@@ -16,11 +16,18 @@ const model::RelaxationTerms kTwoTerms = {{0.3, 0.1}, {0.25, 1.5}};
 
 /// A ball on a block with laws that the test can change.
 struct Bench {
-  explicit Bench(const model::TissueParameters& tissue)
-      : world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {one_part_tool(geometry::make_ball(kLawRadius, 320))},
-              tissue, kLawPeriod, prepared_once()),
+  explicit Bench(const model::TissueParameters& tissue, double ball_radius = kLawRadius,
+                 const model::TissueVariation& variation = {})
+      : radius(ball_radius),
+        world(block(Vec3(60e-3, 60e-3, 40e-3), 0.1), {ball_tool(ball_radius)}, tissue, kLawPeriod,
+              prepared_once(), variation),
         state(world) {
-    at(Vec3(0, 0, kLawRadius + 5e-3), 1.0);
+    at(Vec3(0, 0, radius + 5e-3), 1.0);
+  }
+  static geometry::Tool ball_tool(double radius) {
+    geometry::Tool tool = one_part_tool(geometry::make_ball(radius, 320));
+    tool.tip_radius = radius;
+    return tool;
   }
 
   const ToolResult& at(const Vec3& position, double new_gripper) {
@@ -40,7 +47,7 @@ struct Bench {
   }
   /// Moves the ball's lowest point to this depth [m] and waits until all depth is admitted.
   void press(double depth) {
-    go(Vec3(0, 0, -depth - lowest_z(geometry::make_ball(kLawRadius, 320))));
+    go(Vec3(0, 0, -depth - lowest_z(geometry::make_ball(radius, 320))));
     for (int i = 0; i < 100; ++i) still();
   }
   void close() {
@@ -50,6 +57,7 @@ struct Bench {
     change_tissue(world, state, TissueLaws(tissue, kLawPeriod));
   }
 
+  double radius;
   World world;
   State state;
   ToolInput input;
@@ -193,6 +201,39 @@ TEST(Laws, PastTheMaxDepthATickGivesTheTangentThereAndSaysSo) {
     EXPECT_NEAR(-pulled.still().force_W.z(), want_pulled, 1e-6 * want_pulled);
     EXPECT_EQ(pulled.result.status, kExtrapolated);
   }
+}
+
+// Hertz: the force on a ball grows as the square root of its radius, so from 1 to 10 mm by sqrt(10) = 3.162.
+TEST(Laws, TheSizeExponentScalesEveryForceByTheToolsRadiusOverTheSources) {
+  model::TissueParameters tissue = plain_tissue();
+  tissue.source = model::SourceParameters{"ball", 4e-3};
+  tissue.contact.grip_limit = 1e3;
+  tissue.size_exponent = 0.5;
+  for (const double radius : {1e-3, 4e-3, 10e-3}) {
+    const double factor = std::sqrt(radius / 4e-3);
+    Bench pressed(tissue, radius);
+    pressed.press(7e-3);  // within the first layer
+    EXPECT_NEAR(pressed.result.force_W.z(), factor * 18.0 * pressed.result.depth, 1e-9) << radius;
+    Bench pulled(tissue, radius);
+    pulled.go(Vec3(0, 0, radius));
+    pulled.close();
+    pulled.go(Vec3(0, 0, radius + 5e-3));
+    EXPECT_NEAR(-pulled.still().force_W.z(), factor * 18.0 * 5e-3, 1e-9) << radius;
+  }
+  const auto pressed_by = [&](double radius, const model::TissueVariation& variation) {
+    Bench bench(tissue, radius, variation);
+    bench.press(7e-3);
+    return bench.result.force_W.z() / bench.result.depth;
+  };
+  EXPECT_NEAR(pressed_by(10e-3, {}) / pressed_by(1e-3, {}), std::sqrt(10.0), 1e-9);
+  model::TissueVariation twice;  // stiffness factor 2 everywhere
+  for (const double x : {-30e-3, 0.0, 30e-3}) twice.stiffness.push_back({{x, 0.0, 0.0}, 2.0});
+  EXPECT_NEAR(pressed_by(10e-3, twice) / pressed_by(1e-3, twice), std::sqrt(10.0), 1e-6);
+  EXPECT_NEAR(pressed_by(10e-3, twice) / pressed_by(10e-3, {}), 2.0, 1e-6);
+  tissue.size_exponent = 1.0;  // flat punch
+  EXPECT_NEAR(pressed_by(10e-3, {}) / pressed_by(1e-3, {}), 10.0, 1e-9);
+  tissue.size_exponent = 0.0;
+  EXPECT_NEAR(pressed_by(10e-3, {}), 18.0, 1e-9);
 }
 
 /// F(t) = integral G(t - s) dF_e by the midpoint rule, one sample per tick.

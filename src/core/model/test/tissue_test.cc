@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -90,6 +91,33 @@ TEST(ValidateTissue, RefusesNegativeFrictionAndDampingButNotZero) {
   tissue.contact.friction = 0.0;
   tissue.contact.damping = 0.0;
   EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(ValidateTissue, RefusesASizeExponentOutOfRangeOrWithoutASourceRadius) {
+  for (const auto& [bad, shown] :
+       {std::pair{-0.1, "-0.1"}, std::pair{2.01, "2.01"}, std::pair{kTissueNaN, "nan"}}) {
+    expect_refused({"size_exponent", shown, [bad = bad](TissueParameters& t) { t.size_exponent = bad; }});
+  }
+  expect_refused({"size_exponent", "0.5", [](TissueParameters& t) {
+                    t.size_exponent = 0.5;
+                    t.source.reset();
+                  }});
+  TissueParameters tissue = tissue_preset("heart");
+  tissue.source = SourceParameters{"ball", 3e-3};
+  tissue.size_exponent = 2.0;
+  EXPECT_NO_THROW(validate(tissue));
+}
+
+TEST(SizeFactor, IsAPowerOfTheRatioOfTheRadii) {  // 4^0.5 = 2, 0.25^1 = 0.25
+  EXPECT_NEAR(size_factor(0.5, 3e-3, 12e-3), 2.0, 1e-15);
+  EXPECT_NEAR(size_factor(1.0, 12e-3, 3e-3), 0.25, 1e-15);
+  EXPECT_EQ(size_factor(0.0, 0.0, 3e-3), 1.0);
+  TissueParameters tissue = tissue_preset("gallbladder");
+  EXPECT_EQ(for_tool(tissue, 12e-3).numbers(), tissue.numbers());
+  tissue.source = SourceParameters{"ball", 3e-3};
+  tissue.size_exponent = 0.5;
+  EXPECT_NEAR(for_tool(tissue, 12e-3).k1, 36.0, 1e-12);
+  EXPECT_EQ(for_tool(tissue, 12e-3).size_exponent, 0.0);
 }
 
 TEST(ValidateTissue, RefusesAReferenceRadiusBelowAMillimetre) {

@@ -66,6 +66,10 @@ void offer_something(haptics::ParameterUpdates& changes, std::mt19937_64& dice) 
   tissue.contact.damping = 0.2 * share();
   tissue.contact.friction = share();
   if (dice() % 2 == 0) tissue.law = model::LawKind::kSmooth;
+  if (tissue.law == model::LawKind::kSmooth) {
+    tissue.source = model::SourceParameters{"ball", 4e-3};
+    tissue.size_exponent = 0.5;
+  }
   for (std::uint64_t terms = dice() % 4; terms > 0; --terms) {
     tissue.relaxation.push_back({0.3 * share() + 1e-3, 0.01 + share()});
   }
@@ -268,8 +272,8 @@ TEST(ParameterUpdatesRecorded, ExportIsOneLineAChangeWithNamesInQuotes) {
   ASSERT_EQ(lines.size(), recording.changes.size() + 1);
   EXPECT_THAT(lines[0], StartsWith("tick,number,what,law,k1_N_per_m,beta,q,rest_length_m,"));
   EXPECT_EQ(lines[1],
-            "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
-            "0.2,0,0,0.5,0.01,8,1,5e-05,0.005,0,0,0,0,0,0,0,0,\"a,\"\"\"");
+            "12,1,tissue,smooth,18,1.6,0.7,0.014,0.022,0.006,1e-06,0,0,0,0,0,0,0,1.1,0.43,1.8,0.58,0.5,"
+            "0.2,0,0,0.5,0.01,8,0.015,1,5e-05,0.005,0,0,0,0,0,0,0,0,0,\"a,\"\"\"");
   EXPECT_EQ(changes_csv_path("x/run.csv"), std::filesystem::path("x/run-changes.csv"));
   EXPECT_THROW(export_changes_csv(recording, folder / "nowhere/c.csv"), InputError);
 }
@@ -471,6 +475,10 @@ TEST(RadiusRemarks, NameAnIndenterOfAnotherSizeThanTheTip) {
               testing::ElementsAre(AllOf(HasSubstr("1.2 mm radius"), HasSubstr("'ball' has 3 mm"))));
   scene.tissue.source->radius = 2.5 * kBallRadius;
   EXPECT_THAT(scene::radius_remarks(scene, world), testing::SizeIs(1));
+  scene.tissue.source->radius = 4.0 * kBallRadius;
+  scene.tissue.size_exponent = 0.5;  // (1/4)^0.5 = 0.5
+  EXPECT_THAT(scene::radius_remarks(scene, world),
+              testing::ElementsAre(testing::EndsWith("; size_exponent = 0.5 multiplies it by 0.5")));
 }
 
 }  // namespace

@@ -105,6 +105,16 @@ TEST(TissueFile, DefaultsAllThatIsNotRequired) {
   EXPECT_EQ(tissue.max_depth, std::nullopt);
 }
 
+TEST(TissueFile, ReadsASizeExponentAndRefusesItWithoutASourceRadius) {
+  const TemporaryFolder folder;
+  const std::string text = kRequired + "size_exponent = 0.5\n";
+  EXPECT_EQ(
+      read_tissue_file(folder.write("soft.toml", text + "[tissue.source]\nradius_mm = 3\n")).size_exponent,
+      0.5);
+  EXPECT_THAT(tissue_error_in(text), HasSubstr("soft.toml:9: tissue.size_exponent = 0.5: must be 0 where "
+                                               "[tissue.source] has no radius_mm"));
+}
+
 TEST(TissueFile, AMaxDepthNeedsNoIndenter) {
   const TemporaryFolder folder;
   const model::TissueParameters tissue =

@@ -249,6 +249,10 @@ TEST(ParameterUpdates, ATissueMakesTheRoundTripThroughPlainDataBitForBit) {
   EXPECT_EQ(change.tissue, tissue.numbers());
   EXPECT_EQ(tissue_of(change).name, tissue.name);
   EXPECT_EQ(parameter_update(tissue_of(change), noise, change.what), change);
+  tissue.source = model::SourceParameters{"ball", 3e-3};
+  EXPECT_FALSE(tissue_of(parameter_update(tissue, noise, 0)).source.has_value());
+  tissue.size_exponent = 0.5;
+  EXPECT_EQ(tissue_of(parameter_update(tissue, noise, 0)).source->radius, 3e-3) << "the exponent needs it";
   tissue.contact.tangential_stiffness.reset();
   EXPECT_FALSE(tissue_of(parameter_update(tissue, noise, 0)).contact.tangential_stiffness.has_value());
 }
