@@ -59,8 +59,10 @@ void add_law_flags(CLI::App& command, LawFlags& flags) {
   using Laws = std::vector<std::pair<std::string, model::LawKind>>;
   using Directions = std::vector<std::pair<std::string, model::Direction>>;
   command
-      .add_option("--tissue", flags.tissue,
-                  "a built-in tissue (gallbladder, heart, liver, kidney) or a tissue file")
+      .add_option(
+          "--tissue", flags.tissue,
+          "a built-in tissue (gallbladder, heart, liver, kidney: illustrative; liver-ex-vivo: measured) or a "
+          "tissue file")
       ->required();
   add_choice(command, "--law", flags.law,
              Laws{{"layered", model::LawKind::kLayered}, {"smooth", model::LawKind::kSmooth}},

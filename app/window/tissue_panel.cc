@@ -5,6 +5,7 @@
 
 #include <imgui.h>
 
+#include "core/base/text.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/units.h"
 
@@ -76,6 +77,12 @@ bool relaxation_rows(model::TissueParameters& tissue) {
   return changed;
 }
 
+std::string evidence(const model::TissueParameters& tissue) {
+  if (!tissue.source) return "illustrative: no [tissue.source] names a measurement";
+  return "measured: " + tissue.source->indenter + ", radius " + brief(tissue.source->radius / kMillimetre) +
+         " mm";
+}
+
 }  // namespace
 
 void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands) {
@@ -85,7 +92,7 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
     const Rows rows("preset");
     rows.name("Preset", "a tissue as it comes with the program, or from a file");
     if (ImGui::BeginCombo("##preset", tissue.name.c_str())) {
-      for (const char* name : {"gallbladder", "heart", "liver", "kidney"}) {
+      for (const char* name : model::tissue_preset_names()) {
         if (!ImGui::Selectable(name, tissue.name == name)) continue;
         tissue = model::tissue_preset(name);
         changed = true;
@@ -96,6 +103,9 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
       ImGui::EndCombo();
     }
   }
+  ImGui::PushTextWrapPos(0.0F);
+  ImGui::TextColored(colour::kFaint, "%s", evidence(shown.tissue).c_str());
+  ImGui::PopTextWrapPos();
   changed |= law_row(tissue);
   changed |= numbers("", tissue);
   for (const model::TissueSection& section : model::kTissueSections) {

@@ -149,8 +149,11 @@ void validate(const TissueParameters& tissue);
 /// [setup] Checks only relaxation terms. @throws ParameterError as validate().
 void validate_relaxation(std::span<const RelaxationTerm> terms);
 
-/// [setup] A built-in tissue: "gallbladder", "heart", "liver" or "kidney". @throws InputError that lists the
-/// names.
+/// [any] The names of the built-in tissues (docs/tissues.md).
+[[nodiscard]] std::span<const char* const> tissue_preset_names() noexcept;
+
+/// [setup] The built-in tissue of this name. Only a measured one has a `source`; the others are illustrative.
+/// @throws InputError that lists the names.
 [[nodiscard]] TissueParameters tissue_preset(const std::string& name);
 
 }  // namespace palpate::model

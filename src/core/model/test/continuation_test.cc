@@ -13,7 +13,6 @@
 namespace palpate::model {
 namespace {
 
-constexpr std::array kAllPresets{"gallbladder", "heart", "liver", "kidney"};
 constexpr std::array kBothDirections{Direction::kPress, Direction::kPull};
 constexpr double kDeepestHand = 60e-3;  // m
 
@@ -26,7 +25,7 @@ TissueParameters with_law(const char* preset, LawKind law) {
 /// Calls `check(limited, whole, deepest)` with the law of each preset with and without its max_depth [m].
 template <class Check>
 void for_each_law(Check check) {
-  for (const char* preset : kAllPresets) {
+  for (const char* preset : tissue_preset_names()) {
     for (const LawKind kind : {LawKind::kLayered, LawKind::kSmooth}) {
       for (const Direction direction : kBothDirections) {
         TissueParameters tissue = with_law(preset, kind);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "palpate/error.h"
+#include "palpate/spring_law.h"
 
 namespace palpate::model {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr double kTissueInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
 
-const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney"};
+const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney", "liver-ex-vivo"};
 
 // One bad value of one field, and its form in the message.
 struct BadValue {
@@ -187,6 +188,22 @@ TEST(TissuePreset, GallbladderAndHeartHaveThePapersFigures) {
   EXPECT_EQ(tissue_preset("gallbladder").k1, 18.0);  // 0.18 N/cm
   EXPECT_EQ(tissue_preset("heart").beta, 2.0);
   EXPECT_EQ(tissue_preset("heart").k1, 15.0);  // 0.15 N/cm
+}
+
+TEST(TissuePreset, OnlyAMeasuredOneHasASource) {
+  EXPECT_THAT(tissue_preset_names(), testing::ElementsAreArray(kPresetNames));
+  for (const std::string& name : kPresetNames) {
+    EXPECT_EQ(tissue_preset(name).source.has_value(), name == "liver-ex-vivo") << name;
+    EXPECT_TRUE(tissue_preset(name).max_depth.has_value()) << name;
+  }
+}
+
+TEST(TissuePreset, LiverExVivoIsWithinFivePercentOfTheRangeOfTheMeasuredMedians) {
+  const SpringLaw law(tissue_preset("liver-ex-vivo"), Direction::kPress, 1e-3);
+  const std::vector<std::pair<double, double>> medians{
+      {0.5e-3, 0.044}, {1e-3, 0.110}, {1.5e-3, 0.224}, {2e-3, 0.417}, {2.5e-3, 0.698}};
+  for (const auto& [depth, force] : medians)
+    EXPECT_NEAR(law.force_at(depth).force, force, 0.05 * 0.698) << depth;
 }
 
 TEST(TissuePreset, RefusesUnknownNamesAndListsTheKnownOnes) {
