@@ -9,6 +9,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/random.h"
 #include "core/base/statistics.h"
+#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "run/tasks/for_each_task.h"
@@ -197,8 +198,16 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
+  constexpr double kUseless = 1.0;  // of the force range: a constant force leaves less
+  for (const SpecimenFit& fit : fits) {
+    if (!(fit.nrmse > kUseless)) continue;
+    throw InputError(fmt::format(
+        "specimen {}: the fit leaves {} of the force range: no tissue has this curve; look at force_N over "
+        "displacement_mm for wrong rows, and tare the sensor before contact",
+        fit.name, percent(fit.nrmse, 0)));
+  }
   if (specimens.size() == 1) return of_one(fits.front(), settings);
-  const std::vector<Specimen> used = as_pooled(specimens);
+  const std::vector<Specimen> used = as_pooled(specimens, settings);
   const std::size_t terms = most_frequent_terms(fits);
   Problem problem = make_problem(settings, terms, pooled_parts(used));
   if (progress) progress(0.05, "pooled fit");

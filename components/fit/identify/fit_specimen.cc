@@ -97,6 +97,12 @@ Curve curve_of(const LocalOptima& optima, const std::vector<Point>& points) {
       curve.high[k] = std::max(curve.high[k], force[k]);
     }
   }
+  for (std::size_t k = 0; k < force.size(); ++k) {  // the sensor's readings
+    const double baseline = specimen.preparation.baseline(curve.displacement[k]);
+    for (std::vector<double>* forces : {&curve.measured, &curve.fitted, &curve.low, &curve.high}) {
+      (*forces)[k] += baseline;
+    }
+  }
   return curve;
 }
 
@@ -123,6 +129,15 @@ std::vector<Point> search_along_profiles(LocalOptima& optima, std::size_t points
   }
 }
 
+/// Adds a force [N] to an estimate and its intervals.
+void shift(Estimate& estimate, double by) {
+  const auto move = [by](Interval& interval) { interval = {interval.low + by, interval.high + by}; };
+  estimate.value += by;
+  move(estimate.interval);
+  if (estimate.covariance) move(*estimate.covariance);
+  if (estimate.bootstrap) move(*estimate.bootstrap);
+}
+
 void add_estimates(const LocalOptima& optima, const std::vector<Point>& profiles, const Curvature& curvature,
                    const std::vector<Point>& resampled, SpecimenFit& fit) {
   const Part& part = optima.problem.parts.front();
@@ -140,6 +155,7 @@ void add_estimates(const LocalOptima& optima, const std::vector<Point>& profiles
     if (!bootstrap.empty()) estimate.bootstrap = bootstrap[i];
     fit.estimates.push_back(estimate);
   }
+  shift(fit.estimates.back(), part.specimen->preparation.zero);
 }
 
 void add_errors(const LocalOptima& optima, SpecimenFit& fit) {

@@ -102,11 +102,20 @@ struct SmallProblem {
 /// @return half the remaining sum of squares; infinite when no step gave finite residuals
 double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
 
-/// [setup] The points used for a specimen's own fit: averages of neighbours when there are too many points.
+/// [setup] The points sorted by displacement, without times.
+[[nodiscard]] Specimen by_displacement(const Specimen& specimen);
+
+/// [setup] The rows to which a law is fitted: without relaxation the last whole loading of a loop; with the
+/// sensor's zero, drift or tilt subtracted where the rows before contact, or the first row, show it.
+[[nodiscard]] Specimen prepared(const Specimen& specimen, const Settings& settings);
+
+/// [setup] The points used for a specimen's own fit: prepared() rows, averages of neighbours when there are
+/// too many.
 [[nodiscard]] Specimen as_fitted(const Specimen& specimen, const Settings& settings);
 
 /// [setup] The points used for the pooled fit.
-[[nodiscard]] std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens);
+[[nodiscard]] std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens,
+                                              const Settings& settings);
 
 /// [setup] One part per specimen of as_pooled(), which must outlive the parts. All specimens have the same
 /// total weight, whatever their number of points.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/base/portable_math.h"
 #include "core/model/relaxation.h"
@@ -42,6 +43,8 @@ Part make_part(const Specimen& specimen) {
   part.specimen = &specimen;
   part.ranges = ranges_of(specimen);
   part.prior = own_prior(part.ranges);
+  const std::optional<double>& contact = specimen.preparation.contact;
+  if (contact) part.prior.first_contact = *contact / part.ranges.displacement;
   part.weight.assign(specimen.size(), 1.0);
   return part;
 }

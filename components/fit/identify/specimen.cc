@@ -18,22 +18,6 @@
 namespace palpate::identify {
 namespace {
 
-/// The points sorted by displacement.
-Specimen by_displacement(const Specimen& specimen) {
-  std::vector<std::size_t> order(specimen.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&specimen](std::size_t a, std::size_t b) {
-    return specimen.displacement[a] < specimen.displacement[b];
-  });
-  Specimen sorted;
-  sorted.name = specimen.name;
-  for (const std::size_t i : order) {
-    sorted.displacement.push_back(specimen.displacement[i]);
-    sorted.force.push_back(specimen.force[i]);
-  }
-  return sorted;
-}
-
 /// Means of `block` neighbours each.
 std::vector<double> means(const std::vector<double>& values, std::size_t block) {
   std::vector<double> out;
@@ -45,11 +29,6 @@ std::vector<double> means(const std::vector<double>& values, std::size_t block) 
   }
   return out;
 }
-
-constexpr std::size_t kMaxUntimedPoints = 1000;  // per specimen, without relaxation
-constexpr std::size_t kMaxTimedPoints = 2000;    // per specimen, with relaxation, whose fast terms need
-                                                 // dense samples
-constexpr std::size_t kMaxPooledPoints = 400;    // per specimen, in the pooled fit
 
 enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen };
 
@@ -123,22 +102,30 @@ void check_specimen(const Specimen& s, const std::string& where) {
 
 }  // namespace
 
+Specimen by_displacement(const Specimen& specimen) {
+  std::vector<std::size_t> order(specimen.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&specimen](std::size_t a, std::size_t b) {
+    return specimen.displacement[a] < specimen.displacement[b];
+  });
+  Specimen sorted = specimen;
+  sorted.time.clear();
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    sorted.displacement[i] = specimen.displacement[order[i]];
+    sorted.force[i] = specimen.force[order[i]];
+  }
+  return sorted;
+}
+
 Specimen thinned(const Specimen& specimen, std::size_t most) {
   if (specimen.size() <= most) return specimen;
   const std::size_t block = (specimen.size() + most - 1) / most;
   const Specimen ordered = specimen.time.empty() ? by_displacement(specimen) : specimen;
-  return {specimen.name, means(ordered.time, block), means(ordered.displacement, block),
-          means(ordered.force, block)};
-}
-
-Specimen as_fitted(const Specimen& specimen, const Settings& settings) {
-  return thinned(specimen, settings.relaxation ? kMaxTimedPoints : kMaxUntimedPoints);
-}
-
-std::vector<Specimen> as_pooled(const std::vector<Specimen>& specimens) {
-  std::vector<Specimen> pooled;
-  for (const Specimen& specimen : specimens) pooled.push_back(thinned(specimen, kMaxPooledPoints));
-  return pooled;
+  Specimen few = ordered;
+  few.time = means(ordered.time, block);
+  few.displacement = means(ordered.displacement, block);
+  few.force = means(ordered.force, block);
+  return few;
 }
 
 std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled) {

@@ -82,7 +82,7 @@ class Target final {
          const Settings& settings)
       : pooled_(number == specimens.size()) {
     if (pooled_) {
-      used_ = as_pooled(specimens);
+      used_ = as_pooled(specimens, settings);
       problem_ = make_problem(settings, fits.pooled.terms, pooled_parts(used_));
       best_ = {fits.pooled.shared, fits.pooled.own};
       for (const SpecimenFit& fit : fits.specimens) {

@@ -61,20 +61,35 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
                 advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// Whether the displacement decreases by more than half of its range in total.
-bool turns_back(const Specimen& specimen, double range) {
-  double back = 0.0;
-  for (std::size_t i = 1; i < specimen.size(); ++i) {
-    back += std::max(0.0, specimen.displacement[i - 1] - specimen.displacement[i]);
-  }
-  return !specimen.time.empty() && back > 0.5 * range;
+/// What the noise at first contact leaves open of the force. A law is a force over the depth from contact.
+void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
+  constexpr double kErrors = 2.0;  // standard errors: about 95 %
+  constexpr double kOpen = 0.03;   // of the force
+  const Part& part = problem.parts.front();
+  const Preparation& preparation = part.specimen->preparation;
+  const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
+  const double error = kErrors * preparation.contact_error;
+  const Specimen depths{"", {}, {deepest, deepest - error}, {0.0, 0.0}};
+  std::vector<double> force(depths.size());
+  predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
+  const double open = 1.0 - force[1] / force[0];
+  if (!(open > kOpen)) return;
+  out.push_back(
+      fmt::format("the noise of the first rows leaves first contact open by {} mm, and so the force at {} mm "
+                  "of depth by {}: "
+                  "measure with less noise, or more rows around first contact",
+                  brief(error / kMillimetre, 2), brief(deepest / kMillimetre, 3), percent(open, 0)));
 }
 
 void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
+  constexpr double kDoubted = 1.3;  // of the noise
   const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
-  if (fit.rows > fit.points) {
-    out.push_back(fmt::format("{} rows were averaged to {} points", fit.rows, fit.points));
+  const Preparation& preparation = part.specimen->preparation;
+  out.insert(out.end(), preparation.notes.begin(), preparation.notes.end());
+  if (!preparation.doubt.empty() && fit.rms > kDoubted * preparation.noise) out.push_back(preparation.doubt);
+  if (preparation.rows > fit.points) {
+    out.push_back(fmt::format("{} rows were averaged to {} points", preparation.rows, fit.points));
   }
   constexpr double kPoor = 0.2;  // of the range of force
   if (fit.nrmse > kPoor) {
@@ -92,7 +107,7 @@ void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std
   }
   constexpr double kLongFlat = 0.15;  // of the range of displacement
   const double flat = flat_until(*part.specimen, part.ranges);
-  if (flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
+  if (!preparation.contact && flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
     out.push_back(
         "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
         " mm: if that is motion without contact, cut it off and count displacement from contact; if it is "
@@ -106,10 +121,6 @@ void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std
         fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
                     "does not fit the curve's shape everywhere",
                     fit.points, brief(optima.effective, 3)));
-  }
-  if (fit.terms == 0 && turns_back(*part.specimen, part.ranges.displacement)) {
-    out.emplace_back(
-        "the displacement decreases again; without --relaxation loading and unloading are one curve");
   }
 }
 
@@ -146,6 +157,7 @@ std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vecto
   add_undetermined(identifiability_of(optima, points), fit, out);
   add_correlated(curvature.correlations, fit, out);
   add_wide_law(fit, optima.problem.parts.front(), out);
+  add_contact(optima.problem, fit, out);
   add_data(optima, fit, out);
   return out;
 }

@@ -170,6 +170,22 @@ TEST(FitCommand, AFlagWithoutEffectIsRefusedWithAndWithoutAMap) {
   EXPECT_NE(without.err.find("--max-inclusions: needs --map"), std::string::npos) << without.err;
 }
 
+// A bump that no law has: the fit leaves more than a fifth of the range of force.
+TEST(FitCommand, WritesNoTissueFromAPoorFit) {
+  const Folder folder;
+  std::ofstream bump(folder / "bump.csv");
+  bump << "displacement_mm,force_N\n";
+  for (int i = 0; i < 30; ++i) bump << i << ',' << (i >= 15 && i < 20 ? 1.0 : 0.0) << '\n';
+  bump.close();
+  const Outcome outcome = run(folder, {"fit", "bump.csv", "--out", "bump.toml", "--report", "page"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("--out bump.toml: not written: the fit of specimen bump leaves"),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"bump.csv"});
+  EXPECT_EQ(run(folder, {"fit", "bump.csv"}).exit_code, 0);
+}
+
 TEST(FitCommand, RefusesBadInputInOneLineAndWritesNothing) {
   const Folder folder;
   write_curve(folder, "a.csv");

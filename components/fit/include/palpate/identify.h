@@ -16,6 +16,24 @@ class Communicator;
 
 namespace palpate::identify {
 
+/// What a fit does to the rows of a specimen before it begins (docs/fitting.md, "Before the fit"). SI units.
+struct Preparation {
+  std::size_t rows = 0;     // number of rows used
+  double zero = 0.0;        // N, sensor reading without contact at `zero_at`, subtracted from the forces
+  double zero_at = 0.0;     // m
+  double zero_slope = 0.0;  // N/m, drift or tilt of that reading, subtracted too
+  std::optional<double> contact;   // m, where the rows without contact end
+  double noise = 0.0;              // N, standard deviation
+  double contact_error = 0.0;      // m, standard error of first contact from the noise of the first rows
+  std::vector<std::string> notes;  // one sentence each
+  std::string doubt;               // a sentence for a fit that leaves more than the noise
+
+  /// [any] Subtracted force [N] at a displacement [m].
+  [[nodiscard]] double baseline(double displacement) const noexcept {
+    return zero + zero_slope * (displacement - zero_at);
+  }
+};
+
 /// One measured curve of force over displacement, pressed or pulled; both count positive. SI units.
 struct Specimen {
   std::string name;
@@ -23,6 +41,7 @@ struct Specimen {
   std::vector<double> displacement;  // m
   std::vector<double> force;         // N
   std::size_t empty_rows = 0;        // number of rows that read_specimens() omitted
+  Preparation preparation = {};      // of prepared(); empty before
 
   [[nodiscard]] std::size_t size() const noexcept { return force.size(); }
 };

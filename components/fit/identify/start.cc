@@ -1,0 +1,279 @@
+#include "fit/identify/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include "core/base/portable_math.h"
+#include "core/base/statistics.h"
+
+#include "fit/identify/least_squares.h"
+
+namespace palpate::identify {
+namespace {
+
+constexpr std::size_t kMostRows = 300;        // compared; more are averaged
+constexpr std::size_t kFewestRows = 8;        // compared
+constexpr std::size_t kLeadRows = 5;          // before a kink
+constexpr std::size_t kRowsBeyond = 4;        // beyond a kink
+constexpr double kSmallestStartNoise = 1e-4;  // of the force range: no law follows a curve more closely
+constexpr double kCertain = 10.0;             // decrease of Bayes's criterion that counts
+constexpr double kStartErrors = 4.0;          // standard errors above which a value differs from 0
+constexpr int kBasis = 5;
+
+/// The first rows, sorted by displacement.
+struct StartRows {
+  std::vector<double> place;  // 0 at the first row, 1 at the last
+  std::vector<double> force;  // N above the first row
+  double length = 0.0;        // m, from the first row to the last
+  double averaged = 1.0;      // number of rows behind each point
+};
+
+/// A linear least-squares fit of some columns.
+struct LineFit {
+  double squares = std::numeric_limits<double>::infinity();  // N^2, left
+  double unknowns = 0.0;                                     // the place of the kink included
+  std::vector<int> columns;
+  Eigen::VectorXd values;
+  Eigen::MatrixXd inverse;  // of the normal matrix
+  double kink = 0.0;        // as a place; 0: none
+  std::size_t rows = 0;     // before the kink
+
+  [[nodiscard]] double value(int column) const {
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      if (columns[i] == column) return values[static_cast<Eigen::Index>(i)];
+    return 0.0;
+  }
+  /// Bayes's criterion for noise of this variance [N^2].
+  [[nodiscard]] double criterion(double variance, std::size_t points) const {
+    return squares / variance + unknowns * portable::log(static_cast<double>(points));
+  }
+};
+
+/// The columns of a row: 1, u, v, v^2, v^3 with v = max(0, u - kink); without a kink 1, u, u^2, u^3, u^4.
+using Basis = Eigen::Matrix<double, kBasis, 1>;
+
+Basis basis_at(double u, double kink) {
+  Basis columns;
+  if (kink > 0.0) {
+    const double v = std::max(0.0, u - kink);
+    columns << 1.0, u, v, v * v, v * v * v;
+  } else {
+    columns << 1.0, u, u * u, u * u * u, u * u * u * u;
+  }
+  return columns;
+}
+
+/// NormalSums of the normal equations of all columns.
+struct NormalSums {
+  Eigen::Matrix<double, kBasis, kBasis> matrix = Eigen::Matrix<double, kBasis, kBasis>::Zero();
+  Basis right = Basis::Zero();
+  double square = 0.0;
+
+  NormalSums(const StartRows& rows, double kink) {
+    for (std::size_t i = 0; i < rows.place.size(); ++i) {
+      const Basis row = basis_at(rows.place[i], kink);
+      matrix += row * row.transpose();
+      right += row * rows.force[i];
+      square += rows.force[i] * rows.force[i];
+    }
+  }
+
+  [[nodiscard]] LineFit fit(std::vector<int> columns) const {
+    const auto size = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd part(size, size);
+    Eigen::VectorXd side(size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const int at = columns[static_cast<std::size_t>(i)];
+      side[i] = right[at];
+      for (Eigen::Index k = 0; k < size; ++k) part(i, k) = matrix(at, columns[static_cast<std::size_t>(k)]);
+    }
+    LineFit found;
+    found.unknowns = static_cast<double>(size);
+    found.columns = std::move(columns);
+    found.inverse = part.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
+    found.values = found.inverse * side;
+    const double left = square - found.values.dot(side);
+    if (std::isfinite(left)) found.squares = std::max(0.0, left);
+    return found;
+  }
+};
+
+/// All smooth curves, of degree 1 to 4.
+std::vector<LineFit> smooth_fits(const StartRows& rows) {
+  const NormalSums sums(rows, 0.0);
+  return {sums.fit({0, 1}), sums.fit({0, 1, 2}), sums.fit({0, 1, 2, 3}), sums.fit({0, 1, 2, 3, 4})};
+}
+
+/// All curves with a kink: a constant or straight lead, and beyond it a polynomial of degree 1 to 3.
+std::vector<LineFit> kinked_fits(const StartRows& rows) {
+  std::vector<LineFit> all;
+  const std::size_t count = rows.place.size();
+  for (std::size_t last = kLeadRows - 1; last + kRowsBeyond < count; ++last) {
+    const double kink = rows.place[last];
+    if (!(kink > 0.0) || rows.place[last + 1] == kink) continue;
+    const NormalSums sums(rows, kink);
+    for (const std::vector<int>& columns :
+         {std::vector<int>{0, 2}, {0, 2, 3}, {0, 2, 3, 4}, {0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}}) {
+      LineFit& fit = all.emplace_back(sums.fit(columns));
+      fit.unknowns += 1.0;
+      fit.kink = kink;
+      fit.rows = last + 1;
+    }
+  }
+  return all;
+}
+
+/// The fit with the lowest criterion.
+LineFit best_of(const std::vector<LineFit>& all, double variance, std::size_t points) {
+  LineFit best;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const LineFit& fit : all) {
+    const double criterion = fit.criterion(variance, points);
+    if (!(criterion < lowest)) continue;
+    lowest = criterion;
+    best = fit;
+  }
+  return best;
+}
+
+/// The rows of a curve, sorted by displacement, up to a force [N] above the first rows.
+StartRows rows_below(const Specimen& sorted, double rise) {
+  std::vector<double> first(sorted.force.begin(), sorted.force.begin() + kLeadRows);
+  const double level = median(std::move(first));
+  std::size_t count = sorted.size();
+  while (count > kFewestRows && sorted.force[count - 1] > level + rise) --count;
+  while (!(sorted.displacement[count - 1] > sorted.displacement.front())) ++count;
+  Specimen few;
+  few.displacement.assign(sorted.displacement.begin(),
+                          sorted.displacement.begin() + static_cast<std::ptrdiff_t>(count));
+  few.force.assign(sorted.force.begin(), sorted.force.begin() + static_cast<std::ptrdiff_t>(count));
+  few = thinned(few, kMostRows);
+  StartRows rows;
+  rows.length = few.displacement.back() - few.displacement.front();
+  rows.averaged = static_cast<double>(count) / static_cast<double>(few.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    rows.place.push_back((few.displacement[i] - few.displacement.front()) / rows.length);
+    rows.force.push_back(few.force[i] - sorted.force.front());
+  }
+  return rows;
+}
+
+/// Standard deviation of the noise [N]: normalised median absolute deviation of the second or the fourth
+/// differences, whichever is smaller. The fourth ones are blind to a curvature that few rows cannot resolve.
+double noise_in(const std::vector<double>& force) {
+  std::vector<double> second;
+  std::vector<double> fourth;
+  for (std::size_t i = 2; i + 2 < force.size(); ++i) {
+    second.push_back((force[i - 1] - 2.0 * force[i] + force[i + 1]) / std::sqrt(6.0));
+    fourth.push_back(
+        (force[i - 2] - 4.0 * force[i - 1] + 6.0 * force[i] - 4.0 * force[i + 1] + force[i + 2]) /
+        std::sqrt(70.0));
+  }
+  return std::min(normalized_mad(std::move(second)), normalized_mad(std::move(fourth)));
+}
+
+/// The models of one window.
+struct StartWindow {
+  StartRows rows;
+  LineFit smooth;
+  LineFit kinked;
+  double variance = 0.0;  // N^2, of the noise
+  bool adequate = false;  // one of the models leaves no more than the noise
+};
+
+/// @param noise, smallest standard deviation [N] of a row's noise, and its lower limit
+StartWindow window_of(const Specimen& sorted, double rise, double noise, double smallest) {
+  constexpr double kAdequate = 1.7;  // of the variance of the noise
+  StartWindow window;
+  window.rows = rows_below(sorted, rise);
+  const double expected = std::max(noise * noise / window.rows.averaged, smallest * smallest);
+  const std::size_t points = window.rows.place.size();
+  const std::vector<LineFit> smooth = smooth_fits(window.rows);
+  const std::vector<LineFit> kinked = kinked_fits(window.rows);
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<LineFit>* fits : {&smooth, &kinked}) {
+    for (const LineFit& fit : *fits) {
+      const double freedom = static_cast<double>(points) - fit.unknowns;
+      if (freedom >= 1.0) least = std::min(least, fit.squares / freedom);
+    }
+  }
+  window.variance = std::max(expected, least);
+  window.adequate = window.variance < kAdequate * expected;
+  window.smooth = best_of(smooth, window.variance, points);
+  window.kinked = best_of(kinked, window.variance, points);
+  return window;
+}
+
+/// Standard error of a fit's value of a column.
+double error_of(const LineFit& fit, int column, double variance) {
+  for (std::size_t i = 0; i < fit.columns.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (fit.columns[i] == column) return std::sqrt(std::max(0.0, variance * fit.inverse(at, at)));
+  }
+  return 0.0;
+}
+
+/// Whether the window's curve has a kink: the steeper curve beyond it is no noise, and no smooth curve does
+/// as well.
+bool has_kink(const StartWindow& window) {
+  constexpr double kSteeper = 0.3;  // of the slope before the kink
+  const LineFit& fit = window.kinked;
+  const std::size_t points = window.rows.place.size();
+  if (!window.adequate || !std::isfinite(fit.squares)) return false;
+  if (!(fit.criterion(window.variance, points) < window.smooth.criterion(window.variance, points) - kCertain))
+    return false;
+  const double jump = fit.value(2);
+  return jump > kStartErrors * error_of(fit, 2, window.variance) && jump > kSteeper * fit.value(1);
+}
+
+Start with_kink(const StartWindow& window, const Specimen& sorted) {
+  const LineFit& fit = window.kinked;
+  const double first = sorted.displacement.front();
+  Start start;
+  start.has_kink = true;
+  start.at = first + fit.kink * window.rows.length;
+  start.rows = static_cast<std::size_t>(std::count_if(sorted.displacement.begin(), sorted.displacement.end(),
+                                                      [&](double d) { return d <= start.at; }));
+  start.force = fit.value(0) + fit.value(1) * fit.kink;
+  start.force_error =
+      std::sqrt(window.variance / static_cast<double>(fit.rows)) * (fit.columns[1] == 1 ? 2.0 : 1.0);
+  start.slope = fit.value(1) / window.rows.length;
+  start.slope_beyond = start.slope + fit.value(2) / window.rows.length;
+  return start;
+}
+
+Start without_kink(const StartWindow& window, const Specimen& sorted) {
+  const LineFit& fit = window.smooth;
+  Start start;
+  start.at = sorted.displacement.front();
+  start.force = fit.value(0);
+  start.force_error = error_of(fit, 0, window.variance);
+  const double slope = fit.value(1);
+  if (std::abs(slope) > kStartErrors * error_of(fit, 1, window.variance))
+    start.slope = slope / window.rows.length;
+  start.slope_beyond = start.slope;
+  return start;
+}
+
+}  // namespace
+
+Start start_of(const Specimen& loading, const Ranges& ranges) {
+  const Specimen sorted = by_displacement(loading);
+  const double noise = noise_in(sorted.force);
+  StartWindow window;
+  for (double rise = 0.2 * ranges.force; rise > 0.01 * ranges.force; rise *= 0.5) {
+    window = window_of(sorted, std::max(rise, 4.0 * noise), noise, kSmallestStartNoise * ranges.force);
+    if (window.adequate) break;
+  }
+  Start start = has_kink(window) ? with_kink(window, sorted) : without_kink(window, sorted);
+  start.force += sorted.force.front();
+  start.noise = std::max(noise, kSmallestStartNoise * ranges.force);
+  return start;
+}
+
+}  // namespace palpate::identify
