@@ -7,7 +7,6 @@
 
 #include <fmt/core.h>
 
-#include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"
@@ -94,11 +93,10 @@ Specimen last_loading(const Specimen& specimen, const Ranges& ranges) {
                                  : fmt::format("loading of cycle {} of {}", cycle, loadings.all.size())));
     return used;
   }
-  used.preparation.notes.push_back(
-      fmt::format("the displacement decreases again, and no loading has {} rows over 80 % of the "
-                  "displacement: loading and "
-                  "unloading are fitted as one curve, which is right only without hysteresis",
-                  kFewestPoints));
+  used.preparation.notes.push_back(fmt::format(
+      "the displacement decreases again, and no loading has {} rows over 80 % of the way: loading "
+      "and unloading are fitted as one curve, which is right only without hysteresis",
+      kFewestPoints));
   return used;
 }
 
@@ -138,13 +136,11 @@ void use_first_row(double force, double error, double slope, const Ranges& range
         brief(zero, 3), of_range(zero, ranges)));
     return;
   }
-  out.notes.push_back(
-      fmt::format("the first row carries {} N, {}, and no rows before contact show the sensor's zero: "
-                  "subtracted as the zero, "
-                  "because displacement counts from contact. If the tool touched before the first row, this "
-                  "tissue is wrong: "
-                  "tare the sensor, or start 1 mm above the tissue",
-                  brief(zero, 3), of_range(zero, ranges)));
+  out.notes.push_back(fmt::format(
+      "the first row carries {} N, {}, and no flat rows before contact show the sensor's zero: subtracted as "
+      "the zero, because displacement counts from contact. If the tool touched before the first row, this "
+      "tissue is wrong: tare the sensor, or start 1 mm above the tissue",
+      brief(zero, 3), of_range(zero, ranges)));
 }
 
 /// Takes the rows before a kink as motion without contact, where that matters to the fit.
@@ -156,17 +152,26 @@ void use_lead(const Start& start, const Ranges& ranges, const Settings& settings
   if (drifts && start.slope > 0.0 && settings.law == model::LawKind::kLayered) {
     use_first_row(first, start.force_error, start.slope, ranges, out);
     out.doubt = fmt::format(
-        "the force follows a straight line of {} to a kink at {}, which is fitted as the first layer, but "
-        "the law "
+        "the force follows a line of {} to a kink at {}, which is fitted as the first layer, but the law "
         "does not follow the rest: a tilted or drifting sensor before contact looks alike. If the tool "
-        "touches at "
-        "{}, subtract {} N + {} x displacement from all forces",
+        "touches at {}, subtract {} N + {} x displacement from all forces",
         slope_text(start.slope), place, place, brief(start.force - start.slope * start.at, 3),
         slope_text(start.slope));
     return;
   }
   const bool late = start.at - ranges.lowest_displacement > kLate * ranges.displacement;
   if (!drifts && !late && is_zero(start.force, start.force_error, ranges)) return;
+  const std::string line =
+      fmt::format("the {} rows before {} follow a straight line of {} that ends at a kink", start.rows, place,
+                  slope_text(start.slope));
+  if (drifts && settings.relaxation) {
+    use_first_row(first, start.force_error, start.slope, ranges, out);
+    out.notes.push_back(
+        line +
+        ": a sensor that drifts with time or is tilted before contact looks like this, and with "
+        "--relaxation it is not subtracted");
+    return;
+  }
   out.contact = start.at;
   out.zero = start.force;
   out.zero_at = start.at;
@@ -179,11 +184,8 @@ void use_lead(const Start& start, const Ranges& ranges, const Settings& settings
   }
   out.zero_slope = start.slope;
   out.notes.push_back(
-      fmt::format("the {} rows before {} follow a straight line of {} that ends at a kink: taken as a tilted "
-                  "or drifting sensor "
-                  "before contact, and subtracted from all rows{}",
-                  start.rows, place, slope_text(start.slope),
-                  start.slope > 0.0 ? "; if it is tissue, fit --law layered, whose layers have kinks" : ""));
+      line + ": taken as a tilted or drifting sensor before contact, and subtracted from all rows" +
+      (start.slope > 0.0 ? "; if it is tissue, fit --law layered, whose layers have kinks" : ""));
 }
 
 /// The rows that begin the measurement: with relaxation, of the first loading.
@@ -205,19 +207,17 @@ Specimen prepared(const Specimen& specimen, const Settings& settings) {
   if (beginning.size() < kFewestPoints) return used;
   const Start start = start_of(beginning, ranges);
   preparation.noise = start.noise;
-  preparation.contact_error = std::min(
-      ranges.displacement, start.slope_beyond > 0.0 ? start.force_error / start.slope_beyond : kInfinity);
+  preparation.contact_error = start.contact_error;
   if (start.has_kink) {
     use_lead(start, ranges, settings, preparation);
   } else {
     use_first_row(start.force, start.force_error, start.slope, ranges, preparation);
     constexpr double kFirst = 0.1;  // of the displacement range
     if (-start.slope * kFirst * ranges.displacement > kWorthwhile * ranges.force) {
-      preparation.notes.push_back(
-          fmt::format("the force falls by {} at the first rows, which no tissue does, and not along a "
-                      "straight line up to a "
-                      "kink, which could be subtracted: the sensor drifts; record more rows before contact",
-                      slope_text(-start.slope)));
+      preparation.notes.push_back(fmt::format(
+          "the force falls by {} at the first rows, which no tissue does, and not along a line up "
+          "to a kink, which could be subtracted: the sensor drifts; record more rows before contact",
+          slope_text(-start.slope)));
     }
   }
   for (std::size_t i = 0; i < used.size(); ++i) used.force[i] -= preparation.baseline(used.displacement[i]);

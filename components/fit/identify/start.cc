@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -48,6 +49,8 @@ struct LineFit {
       if (columns[i] == column) return values[static_cast<Eigen::Index>(i)];
     return 0.0;
   }
+  /// Force [N] at a place.
+  [[nodiscard]] double force_at(double place) const;
   /// Bayes's criterion for noise of this variance [N^2].
   [[nodiscard]] double criterion(double variance, std::size_t points) const {
     return squares / variance + unknowns * portable::log(static_cast<double>(points));
@@ -68,7 +71,14 @@ Basis basis_at(double u, double kink) {
   return columns;
 }
 
-/// NormalSums of the normal equations of all columns.
+double LineFit::force_at(double place) const {
+  const Basis row = basis_at(place, kink);
+  double force = 0.0;
+  for (int column = 0; column < kBasis; ++column) force += row[column] * value(column);
+  return force;
+}
+
+/// Sums of the normal equations of all columns.
 struct NormalSums {
   Eigen::Matrix<double, kBasis, kBasis> matrix = Eigen::Matrix<double, kBasis, kBasis>::Zero();
   Basis right = Basis::Zero();
@@ -204,7 +214,10 @@ StartWindow window_of(const Specimen& sorted, double rise, double noise, double 
   }
   window.variance = std::max(expected, least);
   window.adequate = window.variance < kAdequate * expected;
-  window.smooth = best_of(smooth, window.variance, points);
+  std::vector<LineFit> rising;
+  std::copy_if(smooth.begin(), smooth.end(), std::back_inserter(rising),
+               [](const LineFit& fit) { return fit.value(1) >= 0.0; });
+  window.smooth = best_of(rising.empty() ? smooth : rising, window.variance, points);
   window.kinked = best_of(kinked, window.variance, points);
   return window;
 }
@@ -231,6 +244,18 @@ bool has_kink(const StartWindow& window) {
   return jump > kStartErrors * error_of(fit, 2, window.variance) && jump > kSteeper * fit.value(1);
 }
 
+/// Way [m] from a place to where the fit rises by two standard errors of the force there.
+double way_to_rise(const StartWindow& window, const LineFit& fit, double from, double error) {
+  constexpr int kSteps = 1000;
+  const double level = fit.force_at(from) + 2.0 * error;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double way = static_cast<double>(i) / kSteps;
+    const double lead = from > 0.0 ? fit.value(1) * way : 0.0;  // the baseline goes on
+    if (fit.force_at(from + way) > level + lead) return way * window.rows.length;
+  }
+  return window.rows.length;
+}
+
 Start with_kink(const StartWindow& window, const Specimen& sorted) {
   const LineFit& fit = window.kinked;
   const double first = sorted.displacement.front();
@@ -243,7 +268,7 @@ Start with_kink(const StartWindow& window, const Specimen& sorted) {
   start.force_error =
       std::sqrt(window.variance / static_cast<double>(fit.rows)) * (fit.columns[1] == 1 ? 2.0 : 1.0);
   start.slope = fit.value(1) / window.rows.length;
-  start.slope_beyond = start.slope + fit.value(2) / window.rows.length;
+  start.contact_error = way_to_rise(window, fit, fit.kink, start.force_error);
   return start;
 }
 
@@ -256,15 +281,37 @@ Start without_kink(const StartWindow& window, const Specimen& sorted) {
   const double slope = fit.value(1);
   if (std::abs(slope) > kStartErrors * error_of(fit, 1, window.variance))
     start.slope = slope / window.rows.length;
-  start.slope_beyond = start.slope;
+  start.contact_error = way_to_rise(window, fit, 0.0, start.force_error);
   return start;
+}
+
+/// The rows without single ones that are far from the median of their neighbours.
+Specimen without_outliers(const Specimen& sorted, double limit) {
+  Specimen kept = sorted;
+  kept.displacement.clear();
+  kept.force.clear();
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const bool inside = i >= 2 && i + 2 < sorted.size();
+    if (inside) {
+      const auto around = sorted.force.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::abs(*around - median(std::vector<double>(around - 2, around + 3))) > limit) continue;
+    }
+    kept.displacement.push_back(sorted.displacement[i]);
+    kept.force.push_back(sorted.force[i]);
+  }
+  return kept;
 }
 
 }  // namespace
 
 Start start_of(const Specimen& loading, const Ranges& ranges) {
-  const Specimen sorted = by_displacement(loading);
+  constexpr double kFarOff = 8.0;            // standard deviations
+  constexpr double kFewestForOutliers = 20;  // rows: fewer may be steep from one to the next
+  Specimen sorted = by_displacement(loading);
   const double noise = noise_in(sorted.force);
+  if (static_cast<double>(sorted.size()) >= kFewestForOutliers) {
+    sorted = without_outliers(sorted, std::max(kFarOff * noise, 0.02 * ranges.force));
+  }
   StartWindow window;
   for (double rise = 0.2 * ranges.force; rise > 0.01 * ranges.force; rise *= 0.5) {
     window = window_of(sorted, std::max(rise, 4.0 * noise), noise, kSmallestStartNoise * ranges.force);

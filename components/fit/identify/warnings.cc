@@ -63,12 +63,11 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
 
 /// What the noise at first contact leaves open of the force. A law is a force over the depth from contact.
 void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
-  constexpr double kErrors = 2.0;  // standard errors: about 95 %
-  constexpr double kOpen = 0.03;   // of the force
+  constexpr double kOpen = 0.03;  // of the force
   const Part& part = problem.parts.front();
   const Preparation& preparation = part.specimen->preparation;
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
-  const double error = kErrors * preparation.contact_error;
+  const double error = preparation.contact_error;
   const Specimen depths{"", {}, {deepest, deepest - error}, {0.0, 0.0}};
   std::vector<double> force(depths.size());
   predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);

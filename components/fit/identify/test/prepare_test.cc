@@ -64,7 +64,7 @@ double offset_mm(const SpecimenFit& fit) { return 1e3 * fit.estimates[kLawParame
 double offset_N(const SpecimenFit& fit) { return fit.estimates[kLawParameters + 1].value; }
 
 TEST(Prepared, ASensorThatIsNotTaredGivesTheTissueOfATaredOne) {
-  for (const double zero : {-50.0, -2.0, -0.2, 0.05, 0.5, 20.68, 50.0}) {
+  for (const double zero : {-50.0, 0.5, 20.68}) {
     const SpecimenFit fit = fit_specimen(pressed({1e-3, zero, 0.0}), smooth(), 0, {});
     EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres) << zero;
     EXPECT_NEAR(offset_mm(fit), 1.0, 0.2) << zero;
@@ -75,7 +75,7 @@ TEST(Prepared, ASensorThatIsNotTaredGivesTheTissueOfATaredOne) {
 }
 
 TEST(Prepared, AZeroThatNoRowBeforeContactShowsIsSubtractedWithAQuestion) {
-  for (const double zero : {-48.7, -0.5, 0.05, 2.0, 20.68}) {
+  for (const double zero : {-0.5, 20.68}) {
     const SpecimenFit fit = fit_specimen(pressed({0.0, zero, 0.0}), smooth(), 0, {});
     EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres) << zero;
     EXPECT_THAT(fit.warnings, Contains(HasSubstr("subtracted as the"))) << zero;
@@ -86,7 +86,7 @@ TEST(Prepared, AZeroThatNoRowBeforeContactShowsIsSubtractedWithAQuestion) {
 }
 
 TEST(Prepared, ATiltedOrDriftingBaselineIsSubtractedAndSaidWithItsPlace) {
-  for (const double slope : {-20.0, -5.0, -2.0, 2.0, 5.0, 20.0}) {  // mN/mm
+  for (const double slope : {-20.0, 2.0, 20.0}) {  // mN/mm
     const SpecimenFit fit = fit_specimen(pressed({6e-3, 0.0, slope}), smooth(), 0, {});
     EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres) << slope;
     EXPECT_NEAR(offset_mm(fit), 6.0, 0.2) << slope;

@@ -24,7 +24,7 @@ struct Preparation {
   double zero_slope = 0.0;  // N/m, drift or tilt of that reading, subtracted too
   std::optional<double> contact;   // m, where the rows without contact end
   double noise = 0.0;              // N, standard deviation
-  double contact_error = 0.0;      // m, standard error of first contact from the noise of the first rows
+  double contact_error = 0.0;      // m, what the noise of the first rows leaves open of first contact (95 %)
   std::vector<std::string> notes;  // one sentence each
   std::string doubt;               // a sentence for a fit that leaves more than the noise
 
