@@ -48,17 +48,11 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   include(palpate_suites)
 endif()
 
-# Sources of a target are compiled together, up to a dozen at a time, so that each header is read once
-# (docs/decisions/0017-joined-sources.md). Names in unnamed namespaces must therefore be unique within a target.
-# -DCMAKE_UNITY_BUILD=OFF compiles each source separately, which is faster after a change of one source.
+# Sources of a target are compiled together, so that each header is read once (docs/decisions/0017-joined-sources.md). Names in
+# unnamed namespaces must therefore be unique within a target. -DCMAKE_UNITY_BUILD=OFF compiles each source separately, which is
+# faster after a change of one source.
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the sources of a target joined")
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 12 CACHE STRING "How many sources are joined at most")
-
-# palpate_join_all(TARGET): compiles all sources of a target together, where that saves a fifth or more of its processor time: those
-# of the program read large headers (CLI11, nlohmann's JSON, Dear ImGui).
-function(palpate_join_all target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 0)
-endfunction()
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
 
 # palpate_compile_quickly(TARGET): low optimisation, for code whose speed does not matter to a run, picture or fit. At -Og g++ 12
 # takes arguments of Eigen's inlined functions for uninitialized.

@@ -21,7 +21,7 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kClearance = 10e-3;  // m, above everything nearby, between presses
+constexpr double kTravelHeight = 10e-3;  // m, above everything nearby, between presses
 
 /// Points where a vertical line enters and leaves the organ.
 struct Crossing {
@@ -154,7 +154,7 @@ std::vector<SearchPress> presses_at(const VerticalLines& lines, const SearchArea
       const std::optional<Crossing> hit = lines.at(x, y);
       if (!hit || !is_inside(lines, area, x, y)) continue;
       presses.push_back({Vec3(x, y, hit->top), std::min(kDepth, kOfThickness * (hit->top - hit->bottom)),
-                         kClearance + highest_near(lines, x, y, spacing)});
+                         kTravelHeight + highest_near(lines, x, y, spacing)});
     }
   }
   return presses;
@@ -304,7 +304,7 @@ std::vector<PathRow> search_path(const Scene& scene, std::size_t hand, const Vec
     } else {
       // From above the middle, so that a mouse, which begins there, reaches all around.
       const Vec3 middle = lines.box().middle();
-      const double over = lines.box().high.z() + kClearance;
+      const double over = lines.box().high.z() + kTravelHeight;
       if (scene.tools.size() == 1) move_to(middle.x(), middle.y(), over);
       move_to(touch.x(), touch.y(), over);
     }

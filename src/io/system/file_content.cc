@@ -18,7 +18,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kRead = std::size_t{64} << 10U;  // bytes
-constexpr InputKind kAnyInput{"a file", std::uint64_t{1} << 40U};
+constexpr InputKind kReadableFile{"a file", std::uint64_t{1} << 40U};
 constexpr const char* kMeshUse = "palpate inspect, --organ and --tool read it";
 constexpr const char* kSceneUse = "palpate run, serve and sweep read it";
 
@@ -196,7 +196,7 @@ ContentFacts folder_facts(const std::filesystem::path& folder) {
 ContentFacts find_content(const std::filesystem::path& file) {
   try {
     if (folder_exists(file)) return folder_facts(file);
-    InputFile in(file, kAnyInput);
+    InputFile in(file, kReadableFile);
     std::string start(kRead, '\0');
     std::size_t filled = 0;
     while (filled < start.size()) {

@@ -26,12 +26,12 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 const std::string kLock(64, 'a');
-const LogKey kKey{kLock, "key of the log"};
+const LogKey kLogKey{kLock, "key of the log"};
 
 /// A line with its mac, as docs/file-formats.md states it.
 std::string with_mac(const std::string& json) {
   const std::string text = json.substr(0, json.size() - 1);
-  return text + R"(,"mac":")" + hmac_sha256(kKey.mac_key, text) + "\"}\n";
+  return text + R"(,"mac":")" + hmac_sha256(kLogKey.mac_key, text) + "\"}\n";
 }
 
 std::string bytes_of(const fs::path& file) {
@@ -99,13 +99,13 @@ EventRecord any_event(Random& random) {
 class TrialLog : public testing::Test {
  protected:
   void SetUp() override {
-    LogWriter writer(file_, kKey);
+    LogWriter writer(file_, kLogKey);
     for (const char* name : {"consent", "session", "note"}) writer.append(EventRecord{"2026", name, {}});
     bytes_ = bytes_of(file_);
   }
   [[nodiscard]] std::string read_error(const std::string& bytes) const {
     write_output(file_, bytes);
-    return error_of([&] { static_cast<void>(read_log(file_, kKey)); });
+    return error_of([&] { static_cast<void>(read_log(file_, kLogKey)); });
   }
   /// Start of a line's bytes.
   [[nodiscard]] std::size_t start_of(int line) const {
@@ -125,7 +125,7 @@ TEST_F(TrialLog, OfRandomRecordsReadsBackToTheSameRecords) {
   std::vector<TrialRecord> trials;
   std::vector<EventRecord> events;
   for (std::uint32_t run = 0; run < 8; ++run) {  // opened again for each run
-    LogWriter writer(file, kKey);
+    LogWriter writer(file, kLogKey);
     EXPECT_EQ(writer.opened().trials, trials);
     for (std::uint32_t i = 0; i < 10; ++i) {
       Random random(kSeed, run, i);
@@ -133,7 +133,7 @@ TEST_F(TrialLog, OfRandomRecordsReadsBackToTheSameRecords) {
       writer.append(events.emplace_back(any_event(random)));
     }
   }
-  const ParticipantLog log = read_log(file, kKey);
+  const ParticipantLog log = read_log(file, kLogKey);
   EXPECT_EQ(log.id, "PRAND");
   EXPECT_EQ(log.trials, trials);
   EXPECT_EQ(log.events, events);
@@ -141,7 +141,7 @@ TEST_F(TrialLog, OfRandomRecordsReadsBackToTheSameRecords) {
 }
 
 TEST_F(TrialLog, ThatDoesNotExistIsEmpty) {
-  const ParticipantLog log = read_log(folder_.path() / "PNONE.jsonl", kKey);
+  const ParticipantLog log = read_log(folder_.path() / "PNONE.jsonl", kLogKey);
   EXPECT_TRUE(log.trials.empty() && log.events.empty());
   EXPECT_EQ(log.last_mac, kLock);
 }
@@ -242,7 +242,7 @@ TEST_F(LogWithHead, KeepsOutWhoUnblindsWhileItIsOpen) {
 
 TEST_F(TrialLog, OfAnotherStudyIsRefused) {
   EXPECT_EQ(error_of([&] {
-              static_cast<void>(read_log(file_, {std::string(64, 'b'), kKey.mac_key}));
+              static_cast<void>(read_log(file_, {std::string(64, 'b'), kLogKey.mac_key}));
             }),
             file_.string() +
                 ":1: \"previous\" is not the hash of lock.json: the line was changed, or the log "
@@ -271,9 +271,9 @@ TEST_F(TrialLog, CutAnywhereInItsLastLineLosesOnlyThisLine) {
   for (std::size_t size = start_of(3) + 1; size < bytes_.size(); ++size) {
     write_output(file_, bytes_.substr(0, size));
     fs::remove(cut_lines_of(file_));
-    EXPECT_TRUE(read_log(file_, kKey).cut);
+    EXPECT_TRUE(read_log(file_, kLogKey).cut);
     {
-      LogWriter writer(file_, kKey);
+      LogWriter writer(file_, kLogKey);
       EXPECT_EQ(writer.opened().events.size(), 2U);
       writer.append(EventRecord{"2026", "note", {}});
     }
@@ -285,16 +285,16 @@ TEST_F(TrialLog, CutAnywhereInItsLastLineLosesOnlyThisLine) {
 TEST_F(TrialLog, MovesALastLineOfZerosToAFileBesideIt) {
   const std::string zeros(100, '\0');
   write_output(file_, bytes_ + zeros + "\n");
-  EXPECT_EQ(LogWriter(file_, kKey).opened().events.size(), 3U);
+  EXPECT_EQ(LogWriter(file_, kLogKey).opened().events.size(), 3U);
   EXPECT_EQ(bytes_of(file_), bytes_);
   EXPECT_EQ(bytes_of(folder_.path() / "PABCD.cut"), zeros + "\n");
 }
 
 TEST_F(TrialLog, RefusesASecondProcess) {
-  const LogWriter writer(file_, kKey);
+  const LogWriter writer(file_, kLogKey);
   const pid_t child = fork();
   if (child == 0) {
-    const std::string error = error_of([&] { const LogWriter second(file_, kKey); });
+    const std::string error = error_of([&] { const LogWriter second(file_, kLogKey); });
     _exit(error == file_.string() + ": another process has this log open: end that session first" ? 0 : 1);
   }
   int status = -1;
@@ -303,7 +303,7 @@ TEST_F(TrialLog, RefusesASecondProcess) {
 }
 
 TEST_F(TrialLog, RefusesValuesThatItCannotRepresent) {
-  LogWriter writer(file_, kKey);
+  LogWriter writer(file_, kLogKey);
   TrialRecord trial;
   trial.rms_error = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of([&] { writer.append(trial); }), StartsWith("rms_error_N = nan: must be finite"));
@@ -316,7 +316,7 @@ TEST_F(TrialLog, RefusesValuesThatItCannotRepresent) {
 
 TEST_F(TrialLog, NamesAFileThatCannotBeWritten) {
   const fs::path file = folder_.path() / "absent" / "P.jsonl";
-  EXPECT_EQ(error_of([&] { const LogWriter writer(file, kKey); }),
+  EXPECT_EQ(error_of([&] { const LogWriter writer(file, kLogKey); }),
             file.string() + ": cannot be opened for writing: No such file or directory");
 }
 

@@ -74,7 +74,7 @@ repeats = 1
 conditions = ["off", "constant"]
 )";
 
-std::string text_of(const fs::path& file) {
+std::string whole_text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
@@ -159,7 +159,7 @@ TEST_F(Verify, NamesARecordingWithADefect) {
 
 TEST_F(Verify, NoticesRemovedLinesAndARemovedLog) {
   EXPECT_EQ(error(), "no error");
-  const std::string bytes = text_of(log_);
+  const std::string bytes = whole_text_of(log_);
   std::size_t end = bytes.size();
   for (int removed = 1; removed <= 5; ++removed) {
     end = bytes.rfind('\n', end - 2) + 1;
@@ -171,7 +171,7 @@ TEST_F(Verify, NoticesRemovedLinesAndARemovedLog) {
 }
 
 TEST_F(Verify, NoticesAnEmptiedObserverAndAChangedResponseTime) {
-  const std::string bytes = text_of(log_);
+  const std::string bytes = whole_text_of(log_);
   for (const auto& [from, to] :
        std::vector<std::pair<std::string, std::string>>{{"\"observer\":\"ideal\"", "\"observer\":\"\""},
                                                         {"\"response_time_s\":", "\"response_time_s\":1"}}) {
@@ -183,7 +183,7 @@ TEST_F(Verify, NoticesAnEmptiedObserverAndAChangedResponseTime) {
 }
 
 TEST_F(Verify, NoticesAChangedByteOfARecording) {
-  std::string bytes = text_of(recording_);
+  std::string bytes = whole_text_of(recording_);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   write_output(recording_, bytes);
   EXPECT_EQ(error(passes), recording_.string() +

@@ -80,13 +80,13 @@ float dequantized(const char* bytes, bool normalized) {
   return static_cast<float>(std::max(-1.0, whole / std::numeric_limits<T>::max()));
 }
 
-struct Component {
+struct IntegerFormat {
   std::uint64_t gltf;  // glTF's number of the type
   std::size_t bytes;
   float (*as_float)(const char* bytes, bool normalized);
 };
 
-constexpr std::array<Component, 4> kComponents = {{{5120, 1, dequantized<std::int8_t>},
+constexpr std::array<IntegerFormat, 4> kComponents = {{{5120, 1, dequantized<std::int8_t>},
                                                    {5121, 1, dequantized<std::uint8_t>},
                                                    {5122, 2, dequantized<std::int16_t>},
                                                    {5123, 2, dequantized<std::uint16_t>}}};
@@ -161,7 +161,7 @@ class FloatPositions final {
   void convert(std::size_t index, const json& accessor) {
     const std::uint64_t type = whole(accessor, "componentType", 0, index);
     const auto* const component = std::find_if(kComponents.begin(), kComponents.end(),
-                                               [&](const Component& known) { return known.gltf == type; });
+                                               [&](const IntegerFormat& known) { return known.gltf == type; });
     if (component == kComponents.end()) {
       refuse(index, fmt::format("componentType {}: must be 5120, 5121, 5122, 5123 or 5126", type));
     }
