@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "io/system/csv_table.h"
+#include "io/system/plausible.h"
 #include "palpate/units.h"
 
 #include "fit/identify/map_fit.h"
@@ -142,6 +143,14 @@ std::vector<MapRow> read_map(const std::filesystem::path& file) {
     const double probe = table.number(kProbe);
     if (probe != std::floor(probe) || !(std::abs(probe) < 1e9)) {
       table.fail(kProbe, "must be a whole number, the same in all rows of a probe");
+    }
+    if (std::abs(table.number(kForce)) > kForceRange.possible.high) {
+      table.fail(kForce, "must be at most " + in_unit(kForceRange, kForceRange.possible.high) +
+                             column_question(kForceRange, std::abs(table.number(kForce)), "force_N", 1.0));
+    }
+    if (const double depth = table.number(kDepth) * kMillimetre; depth > kDepthRange.possible.high) {
+      table.fail(kDepth, "must be at most " + in_unit(kDepthRange, kDepthRange.possible.high) +
+                             column_question(kDepthRange, depth, "depth_mm", kMillimetre));
     }
     rows.push_back({static_cast<int>(probe),
                     Vec3(table.number(kX), table.number(kY), table.number(kZ)) * kMillimetre,

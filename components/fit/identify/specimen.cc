@@ -14,6 +14,7 @@
 #include "palpate/units.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/plausible_specimen.h"
 
 namespace palpate::identify {
 namespace {
@@ -33,7 +34,7 @@ std::vector<double> means(const std::vector<double>& values, std::size_t block) 
 enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen };
 
 const std::vector<CsvColumn> kColumns = {
-    {"time_s", false}, {"displacement_mm"}, {"force_N"}, {"specimen", false, true}};
+    {"time_s", false, false, true}, {"displacement_mm"}, {"force_N"}, {"specimen", false, true}};
 constexpr double kLargest = 1e9;  // mm, N or s: larger values would overflow the precision of sums of squares
 constexpr std::size_t kMaxSpecimens = 10'000;  // per file; more indicates a wrong column
 
@@ -158,8 +159,10 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
     }
     add_row(all[found->second], table);
   }
-  for (const Specimen& specimen : all) {
-    check_specimen(specimen, all.size() == 1 ? name : name + ": specimen " + specimen.name);
+  for (Specimen& specimen : all) {
+    const std::string where = all.size() == 1 ? name : name + ": specimen " + specimen.name;
+    check_specimen(specimen, where);
+    require_plausible(specimen, where);
   }
   return all;
 }

@@ -118,16 +118,16 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
     last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxParts));
   }
   const LocatedString& named = description.mesh ? *description.mesh : description.jaws.front().mesh;
-  if (is_path(named.value)) {
-    if (std::string remark = tool_size_remark(tool, named); !remark.empty()) {
-      notes.remarks.push_back(std::move(remark));
-    }
-  }
+  const auto note = [&notes](std::string remark) {
+    if (!remark.empty()) notes.remarks.push_back(std::move(remark));
+  };
+  if (is_path(named.value)) note(tool_size_remark(tool, named));
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);
     part.pivot = description.mount * part.pivot;
     part.axis = description.mount.rotation * part.axis;
   }
+  if (is_path(named.value)) note(tool_distance_remark(tool, named));
   tool.name = names_of(description);
   if (description.tip_radius) tool.tip_radius = description.tip_radius;
   return tool;

@@ -147,10 +147,15 @@ void require_within_reach(const CsvTable& table, const Vec3& position) {
   }
 }
 
-/// @throws InputError when the rows are too far apart for a motion in seconds
-void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::path& file) {
-  constexpr std::size_t kFewest = 8;  // rows of a log; fewer are drawn by hand
-  constexpr double kMoves = 1e-3;     // m, of a log in which the tool moves
+/// Asks for the unit of the times when the rows are far apart and the tool hardly moves. A log cannot be so;
+/// a few rows that a person gave may be.
+/// @throws InputError for times that cannot be in seconds
+void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::path& file,
+                     std::vector<std::string>* remarks) {
+  constexpr std::size_t kFewest = 8;     // rows of a log
+  constexpr double kMoves = 1e-3;        // m, of a log in which the tool moves
+  constexpr double kSlow = 2e-3;         // m/s; 2 m/s if the times are in ms
+  constexpr double kLongestStep = 20.0;  // s, between rows of a log; 50 rows a second if the times are in ms
   const double length = rows.back().time - rows.front().time;
   if (length > kLongestTimes) {
     throw InputError(
@@ -158,7 +163,7 @@ void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::pa
                     "seconds, without a jump?",
                     to_text(file), length, kLongestTimes));
   }
-  if (rows.size() < kFewest) return;
+  if (rows.size() < 2) return;
   std::vector<double> steps;
   RowTimes times;
   double way = 0.0;
@@ -171,13 +176,17 @@ void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::pa
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   times.median_step = *middle;
-  if (way < kMoves) return;
-  const std::string question = slow_rows_question(times, kSpeedRange.usual.low);
-  if (question.empty()) return;
-  throw InputError(fmt::format(
-      "{}: time_s: the rows are {:.3g} s apart, the tool moves at most {:.3g} mm/s{}; a motion so slow needs "
-      "rows less than 1 s apart",
-      to_text(file), times.median_step, times.fastest * 1e3, question));
+  const bool is_log = rows.size() >= kFewest;
+  const double slowest = kSpeedRange.usual.low;
+  const std::string question = slow_rows_question(times, is_log ? kSlow : slowest);
+  if (way < kMoves || question.empty()) return;
+  const std::string what =
+      fmt::format("{}: time_s: the rows are {:.3g} s apart, the tool moves at most {:.3g} mm/s{}",
+                  to_text(file), times.median_step, times.fastest * 1e3, question);
+  if (is_log && (times.fastest < slowest || times.median_step >= kLongestStep)) {
+    throw InputError(what + "; a motion so slow needs rows less than 1 s apart");
+  }
+  if (remarks != nullptr) remarks->push_back(what);
 }
 
 }  // namespace
@@ -213,7 +222,7 @@ ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation int
     before = time;
     rows.push_back(row);
   }
-  require_seconds(rows, file);
+  require_seconds(rows, file, remarks);
   return ToolPath(std::move(rows), table.has(kGripper), interpolation);
 }
 

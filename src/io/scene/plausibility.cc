@@ -24,6 +24,23 @@ void widen(geometry::Bounds& box, const Vec3& point, bool first) {
   box.high = first ? point : Vec3(box.high.cwiseMax(point));
 }
 
+/// Bounding box of a tool's parts.
+geometry::Bounds box_of(const geometry::Tool& tool) {
+  geometry::Bounds box;
+  bool first = true;
+  for (const geometry::ToolPart& part : tool.parts) {
+    for (const Vec3& vertex : part.mesh.vertices) {
+      widen(box, vertex, first);
+      first = false;
+    }
+  }
+  return box;
+}
+
+double distance_from_origin(const geometry::Bounds& box) {
+  return box.low.cwiseMax(-box.high).cwiseMax(0.0).norm();
+}
+
 /// Box in the world of the handle's positions. @param scale of the file's unit, 1 for metres
 geometry::Bounds handle_box(const DeviceSetup& device, const geometry::Bounds& positions_D, double scale) {
   geometry::Bounds box;
@@ -54,15 +71,7 @@ double reach_of(const geometry::Tool& tool) {
 }  // namespace
 
 std::string tool_size_remark(const geometry::Tool& tool, const LocatedString& where) {
-  geometry::Bounds box;
-  bool first = true;
-  for (const geometry::ToolPart& part : tool.parts) {
-    for (const Vec3& vertex : part.mesh.vertices) {
-      widen(box, vertex, first);
-      first = false;
-    }
-  }
-  const double size = box.size().maxCoeff();
+  const double size = box_of(tool).size().maxCoeff();
   if (kToolExtent.usual.contains(size)) return {};
   const std::string what = fmt::format("the instrument's largest side is {}, usual is 1 to 1000 mm{}",
                                        in_unit(kToolExtent, size), unit_question(kToolExtent, size));
@@ -70,9 +79,21 @@ std::string tool_size_remark(const geometry::Tool& tool, const LocatedString& wh
   return where.value + ": " + what;
 }
 
+std::string tool_distance_remark(const geometry::Tool& tool, const LocatedString& where) {
+  const double distance = distance_from_origin(box_of(tool));
+  if (kToolDistance.usual.contains(distance)) return {};
+  const std::string what =
+      fmt::format("the instrument lies {} from the origin of its file, which is its handle",
+                  in_unit(kToolDistance, distance));
+  if (!kToolDistance.possible.contains(distance)) {
+    where.fail(what + ": move it to the origin, in a mesh tool or by tool.mount");
+  }
+  return where.value + ": " + what + ": is that where the handle should be? (tool.mount moves it)";
+}
+
 std::string organ_distance_remark(const Scene& scene, const std::string& where) {
   const geometry::Bounds box = world_box(scene);
-  const double distance = box.low.cwiseMax(-box.high).cwiseMax(0.0).norm();
+  const double distance = distance_from_origin(box);
   if (kOrganDistance.usual.contains(distance)) return {};
   const auto axis = [&box](Eigen::Index i) {
     return fmt::format("{} to {}", brief(box.low[i], 6), brief(box.high[i], 6));

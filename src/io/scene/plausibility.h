@@ -17,6 +17,10 @@ namespace palpate::scene {
 /// message @return a question; empty for a usual size @throws InputError for a size that no instrument has
 [[nodiscard]] std::string tool_size_remark(const geometry::Tool& tool, const LocatedString& where);
 
+/// [setup] Checks how far an instrument's surface is from the origin of its handle. @return, @throws as
+/// tool_size_remark()
+[[nodiscard]] std::string tool_distance_remark(const geometry::Tool& tool, const LocatedString& where);
+
 /// [setup] Checks where the scene's organ lies in the world. @return a question; empty for a usual place
 /// @throws InputError for an organ so far away that no device reaches it
 [[nodiscard]] std::string organ_distance_remark(const Scene& scene, const std::string& where);

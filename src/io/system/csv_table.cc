@@ -353,7 +353,8 @@ void CsvTable::read_number(std::size_t column) {
   const std::string_view cell = text(column);
   const bool has_comma = cell.find(',') != std::string_view::npos;
   const std::optional<double> value = has_comma ? parse_with_comma(cell) : parse_number(cell);
-  if (!value || !std::isfinite(*value) || std::abs(*value) > largest_) {
+  const bool limited = !columns_[column].is_time;
+  if (!value || !std::isfinite(*value) || (limited && std::abs(*value) > largest_)) {
     int power = 0;
     for (double size = 1.0; size < largest_ && !std::isinf(size); size *= 10.0) ++power;
     const std::string most = largest_ < 1e300 ? " up to 1e" + std::to_string(power) : "";

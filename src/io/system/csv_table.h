@@ -18,6 +18,7 @@ struct CsvColumn {
   std::string name;  // as in the header, with its unit
   bool required = true;
   bool is_text = false;  // a name, not a number
+  bool is_time = false;  // its numbers may be larger than the table's limit, as those since 1970
 };
 
 /// A CSV file, read row by row: columns by header name in any order. Commas, semicolons or tabs separate the

@@ -38,6 +38,8 @@ inline constexpr NamedUnit kTimeUnits[] = {{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e
 inline constexpr PlausibleRange kOrganExtent{{5e-3, 2.0}, {20e-3, 0.5}, {"mm", 1e-3}, kLengthUnits};
 /// Largest side of an instrument's bounding box.
 inline constexpr PlausibleRange kToolExtent{{0.1e-3, 5.0}, {1e-3, 1.0}, {"mm", 1e-3}, kLengthUnits};
+/// Distance of an instrument from the origin of its handle.
+inline constexpr PlausibleRange kToolDistance{{0.0, 50.0}, {0.0, 1.0}, {"m", 1.0}, kLengthUnits};
 /// Distance of an organ from the origin of the world. Devices give positions of at most 100 m.
 inline constexpr PlausibleRange kOrganDistance{{0.0, 50.0}, {0.0, 2.0}, {"m", 1.0}, kLengthUnits};
 /// Smallest distance of a tool path from the organ.

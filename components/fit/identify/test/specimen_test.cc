@@ -1,3 +1,4 @@
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -126,6 +127,44 @@ TEST(ReadSpecimens, RefusesTooFewRowsAndWhatNeverChanges) {
   }
   EXPECT_THAT(error_in(same_force), HasSubstr("force_N is 0.5 in every row"));
   EXPECT_THAT(error_in(same_place), HasSubstr("displacement_mm is 3 in every row"));
+}
+
+/// A press of 12 mm in 4 s with 10 rows a second, 0.12 (exp(0.25 d) - 1) N, in multiples of the columns'
+/// units.
+std::string press_in(double second, double millimetre, double newton, double begin = 0.0) {
+  std::string text = "time_s,displacement_mm,force_N\n";
+  for (int i = 0; i <= 40; ++i) {
+    const double depth = 0.3 * i;
+    text += fmt::format("{:.4f},{},{}\n", begin + 0.1 * second * i, millimetre * depth,
+                        newton * 0.12 * std::expm1(0.25 * depth));
+  }
+  return text;
+}
+
+TEST(ReadSpecimens, NumbersInAnotherUnitThanTheirColumnAreRefusedWithTheUnit) {
+  EXPECT_THAT(error_in(press_in(1, 1, 1e3)),
+              HasSubstr("curve.csv: force_N changes by 2290.26 N, must be 1e-09 to "
+                        "1e+03: is force_N in mN? (it would be 2.29 N)"));
+  EXPECT_THAT(error_in(press_in(1, 1e3, 1)),
+              HasSubstr("displacement_mm changes by 12000 mm, must be 1e-06 to 500: is "
+                        "displacement_mm in um? (it would be 12 mm)"));
+  EXPECT_THAT(error_in(press_in(1, 1e-3, 1)), HasSubstr("is displacement_mm in m? (it would be 12 mm)"));
+}
+
+TEST(ReadSpecimens, TimesInAnotherUnitThanSecondsAreRefusedWithTheUnit) {
+  EXPECT_THAT(error_in(press_in(1e6, 1, 1)),
+              HasSubstr("the rows are 1e+05 s apart, displacement_mm changes by at most "
+                        "3e-06 mm/s: is time_s in us? (the motion would reach 3 mm/s)"));
+  EXPECT_THAT(
+      error_in(press_in(1e3, 1, 1, 1636500000100.0)),
+      HasSubstr("curve.csv: time_s = 1636500000100: must be in seconds: is time_s in ms since 1970?"));
+}
+
+TEST(ReadSpecimens, UnixTimeIsCountedFromTheFirstRow) {
+  const std::vector<Specimen> all = read(press_in(1, 1, 1, 1636500000.1));
+  EXPECT_EQ(all[0].time.front(), 0.0);
+  EXPECT_NEAR(all[0].time.back(), 4.0, 1e-6);
+  EXPECT_EQ(read(press_in(1, 1, 1, 100.0))[0].time.front(), 100.0) << "as written";
 }
 
 TEST(ReadSpecimens, RefusesSignsTheOtherWayRound) {

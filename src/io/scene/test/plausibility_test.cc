@@ -57,9 +57,9 @@ class Plausibility : public testing::Test {
     request.device = "scripted:" + folder_.write("path.csv", path).string();
     return request;
   }
-  [[nodiscard]] Overrides with_tool(double half_mm) const {
+  [[nodiscard]] Overrides with_tool(double half_mm, double x_mm = 0.0) const {
     Overrides request = with_organ(20.0);
-    request.tools = {folder_.write("jaw.obj", box_obj(half_mm)).string()};
+    request.tools = {folder_.write("jaw.obj", box_obj(half_mm, x_mm)).string()};
     request.tool_unit = "mm";
     return request;
   }
@@ -79,6 +79,14 @@ TEST_F(Plausibility, AnUnusualInstrumentIsQuestionedAndAUsualOneIsNot) {
   EXPECT_THAT(remarks_of(with_tool(0.25)),
               Contains(HasSubstr("largest side is 0.5 mm, usual is 1 to 1000 mm")));
   EXPECT_THAT(remarks_of(with_tool(6.0)), IsEmpty());
+}
+
+TEST_F(Plausibility, AnInstrumentFarFromItsHandleIsRefusedOrQuestioned) {
+  EXPECT_THAT(error_of([&] { (void)load(with_tool(6.0, 250e3)); }),
+              HasSubstr("the instrument lies 249.994 m from the origin of its file, which is its handle"));
+  EXPECT_THAT(remarks_of(with_tool(6.0, -3e3)),
+              Contains(HasSubstr("the instrument lies 2.994 m from the origin")));
+  EXPECT_THAT(remarks_of(with_tool(6.0, 500.0)), IsEmpty());
 }
 
 TEST_F(Plausibility, AnOrganOutOfReachIsRefusedWithItsPlaceAndAFarOneIsQuestioned) {

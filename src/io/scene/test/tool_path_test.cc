@@ -314,6 +314,29 @@ TEST(ReadToolPath, TimesInOtherUnitsThanSecondsAreRefusedWithTheUnit) {
   EXPECT_THAT(path_error_in("time_s,x_m,y_m,z_m\n0,0,0,0\n1636500000,0,0,0\n"), HasSubstr("without a jump?"));
 }
 
+TEST(ReadToolPath, AFastLogInMillisecondsIsRefusedAtFiftyRowsASecondAndAskedAboutAboveThat) {
+  const auto text = [](int rows_per_second) {  // at 200 mm/s, in ms
+    std::string all = "time_s,x_m,y_m,z_m\n";
+    for (int i = 0; i <= 50; ++i) {
+      all += fmt::format("{},0,0,{}\n", 1000.0 * i / rows_per_second, 0.2 * i / rows_per_second);
+    }
+    return all;
+  };
+  EXPECT_THAT(path_error_in(text(50)),
+              HasSubstr("the rows are 20 s apart, the tool moves at most 0.2 mm/s: is time_s in ms?"));
+  const TemporaryFolder folder;
+  std::vector<std::string> remarks;
+  (void)read_tool_path(folder.write("p.csv", text(1000)), PathInterpolation::kLinear, &remarks);
+  EXPECT_THAT(remarks,
+              testing::ElementsAre(HasSubstr("the rows are 1 s apart, the tool moves at most 0.2 mm/s: is "
+                                             "time_s in ms? (the motion would reach 200 mm/s)")));
+}
+
+TEST(ReadToolPath, OneRowIsTaken) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_tool_path(folder.write("p.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.1\n")).rows().size(), 1U);
+}
+
 TEST(ReadToolPath, ASlowPathOfAFewRowsIsTaken) {
   const TemporaryFolder folder;
   const ToolPath path = read_tool_path(folder.write("p.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n3600,0,0,0.01\n"));
