@@ -53,6 +53,11 @@ std::optional<double> parse_with_comma(std::string_view cell) {
   return parse_number(text);
 }
 
+/// The position of the first separator; the end of the text without one. A blank stands for tabs, too.
+std::size_t find_separator(std::string_view text, char separator) {
+  return std::min(text.size(), separator == ' ' ? text.find_first_of(" \t") : text.find(separator));
+}
+
 /// Whether the only mark of a number may separate thousands: 1,234 but not 0,234 or 1,23.
 bool may_be_thousands(std::string_view number, char mark) {
   if (number.starts_with('+') || number.starts_with('-')) number.remove_prefix(1);
@@ -229,14 +234,15 @@ void CsvTable::split() {
   cells_.clear();
   in_quotes_.clear();
   unquoted_.clear();
-  for (std::string_view rest = line_;;) {
-    const std::size_t first = rest.find_first_not_of(separator_ == '\t' ? " " : " \t");
+  for (std::string_view rest = separator_ == ' ' ? trimmed(line_) : line_;;) {
+    std::size_t first = rest.find_first_not_of(separator_ == '\t' ? " " : " \t");
+    if (separator_ == ' ') rest.remove_prefix(std::exchange(first, 0));
     in_quotes_.push_back(first != std::string_view::npos && rest[first] == '"');
     if (in_quotes_.back()) {
       rest.remove_prefix(first + 1);
       cells_.push_back(take_quoted(rest));
     } else {
-      const std::size_t end = std::min(rest.size(), rest.find(separator_));
+      const std::size_t end = find_separator(rest, separator_);
       cells_.push_back(trimmed(rest.substr(0, end)));
       rest.remove_prefix(end);
     }
@@ -260,7 +266,7 @@ std::string_view CsvTable::take_quoted(std::string_view& rest) {
   if (end == std::string_view::npos) fail("a cell in quotation marks must end in its line");
   const std::string_view cell = has_doubled ? std::string_view(unquoted_).substr(begin) : rest.substr(0, end);
   rest.remove_prefix(end + 1);
-  const std::size_t next = std::min(rest.size(), rest.find(separator_));
+  const std::size_t next = find_separator(rest, separator_);
   if (!trimmed(rest.substr(0, next)).empty()) {
     fail(excerpt(cell) + ": has text behind its quotation mark; a mark inside a cell must be doubled");
   }
@@ -272,7 +278,7 @@ std::string_view CsvTable::take_quoted(std::string_view& rest) {
 void CsvTable::choose_separator() {
   std::pair<std::size_t, std::size_t> best;
   char found = separator_;
-  for (const char separator : {',', ';', '\t'}) {
+  for (const char separator : {',', ';', '\t', ' '}) {
     separator_ = separator;
     try {
       split();
@@ -283,6 +289,7 @@ void CsvTable::choose_separator() {
         std::count_if(columns_.begin(), columns_.end(), [&](const CsvColumn& column) {
           return std::find(cells_.begin(), cells_.end(), column.name) != cells_.end();
         }));
+    if (separator == ' ' && named <= best.first) continue;  // words, or blanks beside another separator
     if (std::pair(named, cells_.size()) > best) {
       best = {named, cells_.size()};
       found = separator;
@@ -328,12 +335,6 @@ void CsvTable::check_header(const std::vector<std::string>& unknown) const {
     if (!has(column) && columns_[column].required) missing.push_back(known.back());
   }
   if (missing.empty() && unknown.empty()) return;
-  const bool has_blanks = cells_.size() == 1 && cells_[0].find(' ') != std::string_view::npos;
-  if (has_blanks && std::any_of(known.begin(), known.end(), [&](const std::string& name) {
-        return cells_[0].find(name) != std::string_view::npos;
-      })) {
-    fail("blanks separate the columns, must be commas, semicolons or tabs");
-  }
   const bool one_misspelt = !unknown.empty() && missing.size() <= 1;
   const std::string near =
       one_misspelt ? nearest_word(unknown.front(), missing.empty() ? absent : missing) : "";

@@ -21,14 +21,14 @@ struct CsvColumn {
   bool is_time = false;  // its numbers may be larger than the table's limit, as those since 1970
 };
 
-/// A CSV file, read row by row: columns by header name in any order. Commas, semicolons or tabs separate the
-/// cells: those by which the header names the most columns. Cells may be in quotation marks (RFC 4180, within
-/// a line). A number between semicolons or tabs, or in quotation marks, may have a decimal comma; the file
-/// has one decimal mark, and some number must show that it is none of thousands (0,5 does, 1,234 does not).
-/// Ignored are blank lines, lines that begin with #, a row of the columns' units below the header, a first
-/// column without a name or named by R or pandas (row names), and a separator at the end of all lines. The
-/// text is UTF-8, or UTF-16 with a byte order mark. Every error is one line, FILE:LINE: COLUMN = VALUE: what
-/// would be right. A line has at most 64 KiB.
+/// A CSV file, read row by row: columns by header name in any order. Commas, semicolons, tabs or blanks
+/// separate the cells: those by which the header names the most columns. Cells may be in quotation marks (RFC
+/// 4180, within a line). A number between semicolons or tabs, or in quotation marks, may have a decimal
+/// comma; the file has one decimal mark, and some number must show that it is none of thousands (0,5 does,
+/// 1,234 does not). Ignored are blank lines, lines that begin with #, a row of the columns' units below the
+/// header, a first column without a name or named by R or pandas (row names), and a separator at the end of
+/// all lines. The text is UTF-8, or UTF-16 with a byte order mark. Every error is one line, FILE:LINE: COLUMN
+/// = VALUE: what would be right. A line has at most 64 KiB.
 class CsvTable final {
  public:
   /// [setup] Opens the file and reads its header. @param largest absolute value of a number, a power of ten

@@ -198,9 +198,13 @@ TEST(CsvTable, TellsLinesThatEndInCarriageReturnsAlone) {
   EXPECT_EQ(error_in("depth_mm\r1\r2\r"), "a.csv:1: lines end in CR alone, must end in LF or CR LF");
 }
 
-TEST(CsvTable, TellsBlanksBetweenColumns) {
-  EXPECT_THAT(error_in("time_s depth_mm\n0 1\n"),
-              HasSubstr("a.csv:1: blanks separate the columns, must be commas, semicolons or tabs"));
+TEST(CsvTable, ReadsColumnsBetweenBlanks) {
+  EXPECT_EQ(depths_in("time_s depth_mm\n 0.5   0.1\n1.5 \t-1.234 \n"), (std::vector<double>{0.1, -1.234}));
+  EXPECT_EQ(depths_in("\"time_s\" \"depth_mm\"\n\"1\" 7 0.5\n\"2\" 8 1.5\n"),  // write.table
+            (std::vector<double>{0.5, 1.5}));
+  EXPECT_EQ(error_in("time_s depth_mm\n1 7 0.5\n"),
+            "a.csv:2: the row has 3 values, must have 2 as the header");
+  EXPECT_THAT(error_in("time depth\n1 2\n"), HasSubstr("depth_mm: missing"));
 }
 
 TEST(CsvTable, TellsATableOfAnotherKindAndWhatReadsIt) {
