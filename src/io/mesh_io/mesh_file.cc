@@ -34,8 +34,11 @@ constexpr std::array<Reader, 9> kReaders{{{".stl", MeshFormat::kStl, read_stl},
                                           {".vtk", MeshFormat::kVtk, read_vtk},
                                           {".msh", MeshFormat::kMsh, read_msh}}};
 
-/// @throws InputError for a mesh of another format than its name's extension says
+/// @throws InputError for UTF-16, and for a mesh of another format than its name's extension says
 void refuse_other_format(const MeshFile& file) {
+  if (file.bytes.starts_with("\xFF\xFE") || file.bytes.starts_with("\xFE\xFF")) {
+    throw InputError(to_text(file.path) + ": is UTF-16, must be binary or UTF-8");
+  }
   const ContentFacts found = find_content(file.path);
   if (found.content != FileContent::kMesh || mesh_format("a" + found.extension) == file.format) return;
   throw InputError(

@@ -146,5 +146,15 @@ TEST(RequireOrgan, TakesSizesUpToItsBounds) {
   EXPECT_THROW(require_organ(with_findings(make_box({2.01, 0.1, 0.1}, 1.0)), "x"), InputError);
 }
 
+TEST(RequireTool, RefusesAMeshWithoutExtentOrOfAbsurdSize) {
+  const auto cube = [](double side) { return with_findings(make_box({side, side, side}, side)); };
+  EXPECT_NO_THROW(require_tool(cube(1.001e-4), "x"));
+  EXPECT_NO_THROW(require_tool(cube(4.999), "x"));
+  for (const double bad : {1e-38, 0.99e-4, 5.01, 1e32}) {
+    EXPECT_THAT([&] { require_tool(cube(bad), "x.gltf"); },
+                ThrowsMessage<InputError>(HasSubstr("x.gltf: its largest side is")));
+  }
+}
+
 }  // namespace
 }  // namespace palpate::geometry

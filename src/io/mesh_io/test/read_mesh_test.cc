@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/base/text.h"
 #include "io/mesh_io/mesh_file.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/builtin.h"
@@ -249,145 +248,15 @@ TEST_F(ReadMesh, GltfWithItsBufferBesideIt) {
   expect_tetrahedron(read("a.gltf", gltf_json(R"([{"mesh":0}])", R"({"byteLength":72,"uri":"a.bin"})")));
 }
 
-/// The tetrahedron's positions as whole numbers, `unit` to a length of 1, each padded to `stride` bytes.
-template <typename T>
-std::string quantized_positions(double unit, std::size_t stride) {
-  std::string bytes;
-  for (const auto& vertex : kVertices) {
-    std::string one;
-    for (const float x : vertex) one += bytes_of(static_cast<T>(unit * static_cast<double>(x)));
-    one.resize(stride, '?');
-    bytes += one;
-  }
-  return bytes;
-}
-
-/// @param scale of the node that makes the numbers lengths again
-std::string quantized_json(int type, bool normalized, std::size_t stride, double scale,
-                           const std::string& buffer_key) {
-  const std::string positions = std::to_string(4 * stride);
-  return R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_mesh_quantization"],)"
-         R"("extensionsRequired":["KHR_mesh_quantization"],"scene":0,"scenes":[{"nodes":[0]}],)"
-         R"("nodes":[{"mesh":0,"translation":[10,20,30],"scale":[)" +
-         shortest(scale) + "," + shortest(scale) + "," + shortest(scale) +
-         R"(]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":0},"indices":1}]}],)"
-         R"("buffers":[{)" +
-         buffer_key + R"("byteLength":)" + std::to_string(4 * stride + 24) +
-         R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + positions + R"(,"byteStride":)" +
-         std::to_string(stride) + R"(},{"buffer":0,"byteOffset":)" + positions +
-         R"(,"byteLength":24}],"accessors":[{"bufferView":0,"componentType":)" + std::to_string(type) +
-         (normalized ? R"(,"normalized":true)" : "") +
-         R"(,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}]})";
-}
-
-struct Quantized {
-  int type;
-  bool normalized;
-  std::size_t stride;
-  double scale;
-  std::string positions;
-};
-
-std::vector<Quantized> quantized_forms() {
-  return {{5120, false, 4, 1.0 / 30, quantized_positions<std::int8_t>(30, 4)},
-          {5120, true, 4, 127.0 / 30, quantized_positions<std::int8_t>(30, 4)},
-          {5121, false, 4, 1.0 / 60, quantized_positions<std::uint8_t>(60, 4)},
-          {5121, true, 4, 255.0 / 60, quantized_positions<std::uint8_t>(60, 4)},
-          {5122, false, 8, 1.0 / -8000, quantized_positions<std::int16_t>(-8000, 8)},
-          {5122, true, 8, 32767.0 / 8000, quantized_positions<std::int16_t>(8000, 8)},
-          {5123, false, 8, 1.0 / 16000, quantized_positions<std::uint16_t>(16000, 8)},
-          {5123, true, 6, 65535.0 / 16000, quantized_positions<std::uint16_t>(16000, 6)}};
-}
-
-TEST_F(ReadMesh, GltfWithQuantizedPositionsOfEveryType) {
-  const std::string corners = gltf_buffer().substr(48);
-  for (const Quantized& form : quantized_forms()) {
-    SCOPED_TRACE(form.type);
-    (void)folder_.write("a.bin", form.positions + corners);
-    const LoadedMesh beside = read(
-        "a.gltf", quantized_json(form.type, form.normalized, form.stride, form.scale, R"("uri":"a.bin",)"));
-    EXPECT_NEAR(std::abs(beside.findings.volume), 4.0, 1e-3);
-    const Bounds box = bounds(beside.mesh);
-    EXPECT_LT((box.low - Vec3(10, 20, 30)).norm(), 1e-3);
-    EXPECT_LT((box.high - Vec3(12, 23, 34)).norm(), 1e-3);
-    std::string json = quantized_json(form.type, form.normalized, form.stride, form.scale, "");
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    const std::string binary = form.positions + corners;
-    const std::string body = bytes_of(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
-                             bytes_of(static_cast<std::uint32_t>(binary.size())) + std::string("BIN\0", 4) +
-                             binary;
-    const LoadedMesh packed =
-        read("a.glb", "glTF" + bytes_of(std::uint32_t{2}) +
-                          bytes_of(static_cast<std::uint32_t>(12 + body.size())) + body);
-    EXPECT_EQ(packed.mesh.vertices, beside.mesh.vertices);
-    EXPECT_EQ(packed.mesh.triangles, beside.mesh.triangles);
-  }
-}
-
-TEST_F(ReadMesh, GltfWithQuantizedPositionsInADataUri) {
-  // 0 0 0, 2 0 0, 0 3 0, 0 0 4 as bytes with one of padding, then the corners of gltf_buffer().
-  const std::string uri =
-      R"("uri":"data:application/octet-stream;base64,AAAAAAIAAAAAAwAAAAAEAAAAAgABAAAAAQADAAEAAgADAAAAAwACAA==",)";
-  expect_tetrahedron(read("a.gltf", quantized_json(5121, false, 4, 1.0, uri)), {10, 20, 30});
-}
-
-TEST_F(ReadMesh, RefusesQuantizedPositionsThatTheBufferDoesNotHold) {
-  (void)folder_.write("a.bin", std::string(40, '\0'));
-  const auto refuses = [&](std::string json, const std::string& from, const std::string& to,
-                           const std::string& words) {
-    expect_refused("a.gltf", json.replace(json.find(from), from.size(), to),
-                   "accessor 0 of quantized positions: " + words);
-  };
-  const std::string json = quantized_json(5121, false, 4, 1.0, R"("uri":"a.bin",)");
-  refuses(json, R"("count":4)", R"("count":5)", "5 vertices do not fit in its 16 bytes");
-  refuses(json, R"("count":4)", R"("count":6000000)", "count 6000000: must be 1 to 5000000");
-  refuses(json, R"("byteStride":4)", R"("byteStride":2)", "4 vertices do not fit");
-  refuses(json, R"("bufferView":0,)", "", "has no bufferView");
-  refuses(json, R"(5121)", "5125", "componentType 5125: must be 5120, 5121, 5122, 5123 or 5126");
-  refuses(json, R"(VEC3)", "VEC2", "its type must be VEC3");
-  refuses(json, R"("byteLength":16)", R"("byteLength":60)", "its buffer is truncated: has 40 bytes");
-}
-
-TEST_F(ReadMesh, RefusesGltfExtensionsByNameThatChangeItsVertices) {
-  const auto with = [](const std::string& key) {
-    return gltf_json(R"([{"mesh":0}])", R"({"byteLength":72,"uri":"a.bin"})").insert(1, key + ",");
-  };
-  (void)folder_.write("a.bin", gltf_buffer());
-  expect_refused("a.gltf", with(R"("extensionsRequired":["KHR_draco_mesh_compression"])"),
-                 "compressed by Draco (KHR_draco_mesh_compression), which is not read: export it without");
-  expect_refused("b.gltf", with(R"("extensionsRequired":["EXT_meshopt_compression"])"),
-                 "compressed by meshopt (EXT_meshopt_compression), which is not read");
-  expect_refused("c.gltf", with(R"("extensionsRequired":["KHR_materials_unlit","ABC_warp"])"),
-                 "needs the glTF extension ABC_warp, which is not read");
-  expect_refused(
-      "d.gltf",
-      gltf_json(R"([{"mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{}}}])", R"({"byteLength":72})"),
-      "needs the glTF extension EXT_mesh_gpu_instancing");
-  expect_tetrahedron(read("e.gltf", with(R"("extensionsRequired":["KHR_materials_unlit"])")));
-}
-
 TEST_F(ReadMesh, RefusesAFileOfAnotherKindByWhatItHolds) {
   expect_refused("a.stl", kPly, "is a mesh (PLY): its name must end in .ply");
+  expect_refused("u.stl", "\xFF\xFE" + std::string("s\0o\0", 4), "is UTF-16, must be binary or UTF-8");
   expect_refused("b.h5", std::string("\x89HDF\r\n\x1a\n") + std::string(100, '\0'),
                  "is a recording (HDF5), must be a mesh file; palpate view");
   expect_refused("c.stl", std::string("\x89HDF\r\n\x1a\n") + std::string(100, '\0'),
                  "is a recording (HDF5), must be a mesh file");
   expect_refused("d.toml", "[tissue]\nname = \"a\"\n",
                  "is a tissue file, must be a mesh file; --tissue FILE");
-}
-
-TEST_F(ReadMesh, RefusesAToolWithoutExtentOrOfAbsurdSize) {
-  const auto sized = [&](double metres) {
-    LoadedMesh loaded = read("a.obj", kObj);
-    for (Vec3& vertex : loaded.mesh.vertices) vertex *= metres / 4.0;
-    return loaded;
-  };
-  EXPECT_NO_THROW(require_tool(sized(1.001e-4), "a.obj"));
-  EXPECT_NO_THROW(require_tool(sized(4.999), "a.obj"));
-  for (const double bad : {0.0, 1e-38, 0.99e-4, 5.01, 1e32}) {
-    EXPECT_THAT([&] { require_tool(sized(bad), "a.obj"); },
-                ThrowsMessage<InputError>(HasSubstr("a.obj: its largest side is")));
-  }
 }
 
 TEST_F(ReadMesh, NodeTransformsAreApplied) {
