@@ -135,15 +135,22 @@ bool CsvTable::begins_with_row_name() const {
          cells_[0].find(',') == std::string_view::npos && !parse_number(cells_[0]);
 }
 
-/// Whether each cell of a number's column has the column's unit.
+/// Whether each cell of a number's column has the column's unit. @throws InputError for another unit
 bool CsvTable::is_row_of_units() const {
   bool any = false;
+  std::size_t other = kAbsent;
   for (std::size_t column = 0; column < columns_.size(); ++column) {
     if (!has(column) || columns_[column].is_text) continue;
+    if (parse_number(text(column))) return false;
     const std::string_view unit = unit_of(columns_[column].name);
     const std::string_view cell = without_brackets(text(column));
-    if (cell != unit && !(unit.empty() && cell == "-")) return false;
-    any = any || !unit.empty();
+    const bool fits = cell == unit || (unit.empty() && cell == "-");
+    any = any || (fits && !unit.empty());
+    if (!fits && other == kAbsent) other = column;
+  }
+  if (any && other != kAbsent) {
+    fail(columns_[other].name + ": the row of units says " + excerpt(text(other)) +
+         ", must be the unit in the column's name: convert the numbers");
   }
   return any;
 }

@@ -161,7 +161,9 @@ TEST(CsvTable, IgnoresASeparatorAtTheEndOfLines) {
 TEST(CsvTable, IgnoresARowOfTheColumnsUnitsAndNoOther) {
   EXPECT_EQ(depths_in("time_s,depth_mm,specimen\ns,mm,name\n0,0.5,a\n"), std::vector<double>{0.5});
   EXPECT_EQ(depths_in("time_s,depth_mm\n[s],(mm)\n0,0.5\n"), std::vector<double>{0.5});
-  EXPECT_THAT(error_in(kHeader + "s,m\n0,1\n"), HasSubstr("a.csv:2: time_s = s: must be a finite number"));
+  EXPECT_THAT(error_in(kHeader + "s,m\n0,1\n"),
+              HasSubstr("a.csv:2: depth_mm: the row of units says m, must"));
+  EXPECT_THAT(error_in(kHeader + "a,b\n0,1\n"), HasSubstr("a.csv:2: time_s = a: must be a finite number"));
   EXPECT_THAT(error_in(kHeader + "0,1\ns,mm\n"), HasSubstr("a.csv:3: time_s = s: must be a finite number"));
   EXPECT_EQ(error_in(kHeader + "s,mm\n"), "a.csv: has no rows after the header");
 }
