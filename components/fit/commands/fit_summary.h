@@ -65,7 +65,4 @@ void add_image_flags(CLI::App& command, ImageFlags& flags);
 /// [setup] The photographs of the flags; absent without --image. @throws InputError without a scale
 [[nodiscard]] std::optional<imaging::Photographs> photographs_of(const ImageFlags& flags);
 
-/// [setup] The measurement itself as JSON: its points, uncertainty and alignment (docs/photographs.md).
-[[nodiscard]] nlohmann::ordered_json image_json(const report::ImageSet& set);
-
 }  // namespace palpate::app

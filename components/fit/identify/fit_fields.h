@@ -1,11 +1,15 @@
 #pragma once
 // The fields of a fit's results. All outputs are rendered from these lists: --json, the summary, the report,
 // Python and the lines of the results file.
+#include <algorithm>
 #include <concepts>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include <fmt/core.h>
+
+#include "core/base/text.h"
 #include "palpate/identify.h"
 
 namespace palpate::identify {
@@ -15,12 +19,15 @@ enum Outputs : unsigned { kInJson = 1, kInPython = 2, kInRecord = 4, kEverywhere
 
 /// How one field of a result appears in the outputs.
 struct ResultField {
-  const char* key;                 // its name in --json, in Python and in the results file
+  const char* key = nullptr;       // its name in --json, in Python and in the results file
   unsigned outputs = kEverywhere;  // those that contain it
   int place = 0;                   // position in the summary and in the report's table; 0: in neither
   const char* phrase = nullptr;    // in the summary, with {} for the value
   const char* column = nullptr;    // its heading in the report's table
   bool as_percent = false;         // in both
+  const char* json_key = nullptr;  // its name in --json where the unit differs; nullptr: `key`
+  double unit = 1.0;               // of the value in --json, the summary and the report's table [SI]
+  const char* unit_name = "";      // after the value in the summary and the report's table
 };
 
 template <typename Fit, typename One>
@@ -99,14 +106,43 @@ void for_each_field(Fit& estimate, const Visit& visit) {
 /// A field of the summary or of the report's table.
 struct ShownField {
   ResultField field;
-  std::string text;  // its value
+  std::string text;  // its value with its unit
 };
 
-/// [setup] The fields with a position, in that order.
-[[nodiscard]] std::vector<ShownField> shown_fields(const SpecimenFit& fit);
+/// [setup] A value for readers; "" for lists, which have no position. @param digits of a number
+template <typename Value>
+std::string shown_value([[maybe_unused]] const ResultField& field, [[maybe_unused]] const Value& value,
+                        [[maybe_unused]] int digits) {
+  if constexpr (std::floating_point<Value>) {
+    if (field.as_percent) return percent(value);
+    return brief(value / field.unit, digits) + (*field.unit_name == '\0' ? "" : " ") + field.unit_name;
+  }
+  if constexpr (std::integral<Value>) return std::to_string(value);
+  if constexpr (std::same_as<Value, std::string>) return value;
+  if constexpr (std::same_as<Value, model::LawKind>) return model::to_string(value);
+  return "";
+}
 
-/// [setup] The summary of a fit: the phrases of its fields.
-[[nodiscard]] std::string summary_of(const SpecimenFit& fit);
-[[nodiscard]] std::string summary_of(const PooledFit& fit);
+/// [setup] The fields with a position, in that order.
+template <typename Fit>
+[[nodiscard]] std::vector<ShownField> shown_fields(const Fit& fit, int digits = 4) {
+  std::vector<ShownField> fields;
+  for_each_field(fit, [&](const ResultField& field, const auto& value) {
+    if (field.place > 0) fields.push_back({field, shown_value(field, value, digits)});
+  });
+  std::stable_sort(fields.begin(), fields.end(),
+                   [](const ShownField& a, const ShownField& b) { return a.field.place < b.field.place; });
+  return fields;
+}
+
+/// [setup] The summary of a result: the phrases of its fields.
+template <typename Fit>
+[[nodiscard]] std::string summary_of(const Fit& fit) {
+  std::string text;
+  for (const ShownField& one : shown_fields(fit)) {
+    if (one.field.phrase != nullptr) text += fmt::format(fmt::runtime(one.field.phrase), one.text);
+  }
+  return text;
+}
 
 }  // namespace palpate::identify

@@ -17,6 +17,8 @@
 #include "view/report/gnuplot.h"
 #include "view/report/page.h"
 
+#include "fit/imaging/validation_fields.h"
+
 namespace palpate::report {
 namespace {
 
@@ -121,6 +123,19 @@ TableRows error_table(const validate::Errors& ours, double cost_ns, const std::s
   return rows;
 }
 
+/// Adds a set's row; the first row gets the headings.
+template <typename Set>
+void add_row(const Set& set, TableRows& rows) {
+  std::vector<std::string> row;
+  rows.front().clear();
+  for (const identify::ShownField& shown : identify::shown_fields(set, 3)) {
+    if (shown.field.column == nullptr) continue;
+    rows.front().emplace_back(shown.field.column);
+    row.push_back(escaped(shown.text));
+  }
+  rows.push_back(std::move(row));
+}
+
 void write_summary(Page& page, const Validation& validation, const std::string& command) {
   const validate::Law& law = validation.law;
   page.section("summary", "What came out");
@@ -128,18 +143,9 @@ void write_summary(Page& page, const Validation& validation, const std::string& 
   page.facts({{"tissue", law.tissue.name},
               {"law", model::to_string(law.tissue.law)},
               {"direction", law.direction == model::Direction::kPull ? "pull" : "press"}});
-  TableRows rows = {{"data set", "points", "RMS", "largest", "RMS, relative to", "", "within 7 %"}};
-  for (const ForceSet& set : validation.forces) {
-    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
-                    brief(set.ours.errors.rms, 3) + " N", brief(set.ours.errors.max, 3) + " N",
-                    percent(set.ours.errors.nrmse), "of the force range", percent(set.ours.within_jnd)});
-  }
-  for (const ProfileSet& set : validation.profiles) {
-    rows.push_back({escaped(set.ours.measured.name), std::to_string(set.ours.measured.size()),
-                    brief(set.ours.errors.rms / kMillimetre, 3) + " mm",
-                    brief(set.ours.errors.max / kMillimetre, 3) + " mm", percent(set.ours.errors.nrmse),
-                    "of the depth", ""});
-  }
+  TableRows rows(1);
+  for (const ForceSet& set : validation.forces) add_row(set, rows);
+  for (const ProfileSet& set : validation.profiles) add_row(set, rows);
   page.table(rows);
   if (validation.reach) {
     const model::FalloffRatios& reach = validation.reach->reach;
