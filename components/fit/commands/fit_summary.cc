@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/csv_table.h"
 
 #include "app/output.h"
 #include "fit/identify/fit_fields.h"
@@ -143,14 +144,6 @@ Json point_json(const identify::SweepPoint& point, double unit) {
           {"parameters", std::move(parameters)}};
 }
 
-/// Quotes a name for a CSV field where CSV requires quotes.
-std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\n") == std::string::npos) return name;
-  std::string field = "\"";
-  for (const char c : name) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return field + '"';
-}
-
 std::string verdict(const identify::Sweep& sweep, double unit) {
   double low = 0.0;
   double high = 0.0;
@@ -218,7 +211,7 @@ std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps) {
   for (const identify::Sweep& sweep : sweeps) {
     const identify::ParameterLabel& label = labels[sweep.parameter];
     for (const identify::SweepPoint& point : sweep.points) {
-      text += (sweep.specimen.empty() ? "all together" : quoted(sweep.specimen)) + ',' + label.name + ',' +
+      text += (sweep.specimen.empty() ? "all together" : csv_cell(sweep.specimen)) + ',' + label.name + ',' +
               shortest(point.value / label.unit) + ',' + shortest(point.nrmse) + ',' +
               (std::isfinite(point.deviance) ? shortest(point.deviance) : "") + ',' +
               (point.within_95 ? '1' : '0');

@@ -5,6 +5,7 @@
 #include "core/base/text.h"
 #include "io/record/hdf5_handle.h"
 #include "io/scene/scene_keys.h"
+#include "io/system/csv_table.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
 
@@ -16,13 +17,6 @@ namespace {
 using scene::KeyType;
 using session::kRunQuantities;
 namespace hdf5 = record::hdf5;
-
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char letter : text) out += letter == '"' ? std::string("\"\"") : std::string(1, letter);
-  return out + '"';
-}
 
 void write_dataset(hid_t file, const Column& column, hid_t type, const void* values) {
   const hsize_t rows = column.texts.size();
@@ -107,7 +101,7 @@ std::string sweep_csv(const SweepResult& sweep) {
   for (const Column& column : columns) text += (text.empty() ? "" : ",") + column.name;
   for (std::size_t run = 0; run < sweep.rows.size(); ++run) {
     for (const Column& column : columns)
-      text += (&column == columns.data() ? '\n' : ',') + quoted(column.texts[run]);
+      text += (&column == columns.data() ? '\n' : ',') + csv_cell(column.texts[run]);
   }
   return text + '\n';
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "io/system/csv_table.h"
 #include "palpate/error.h"
 
 #include "study/session/course.h"
@@ -13,18 +14,8 @@ namespace {
 
 std::string yes_or_no(bool value) { return value ? "1" : "0"; }
 
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 void append_row(std::string& table, const std::vector<std::string>& fields) {
-  for (std::size_t i = 0; i < fields.size(); ++i) table += (i == 0 ? "" : ",") + csv_field(fields[i]);
+  for (std::size_t i = 0; i < fields.size(); ++i) table += (i == 0 ? "" : ",") + csv_cell(fields[i]);
   table += '\n';
 }
 

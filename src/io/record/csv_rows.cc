@@ -8,6 +8,7 @@
 #include "core/base/charconv.h"
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
+#include "io/system/csv_table.h"
 #include "io/system/path_text.h"
 #include "palpate/tool_contact.h"
 
@@ -52,14 +53,6 @@ char* append_value(char* at, const haptics::TickRow& row, const Column& column) 
   return append_column(at, row, column);
 }
 
-/// A name in quotes, so that it may contain commas.
-std::string quoted(std::string_view name) {
-  std::string text = "\"";
-  for (const char c : name.substr(0, name.find('\0')))
-    text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + '"';
-}
-
 std::string changes_header() {
   std::string line;
   for (const Column& column : update_columns()) line += std::string(column.name) + ",";
@@ -84,7 +77,8 @@ std::string change_line(const haptics::ParameterUpdate& change) {
     line.append(text, append_value(text, row, column));
     line += ',';
   }
-  return line + quoted({row.name.data(), row.name.size()}) + '\n';
+  const std::string_view name(row.name.data(), row.name.size());
+  return line + csv_quoted(name.substr(0, name.find('\0'))) + '\n';
 }
 
 }  // namespace

@@ -68,6 +68,16 @@ bool may_be_thousands(std::string_view number, char mark) {
 
 }  // namespace
 
+std::string csv_quoted(std::string_view text) {
+  std::string cell = "\"";
+  for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
+  return cell + '"';
+}
+
+std::string csv_cell(std::string_view text) {
+  return text.find_first_of(",\"\r\n") == std::string_view::npos ? std::string(text) : csv_quoted(text);
+}
+
 CsvTable::CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> columns, double largest)
     : file_(to_text(file)),
       in_(file, kCsvInput),

@@ -13,6 +13,11 @@
 
 namespace palpate {
 
+/// [setup] A text in quotes, as a cell of a CSV file.
+[[nodiscard]] std::string csv_quoted(std::string_view text);
+/// [setup] A text as a cell of a CSV file: in quotes where it contains a comma, a quote or a line end.
+[[nodiscard]] std::string csv_cell(std::string_view text);
+
 /// A column that a CSV file may have.
 struct CsvColumn {
   std::string name;  // as in the header, with its unit

@@ -36,6 +36,17 @@ std::vector<double> depths_in(const std::string& content) {
   return depths;
 }
 
+TEST(CsvTable, ATextIsQuotedWhereACellNeedsIt) {
+  EXPECT_EQ(csv_cell("soft part"), "soft part");
+  EXPECT_EQ(csv_cell("left, upper"), "\"left, upper\"");
+  EXPECT_EQ(csv_cell("a \"nodule\""), "\"a \"\"nodule\"\"\"");
+  EXPECT_EQ(csv_cell("two\nlines"), "\"two\nlines\"");
+  EXPECT_EQ(csv_cell("a\rb"), "\"a\rb\"");
+  EXPECT_EQ(csv_cell(""), "");
+  EXPECT_EQ(csv_quoted(""), "\"\"");
+  EXPECT_EQ(csv_quoted("soft"), "\"soft\"");
+}
+
 TEST(CsvTable, FindsColumnsByNameInAnyOrder) {
   const TemporaryFolder folder;
   CsvTable table(folder.write("a.csv", "specimen,depth_mm\nleft , +0.5\n"), kColumns);
