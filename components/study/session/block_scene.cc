@@ -49,7 +49,7 @@ scene::Scene block_scene(const Study& study, const StudyTask& task, const BlockN
   scene.seed = Random(study.seed, block.participant, kNoisePart + part).below(std::size_t{1} << 52U);
   scene.noise.seed = scene.seed;
   const TissueChange tissue = stimulus_of(task, 0.0, false).tissue;
-  if (tissue.k1) scene.tissue.k1 = *tissue.k1;
+  tissue.apply_to(scene.tissue);
   if (tissue.inclusion) {
     scene::Scene places = scene;
     places.seed = study.seed;  // all participants have the same places

@@ -102,19 +102,21 @@ class BlockComparison final {
     const IntervalStimulus must = stimulus_of(task(), planned.level, signal_in(interval));
     haptics::LiveNoise noise;
     noise.enabled = recording_.scene.noise.enabled;
-    double k1 = recording_.scene.tissue.k1;
+    model::TissueNumbers tissue = recording_.scene.tissue;
     double ratio = 1.0;
     for (const ParameterUpdate& change : recording_.changes) {
       if (change.tick > tick) break;
       noise = change.noise;
-      k1 = change.tissue.k1;
+      tissue = change.tissue;
       if ((change.what & haptics::kInclusionChanged) != 0) ratio = change.inclusion.ratio;
     }
     const bool noisy = planned.noise > 0.0 && must.noise;
     if (noise.enabled != noisy) return noisy ? "has no noise" : "has noise, must have none";
     if (noisy && noise.gain != planned.noise * noise.threshold) return "has another noise than planned";
     if (stimulus.stimulus.force != must.force) return "has another commanded force than planned";
-    if (k1 != must.tissue.k1.value_or(k1)) return "has another stiffness than planned";
+    model::TissueNumbers planned_tissue = tissue;
+    must.tissue.apply_to(planned_tissue);
+    if (tissue != planned_tissue) return "has another stiffness than planned";
     if (ratio != must.tissue.inclusion.value_or(ratio)) {
       return "has an inclusion of another stiffness than planned";
     }

@@ -83,6 +83,11 @@ const std::array<TaskDescription, kTaskKinds>& task_kinds() {
 
 }  // namespace
 
+bool TissueChange::apply_to(model::TissueNumbers& tissue) const noexcept {
+  tissue.k1 = k1.value_or(tissue.k1);
+  return k1.has_value();
+}
+
 const TaskDescription& describe(TaskKind kind) noexcept {
   return task_kinds()[static_cast<std::size_t>(kind)];
 }

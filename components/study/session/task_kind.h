@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "palpate/tissue.h"
+
 #include "study/psychophysics/psychophysics.h"
 
 namespace palpate::study {
@@ -38,6 +40,9 @@ enum class HandAction {
 struct TissueChange {
   std::optional<double> k1{};         // N/m
   std::optional<double> inclusion{};  // its stiffness divided by that of the tissue around it
+
+  /// [any] Changes the numbers of a tissue. @return whether it states any
+  bool apply_to(model::TissueNumbers& tissue) const noexcept;
 };
 
 /// What a level means.

@@ -153,11 +153,8 @@ void TrialLoop::end_interval(std::uint64_t tick) {
 
 // The tissue of the interval that begins. The tool is outside.
 void TrialLoop::set_tissue(std::uint64_t at) {
-  if (stimulus_.tissue.k1) {
-    model::TissueParameters tissue = scene_.tissue;
-    tissue.k1 = *stimulus_.tissue.k1;
-    updates_.offer(tissue, at);
-  }
+  model::TissueParameters tissue = scene_.tissue;
+  if (stimulus_.tissue.apply_to(tissue)) updates_.offer(tissue, at);
   if (stimulus_.tissue.inclusion && !scene_.lumps.empty()) {
     // The place is drawn for each trial, the same in both intervals.
     Random random(study_.seed, trial_.draw, kPlacePart);
