@@ -1,5 +1,5 @@
 // Comparison of a tissue with measurements: force curves, surface profiles, photographs.
-#include <array>
+#include <concepts>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,6 +11,7 @@
 
 #include "bindings/python/scene_arguments.h"
 #include "fit/imaging/compare.h"
+#include "fit/imaging/validation_fields.h"
 #include "fit/python/docs.h"
 #include "fit/python/module.h"
 
@@ -80,125 +81,73 @@ void require_positive(const char* name, const std::optional<double>& value, cons
   if (value && !(*value > 0.0)) throw ParameterError(name, *value, want);
 }
 
-void put(const validate::Errors& errors, py::dict& result) {
-  result["rms"] = errors.rms;
-  result["max"] = errors.max;
-  result["nrmse"] = errors.nrmse;
-}
+template <typename Result, typename... Of>
+py::dict result_dictionary(const Result& result, const Of&... of);
 
-/// Adds the baseline models' results for the same data, if any.
-void put(const std::vector<validate::BaselineResult>& baselines, double cost_ns, py::dict& result) {
-  if (baselines.empty()) return;
-  py::list others;
-  for (const validate::BaselineResult& baseline : baselines) {
-    py::dict other;
-    other["name"] = validate::to_string(baseline.fit.kind);
-    other["parameters"] = baseline.fit.parameters;
-    put(baseline.fit.errors, other);
-    other["computed"] = array_of(baseline.fit.computed);
-    other["evaluation_ns"] = baseline.cost_ns;
-    others.append(other);
+template <typename Value>
+py::object result_object(const identify::ResultField& field, const Value& value) {
+  if constexpr (std::same_as<Value, std::vector<double>>) {
+    return array_of(value);
+  } else if constexpr (std::same_as<Value, std::vector<validate::BaselineResult>>) {
+    py::list all;
+    for (const validate::BaselineResult& baseline : value) all.append(result_dictionary(baseline, field));
+    return all;
+  } else if constexpr (std::same_as<Value, validate::ZeroedErrors>) {
+    return result_dictionary(value);
+  } else {
+    return py::cast(value);
   }
-  result["evaluation_ns"] = cost_ns;
-  result["against"] = others;
 }
 
-py::dict dictionary_of(const validate::ZeroedErrors& with) {
-  py::dict result;
-  result["first_contact"] = with.zeros.first_contact;
-  result["offset"] = with.zeros.force;
-  put(with.errors, result);
-  result["at_limit"] = with.at_limit;
-  return result;
+/// The fields of a result, in SI units. @param of of its set, for a baseline model's
+template <typename Result, typename... Of>
+py::dict result_dictionary(const Result& result, const Of&... of) {
+  py::dict fields;
+  for_each_field(result, of..., [&fields](const identify::ResultField& field, const auto& value) {
+    if ((field.outputs & identify::kInPython) != 0) fields[field.key] = result_object(field, value);
+  });
+  return fields;
 }
 
-py::dict dictionary_of(const validate::ForceSet& set) {
-  const validate::ForceComparison& ours = set.ours;
-  py::dict result;
-  result["name"] = ours.measured.name;
-  put(ours.errors, result);
-  result["within_jnd"] = ours.within_jnd;
-  result["extrapolated_points"] = ours.beyond;
-  result["rows"] = ours.rows;
-  result["zeros"] = set.zeros_fitted ? "fitted" : "given";
-  result["zeros_given"] = dictionary_of(set.given);
-  result["zeros_fitted"] = dictionary_of(set.fitted);
-  result["time"] = array_of(ours.measured.time);
-  result["displacement"] = array_of(ours.measured.displacement);
-  result["measured"] = array_of(ours.measured.force);
-  result["computed"] = array_of(ours.computed);
-  put(set.baselines, set.cost_ns, result);
-  return result;
-}
-
-py::dict dictionary_of(const validate::ProfileSet& set) {
-  const validate::DeformationComparison& ours = set.ours;
-  py::dict result;
-  result["name"] = ours.measured.name;
-  put(ours.errors, result);
-  result["depth"] = ours.depth;
-  result["tip_radius"] = ours.tip_radius;
-  result["as_drawn"] = ours.rule.as_drawn;
-  if (ours.rule.as_drawn) result["surface_radius"] = ours.rule.rest_radius;
-  result["distance"] = array_of(ours.measured.distance);
-  result["measured"] = array_of(ours.measured.displacement);
-  result["computed"] = array_of(ours.computed);
-  put(set.baselines, set.cost_ns, result);
-  return result;
-}
-
-py::dict dictionary_of(const imaging::ImageSet& image) {
-  const imaging::ImageMeasurement& measured = image.measured;
+py::dict image_dictionary(const imaging::ImageSet& image) {
   std::vector<double> r;
   std::vector<double> u;
   std::vector<double> uncertainty;
-  for (const imaging::ImagePoint& point : measured.points) {
+  for (const imaging::ImagePoint& point : image.measured.points) {
     r.push_back(point.right ? point.r : -point.r);
     u.push_back(point.u);
     uncertainty.push_back(point.uncertainty);
   }
-  py::dict result;
+  py::dict result = result_dictionary(image);
   result["r"] = array_of(r);
   result["u"] = array_of(u);
   result["u_uncertainty"] = array_of(uncertainty);
-  result["confidence"] = measured.confidence;
-  result["confidence_text"] = measured.confidence_text;
-  result["uncertainty"] = measured.uncertainty;
-  result["far_uncertainty"] = measured.far_uncertainty;
-  result["within_uncertainty"] = image.within_uncertainty;
-  result["tip_hidden"] = measured.tip_hidden;
-  result["depth_fitted"] = image.depth_fitted;
-  result["asymmetry"] = measured.asymmetry;
   return result;
 }
 
-py::dict dictionary_of(const validate::FalloffFit& fit) {
-  static constexpr std::array kNames = {"contact_ratio", "first_bar_ratio", "bar_ratio", "weight_ratio",
-                                        "depth_exponent"};
-  const std::array values = {fit.reach.contact_ratio, fit.reach.first_bar_ratio, fit.reach.bar_ratio,
-                             fit.reach.weight_ratio, fit.reach.depth_exponent};
+py::dict reach_dictionary(const validate::FalloffFit& fit) {
   py::dict result;
   py::list at_limit;
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    result[kNames[i]] = values[i];
-    if (fit.at_limit[i]) at_limit.append(kNames[i]);
-  }
+  for_each_ratio(fit, [&](const char* key, double ratio, bool is_at_limit) {
+    result[key] = ratio;
+    if (is_at_limit) at_limit.append(key);
+  });
   result["at_limit"] = at_limit;
   result["depth_exponent_kept"] = fit.exponent_kept;
   return result;
 }
 
-py::dict dictionary_of(const imaging::Validation& validation) {
+py::dict validation_dictionary(const imaging::Validation& validation) {
   py::list forces;
   py::list profiles;
-  for (const validate::ForceSet& set : validation.forces) forces.append(dictionary_of(set));
-  for (const validate::ProfileSet& set : validation.profiles) profiles.append(dictionary_of(set));
+  for (const validate::ForceSet& set : validation.forces) forces.append(result_dictionary(set));
+  for (const validate::ProfileSet& set : validation.profiles) profiles.append(result_dictionary(set));
   py::dict result;
   result["tissue"] = validation.law.tissue;
   result["forces"] = forces;
   result["profiles"] = profiles;
-  if (validation.reach) result["reach"] = dictionary_of(*validation.reach);
-  if (validation.image) result["image"] = dictionary_of(*validation.image);
+  if (validation.reach) result["reach"] = reach_dictionary(*validation.reach);
+  if (validation.image) result["image"] = image_dictionary(*validation.image);
   return result;
 }
 
@@ -242,7 +191,7 @@ py::dict validate(const TissueArgument& tissue, std::vector<identify::Specimen> 
     const py::gil_scoped_release others_may_run;
     validation = imaging::compare(request, kArgumentNames);
   }
-  return dictionary_of(validation);
+  return validation_dictionary(validation);
 }
 
 }  // namespace
