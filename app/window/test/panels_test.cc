@@ -122,7 +122,7 @@ TEST_F(PanelsTest, ARelaxationTermIsAddedAndShown) {
   (void)driven.finish();
 }
 
-TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
+TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialogOrTheReasonShown) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
@@ -132,15 +132,20 @@ TEST_F(PanelsTest, ANumberIsTypedAndTheTissueSavedByItsDialog) {
   driven.type("77.5");
   driven.key(SDLK_RETURN);
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().change >= 1; }));
-  ASSERT_TRUE(driven.press({"left", "Save as a file ..."}));
-  ASSERT_TRUE(driven.window().panels().files.is_open());
-  driven.frames(2);
-  driven.key(SDLK_a, KMOD_CTRL);
-  driven.type("mine.toml");
-  ASSERT_TRUE(driven.press({"Choose a file", "Save"}));
-  EXPECT_FALSE(driven.window().panels().files.is_open());
+  const auto save_as = [&driven](const char* name) {
+    ASSERT_TRUE(driven.press({"left", "Save as a file ..."}));
+    ASSERT_TRUE(driven.window().panels().files.is_open());
+    driven.frames(2);
+    driven.key(SDLK_a, KMOD_CTRL);
+    driven.type(name);
+    ASSERT_TRUE(driven.press({"Choose a file", "Save"}));
+    EXPECT_FALSE(driven.window().panels().files.is_open());
+  };
+  save_as("mine.toml");
   EXPECT_THAT(driven.window().message(), HasSubstr("mine.toml"));
   EXPECT_EQ(scene::read_tissue_file(file("mine.toml")).k1, 77.5);
+  save_as("/dev/full");
+  EXPECT_EQ(driven.window().message(), "/dev/full: cannot be written: No space left on device");
   close_and_expect_order(driven);
 }
 
