@@ -16,27 +16,16 @@ using identify::kInJson;
 using identify::kInPython;
 using identify::ResultField;
 
+// clang-format off
 /// [any] Calls visit(field, value) for each error. @param of unit of the measured curve
 template <typename Visit>
 void for_each_error(const Errors& errors, const ResultField& of, const char* of_what, const Visit& visit) {
   using F = ResultField;
-  visit(F{.key = "rms",
-          .place = 5,
-          .phrase = ": RMS {}",
-          .column = "RMS",
-          .unit = of.unit,
-          .unit_name = of.unit_name},
-        errors.rms);
-  visit(F{.key = "max",
-          .place = 6,
-          .phrase = ", largest {}",
-          .column = "largest",
-          .unit = of.unit,
-          .unit_name = of.unit_name},
-        errors.max);
-  visit(
-      F{.key = "nrmse", .place = 7, .phrase = "; RMS {} ", .column = "RMS, relative to", .as_percent = true},
-      errors.nrmse);
+  visit(F{.key = "rms", .place = 5, .phrase = ": RMS {}", .column = "RMS", .unit = of.unit,
+          .unit_name = of.unit_name}, errors.rms);
+  visit(F{.key = "max", .place = 6, .phrase = ", largest {}", .column = "largest", .unit = of.unit,
+          .unit_name = of.unit_name}, errors.max);
+  visit(F{.key = "nrmse", .place = 7, .phrase = "; RMS {} ", .column = "RMS, relative to", .as_percent = true}, errors.nrmse);
   visit(F{.outputs = 0, .place = 8, .phrase = "{}", .column = ""}, std::string(of_what));
 }
 
@@ -54,8 +43,7 @@ void for_each_field(const BaselineResult& baseline, const ResultField& of, const
 template <typename Visit>
 void for_each_field(const ZeroedErrors& with, const Visit& visit) {
   using F = ResultField;
-  visit(F{.key = "first_contact", .json_key = "first_contact_mm", .unit = kMillimetre},
-        with.zeros.first_contact);
+  visit(F{.key = "first_contact", .json_key = "first_contact_mm", .unit = kMillimetre}, with.zeros.first_contact);
   visit(F{.key = "offset", .json_key = "offset_N"}, with.zeros.force);
   for_each_error(with.errors, {}, "", visit);
   visit(F{.key = "at_limit"}, with.at_limit);
@@ -78,15 +66,10 @@ void for_each_field(const ForceSet& set, const Visit& visit) {
   visit(F{.key = "kind", .outputs = kInJson}, std::string("force"));
   for_each_error(ours.errors, newtons, "of the force range", visit);
   visit(F{.key = "unit", .outputs = kInJson}, std::string(newtons.unit_name));
-  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"},
-        ours.measured.size());
+  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"}, ours.measured.size());
   visit(F{.key = "rows"}, ours.rows);
-  visit(F{.key = "within_jnd",
-          .place = 9,
-          .phrase = "; {} of the points within 7 % of their force (just noticeable difference)",
-          .column = "within 7 %",
-          .as_percent = true},
-        ours.within_jnd);
+  visit(F{.key = "within_jnd", .place = 9, .phrase = "; {} of the points within 7 % of their force (just noticeable difference)",
+          .column = "within 7 %", .as_percent = true}, ours.within_jnd);
   visit(F{.key = "extrapolated_points"}, ours.beyond);
   visit(F{.key = "zeros"}, std::string(set.zeros_fitted ? "fitted" : "given"));
   visit(F{.key = "zeros_given"}, set.given);
@@ -108,40 +91,27 @@ void for_each_field(const ForceSet& set, const Visit& visit) {
 template <typename Visit>
 void for_each_field(const ProfileSet& set, const Visit& visit) {
   using F = ResultField;
-  const F millimetres{.unit = kMillimetre, .unit_name = "mm"};
+  const F mm{.unit = kMillimetre, .unit_name = "mm"};
   const DeformationComparison& ours = set.ours;
   visit(F{.key = "name", .place = 1, .phrase = "{}: deformation", .column = "data set"}, ours.measured.name);
   visit(F{.key = "kind", .outputs = kInJson}, std::string("profile"));
-  for_each_error(ours.errors, millimetres, "of the depth", visit);
-  visit(F{.key = "unit", .outputs = kInJson}, std::string(millimetres.unit_name));
-  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"},
-        ours.measured.size());
-  visit(F{.key = "depth",
-          .place = 4,
-          .phrase = " at {}",
-          .json_key = "depth_mm",
-          .unit = kMillimetre,
-          .unit_name = "mm"},
-        ours.depth);
-  visit(F{.key = "tip_radius",
-          .place = 3,
-          .phrase = ", ball of {}",
-          .json_key = "tip_radius_mm",
-          .unit = kMillimetre,
-          .unit_name = "mm"},
-        ours.tip_radius);
+  for_each_error(ours.errors, mm, "of the depth", visit);
+  visit(F{.key = "unit", .outputs = kInJson}, std::string(mm.unit_name));
+  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"}, ours.measured.size());
+  visit(F{.key = "depth", .place = 4, .phrase = " at {}", .json_key = "depth_mm",
+          .unit = mm.unit, .unit_name = mm.unit_name}, ours.depth);
+  visit(F{.key = "tip_radius", .place = 3, .phrase = ", ball of {}", .json_key = "tip_radius_mm",
+          .unit = mm.unit, .unit_name = mm.unit_name}, ours.tip_radius);
   visit(F{.outputs = 0, .place = 4, .phrase = "{}"}, surface_text(ours.rule));
   visit(F{.key = "as_drawn"}, ours.rule.as_drawn);
-  if (ours.rule.as_drawn) {
-    visit(F{.key = "surface_radius", .json_key = "surface_radius_mm", .unit = kMillimetre},
-          ours.rule.rest_radius);
-  }
+  if (ours.rule.as_drawn) visit(F{.key = "surface_radius", .json_key = "surface_radius_mm", .unit = mm.unit}, ours.rule.rest_radius);
   visit(F{.outputs = 0, .place = 9, .column = "within 7 %"}, std::string());  // for forces alone
   visit(F{.key = "distance", .outputs = kInPython}, ours.measured.distance);
   visit(F{.key = "measured", .outputs = kInPython}, ours.measured.displacement);
   visit(F{.key = "computed", .outputs = kInPython}, ours.computed);
-  for_each_baseline(set, millimetres, visit);
+  for_each_baseline(set, mm, visit);
 }
+// clang-format on
 
 /// [any] Calls take(key, ratio, at_limit) for each falloff ratio, with its key in the tissue file.
 template <typename Take>
@@ -164,23 +134,22 @@ void for_each_field(const ImageSet& set, const Visit& visit) {
   using identify::kInJson;
   constexpr double kDegree = 0.017453292519943295;
   const ImageMeasurement& measured = set.measured;
+  // clang-format off
   visit(F{.key = "confidence"}, measured.confidence);
   visit(F{.key = "confidence_text"}, measured.confidence_text);
   visit(F{.key = "uncertainty", .json_key = "uncertainty_mm", .unit = kMillimetre}, measured.uncertainty);
-  visit(F{.key = "far_uncertainty", .json_key = "far_uncertainty_mm", .unit = kMillimetre},
-        measured.far_uncertainty);
+  visit(F{.key = "far_uncertainty", .json_key = "far_uncertainty_mm", .unit = kMillimetre}, measured.far_uncertainty);
   visit(F{.key = "within_uncertainty"}, set.within_uncertainty);
-  visit(F{.key = "coverage", .outputs = kInJson},
-        std::min(measured.before.coverage, measured.after.coverage));
+  visit(F{.key = "coverage", .outputs = kInJson}, std::min(measured.before.coverage, measured.after.coverage));
   visit(F{.key = "tip_hidden"}, measured.tip_hidden);
   visit(F{.key = "depth_fitted"}, set.depth_fitted);
   visit(F{.key = "centre_x_px", .outputs = kInJson}, measured.centre_x);
-  visit(F{.key = "centre_uncertainty_mm", .outputs = kInJson, .unit = kMillimetre},
-        measured.centre_uncertainty);
+  visit(F{.key = "centre_uncertainty_mm", .outputs = kInJson, .unit = kMillimetre}, measured.centre_uncertainty);
   visit(F{.key = "tilt_deg", .outputs = kInJson, .unit = kDegree}, measured.tilt);
   visit(F{.key = "turn_deg", .outputs = kInJson, .unit = kDegree}, measured.turn);
   visit(F{.key = "shift_mm", .outputs = kInJson, .unit = kMillimetre}, measured.shift);
   visit(F{.key = "asymmetry"}, measured.asymmetry);
+  // clang-format on
 }
 
 }  // namespace palpate::imaging
