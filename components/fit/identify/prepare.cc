@@ -2,16 +2,19 @@
 // and the sensor's zero, drift or tilt is subtracted (docs/fitting.md, "Before the fit").
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/local_optima.h"
 #include "fit/identify/start.h"
 
 namespace palpate::identify {
@@ -86,8 +89,7 @@ Specimen last_loading(const Specimen& specimen, const Ranges& ranges) {
     used = rows_of(specimen, loading);
     used.preparation.notes.push_back(fmt::format(
         "the displacement decreases again: of {} rows {} to {} are fitted, the {}; the other rows are left "
-        "out "
-        "(--relaxation fits all)",
+        "out (--relaxation fits all)",
         specimen.size(), loading.first + 1, loading.last + 1,
         loadings.all.size() == 1 ? "loading"
                                  : fmt::format("loading of cycle {} of {}", cycle, loadings.all.size())));
@@ -113,6 +115,8 @@ std::string slope_text(double slope) { return brief(slope, 3) + " mN/mm"; }  // 
 
 constexpr double kWorthwhile = 0.005;  // of the force range: a smaller zero or drift is left to the fit
 constexpr double kZeroErrors = 4.0;    // standard errors above which a zero differs from 0
+
+constexpr double kLate = 0.2;  // of the displacement range: the fit's own search finds an earlier contact
 
 bool is_zero(double force, double error, const Ranges& ranges) {
   return !(std::abs(force) > std::max(kZeroErrors * error, kWorthwhile * ranges.force));
@@ -143,49 +147,110 @@ void use_first_row(double force, double error, double slope, const Ranges& range
       brief(zero, 3), of_range(zero, ranges)));
 }
 
-/// Takes the rows before a kink as motion without contact, where that matters to the fit.
-void use_lead(const Start& start, const Ranges& ranges, const Settings& settings, Preparation& out) {
-  constexpr double kLate = 0.2;  // of the displacement range: a later contact is outside of the fit's search
-  const bool drifts = std::abs(start.slope) * ranges.displacement > kWorthwhile * ranges.force;
-  const double first = start.force - start.slope * (start.at - ranges.lowest_displacement);
-  const std::string place = millimetres(start.at);
-  if (drifts && start.slope > 0.0 && settings.law == model::LawKind::kLayered) {
-    use_first_row(first, start.force_error, start.slope, ranges, out);
-    out.doubt = fmt::format(
-        "the force follows a line of {} to a kink at {}, which is fitted as the first layer, but the law "
-        "does not follow the rest: a tilted or drifting sensor before contact looks alike. If the tool "
-        "touches at {}, subtract {} N + {} x displacement from all forces",
-        slope_text(start.slope), place, place, brief(start.force - start.slope * start.at, 3),
-        slope_text(start.slope));
-    return;
-  }
-  const bool late = start.at - ranges.lowest_displacement > kLate * ranges.displacement;
-  if (!drifts && !late && is_zero(start.force, start.force_error, ranges)) return;
-  const std::string line =
-      fmt::format("the {} rows before {} follow a straight line of {} that ends at a kink", start.rows, place,
-                  slope_text(start.slope));
-  if (drifts && settings.relaxation) {
-    use_first_row(first, start.force_error, start.slope, ranges, out);
+std::string line_text(const Start& start) {
+  return fmt::format("the {} rows before {} follow a straight line of {} that ends at a kink",
+                     start.lead_rows, millimetres(start.kink), slope_text(start.lead_slope));
+}
+
+/// Whether the lead drifts so much that it matters to the fit.
+bool drifts(const Start& start, const Ranges& ranges) {
+  return std::abs(start.lead_slope) * ranges.displacement > kWorthwhile * ranges.force;
+}
+
+/// The rows before a kink as motion without contact, where that matters to the fit; nothing otherwise.
+std::optional<Preparation> with_lead(const Start& start, const Ranges& ranges, Preparation out) {
+  const bool late = start.kink - ranges.lowest_displacement > kLate * ranges.displacement;
+  const bool sloped = drifts(start, ranges);
+  if (start.lead_rows == 0) return std::nullopt;
+  if (!sloped && !late && is_zero(start.lead_force, start.lead_error, ranges)) return std::nullopt;
+  out.contact = start.kink;
+  out.contact_error = start.kink_error;
+  out.zero = start.lead_force;
+  out.zero_at = start.kink;
+  if (sloped) {
+    out.zero_slope = start.lead_slope;
     out.notes.push_back(
-        line +
-        ": a sensor that drifts with time or is tilted before contact looks like this, and with "
-        "--relaxation it is not subtracted");
-    return;
-  }
-  out.contact = start.at;
-  out.zero = start.force;
-  out.zero_at = start.at;
-  if (!drifts) {
+        line_text(start) +
+        ": taken as a tilted or drifting sensor before contact, and subtracted from all rows" +
+        (start.lead_slope > 0.0 ? "; if it is tissue, fit --law layered, whose layers have kinks" : ""));
+  } else {
     out.notes.push_back(fmt::format(
         "the {} rows before {} read {} N on average: taken as motion without contact, and subtracted as the "
         "sensor's zero",
-        start.rows, place, brief(start.force, 4)));
-    return;
+        start.lead_rows, millimetres(start.kink), brief(start.lead_force, 4)));
   }
-  out.zero_slope = start.slope;
-  out.notes.push_back(
-      line + ": taken as a tilted or drifting sensor before contact, and subtracted from all rows" +
-      (start.slope > 0.0 ? "; if it is tissue, fit --law layered, whose layers have kinks" : ""));
+  return out;
+}
+
+/// A curve without contact before its first row.
+Preparation without_lead(const Start& start, const Ranges& ranges, const Settings& settings,
+                         Preparation out) {
+  out.contact_error = start.contact_error;
+  use_first_row(start.force, start.force_error, start.slope, ranges, out);
+  if (start.lead_rows == 0 || !drifts(start, ranges)) return out;
+  const std::string question = fmt::format(
+      ": a tilted or drifting sensor before contact looks alike. If the tool touches at {}, subtract {} N + "
+      "{} x "
+      "displacement from all forces",
+      millimetres(start.kink), brief(start.lead_force - start.lead_slope * start.kink, 3),
+      slope_text(start.lead_slope));
+  if (start.lead_slope < 0.0 || settings.relaxation) {
+    out.notes.push_back(line_text(start) + question);
+  } else {
+    out.doubt =
+        line_text(start) + ", which is fitted as tissue, but the law does not follow the rest" + question;
+  }
+  return out;
+}
+
+void subtract_baseline(Specimen& specimen) {
+  for (std::size_t i = 0; i < specimen.size(); ++i)
+    specimen.force[i] -= specimen.preparation.baseline(specimen.displacement[i]);
+}
+
+/// RMS error [N] of a quick fit without relaxation to the rows of a loading.
+struct QuickFit {
+  double rms = 0.0;
+  double points = 0.0;
+};
+
+QuickFit quick_fit(const Specimen& loading, Settings settings, const Preparation& preparation) {
+  constexpr std::size_t kPoints = 120;
+  constexpr std::size_t kStartsEach = 2;  // per value of L_1
+  settings.relaxation = false;
+  Specimen used = loading;
+  used.time.clear();
+  used.preparation = preparation;
+  subtract_baseline(used);
+  used = thinned(used, kPoints);
+  const Problem problem = make_problem(settings, 0, {make_part(used)});
+  const LocalOptima optima = run_multistart(problem, multistart_points(problem, kStartsEach));
+  const Solution& best = optima.all.front();
+  const Part& part = problem.parts.front();
+  double squares = 0.0;
+  for (const double r : plain_residuals(problem, part, best.shared, best.own.front())) squares += r * r;
+  const auto points = static_cast<double>(used.size());
+  return {std::max(std::sqrt(squares / points), 1e-4) * part.ranges.force, points};
+}
+
+/// Whether the law fits the rest of a curve clearly better when its lead is no tissue; as well, for a flat
+/// lead that does not move contact beyond the fit's own search.
+bool fits_better_with_lead(const Specimen& loading, const Settings& settings, const Preparation& without,
+                           const Preparation& with) {
+  constexpr double kClearly = 10.0;  // of Bayes's criterion, as for the kink
+  constexpr double kFollows = 1.5;   // of the noise: a rising lead may be tissue, so the rest must fit
+  constexpr double kAsWell = 1.01;
+  const QuickFit as_tissue = quick_fit(loading, settings, without);
+  const QuickFit as_lead = quick_fit(loading, settings, with);
+  const Ranges ranges = ranges_of(loading);
+  const bool late = *with.contact - ranges.lowest_displacement > kLate * ranges.displacement;
+  if (!late && with.zero_slope == 0.0) return as_lead.rms < kAsWell * as_tissue.rms;
+  const double averaged = static_cast<double>(loading.size()) / as_lead.points;
+  const double noise = without.noise / std::sqrt(averaged);
+  if (with.zero_slope > 0.0 && as_lead.rms > kFollows * noise) return false;
+  const double unknowns = with.zero_slope != 0.0 ? 2.0 : 1.0;
+  return 2.0 * as_lead.points * portable::log(as_tissue.rms / as_lead.rms) >
+         kClearly + unknowns * portable::log(as_lead.points);
 }
 
 /// The rows that begin the measurement: with relaxation, of the first loading.
@@ -200,27 +265,20 @@ Specimen beginning_of(const Specimen& used, const Ranges& ranges) {
 Specimen prepared(const Specimen& specimen, const Settings& settings) {
   const Ranges whole = ranges_of(specimen);
   Specimen used = settings.relaxation ? specimen : last_loading(specimen, whole);
-  Preparation& preparation = used.preparation;
-  preparation.rows = used.size();
+  used.preparation.rows = used.size();
   const Ranges ranges = ranges_of(used);
-  const Specimen beginning = settings.relaxation ? beginning_of(used, whole) : used;
-  if (beginning.size() < kFewestPoints) return used;
-  const Start start = start_of(beginning, ranges);
-  preparation.noise = start.noise;
-  preparation.contact_error = start.contact_error;
-  if (start.has_kink) {
-    use_lead(start, ranges, settings, preparation);
-  } else {
-    use_first_row(start.force, start.force_error, start.slope, ranges, preparation);
-    constexpr double kFirst = 0.1;  // of the displacement range
-    if (-start.slope * kFirst * ranges.displacement > kWorthwhile * ranges.force) {
-      preparation.notes.push_back(fmt::format(
-          "the force falls by {} at the first rows, which no tissue does, and not along a line up "
-          "to a kink, which could be subtracted: the sensor drifts; record more rows before contact",
-          slope_text(-start.slope)));
-    }
-  }
-  for (std::size_t i = 0; i < used.size(); ++i) used.force[i] -= preparation.baseline(used.displacement[i]);
+  const Specimen loading = settings.relaxation ? beginning_of(used, whole) : used;
+  if (loading.size() < kFewestPoints) return used;
+  const Start start = start_of(loading, ranges);
+  used.preparation.noise = start.noise;
+  const Preparation without = without_lead(start, ranges, settings, used.preparation);
+  const std::optional<Preparation> with = with_lead(start, ranges, used.preparation);
+  const bool first_layer = settings.law == model::LawKind::kLayered && with && with->zero_slope > 0.0;
+  const bool may_drift = !settings.relaxation || (with && with->zero_slope == 0.0);
+  const bool has_lead =
+      with && !first_layer && may_drift && fits_better_with_lead(loading, settings, without, *with);
+  used.preparation = has_lead ? *with : without;
+  subtract_baseline(used);
   return used;
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numeric>
+#include <span>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostRows = 300;        // compared; more are averaged
 constexpr std::size_t kFewestRows = 8;        // compared
+constexpr std::size_t kFirstRows = 3;         // whose mean limits the reading at the first row
 constexpr std::size_t kLeadRows = 5;          // before a kink
 constexpr std::size_t kRowsBeyond = 4;        // beyond a kink
 constexpr double kSmallestStartNoise = 1e-4;  // of the force range: no law follows a curve more closely
@@ -256,33 +257,36 @@ double way_to_rise(const StartWindow& window, const LineFit& fit, double from, d
   return window.rows.length;
 }
 
-Start with_kink(const StartWindow& window, const Specimen& sorted) {
+void use_kink(const StartWindow& window, const Specimen& sorted, Start& start) {
   const LineFit& fit = window.kinked;
-  const double first = sorted.displacement.front();
-  Start start;
-  start.has_kink = true;
-  start.at = first + fit.kink * window.rows.length;
-  start.rows = static_cast<std::size_t>(std::count_if(sorted.displacement.begin(), sorted.displacement.end(),
-                                                      [&](double d) { return d <= start.at; }));
-  start.force = fit.value(0) + fit.value(1) * fit.kink;
-  start.force_error =
-      std::sqrt(window.variance / static_cast<double>(fit.rows)) * (fit.columns[1] == 1 ? 2.0 : 1.0);
-  start.slope = fit.value(1) / window.rows.length;
-  start.contact_error = way_to_rise(window, fit, fit.kink, start.force_error);
-  return start;
+  start.kink = sorted.displacement.front() + fit.kink * window.rows.length;
+  start.lead_rows = static_cast<std::size_t>(std::count_if(
+      sorted.displacement.begin(), sorted.displacement.end(), [&](double d) { return d <= start.kink; }));
+  const bool sloped = std::abs(fit.value(1)) > kStartErrors * error_of(fit, 1, window.variance);
+  const double straight = sloped ? 2.0 : 1.0;  // the end of a line is known less well than a mean
+  start.lead_force = sloped ? fit.value(0) + fit.value(1) * fit.kink + sorted.force.front()
+                            : mean(std::span(sorted.force).first(start.lead_rows));
+  start.lead_slope = sloped ? fit.value(1) / window.rows.length : 0.0;
+  start.lead_error = straight * std::sqrt(window.variance / static_cast<double>(fit.rows));
+  start.kink_error = way_to_rise(window, fit, fit.kink, start.lead_error);
 }
 
-Start without_kink(const StartWindow& window, const Specimen& sorted) {
+void use_smooth(const StartWindow& window, const Specimen& sorted, Start& start) {
   const LineFit& fit = window.smooth;
-  Start start;
-  start.at = sorted.displacement.front();
-  start.force = fit.value(0);
+  const double level = fit.value(0) + sorted.force.front();
   start.force_error = error_of(fit, 0, window.variance);
+  start.contact_error = way_to_rise(window, fit, 0.0, start.force_error);
+  // The end of a polynomial may miss the data: the first rows' mean, which a rising force makes larger,
+  // limits it, and below zero only what these rows read counts.
+  const double rows = mean(std::span(sorted.force).first(kFirstRows));
+  start.force = level < 0.0 ? std::min(0.0, std::max(level, rows)) : std::min(level, rows);
+  if (start.force != level) {
+    start.force_error = std::max(start.force_error, start.noise / std::sqrt(static_cast<double>(kFirstRows)));
+  }
   const double slope = fit.value(1);
+  start.slope = 0.0;
   if (std::abs(slope) > kStartErrors * error_of(fit, 1, window.variance))
     start.slope = slope / window.rows.length;
-  start.contact_error = way_to_rise(window, fit, 0.0, start.force_error);
-  return start;
 }
 
 /// The rows without single ones that are far from the median of their neighbours.
@@ -312,14 +316,14 @@ Start start_of(const Specimen& loading, const Ranges& ranges) {
   if (static_cast<double>(sorted.size()) >= kFewestForOutliers) {
     sorted = without_outliers(sorted, std::max(kFarOff * noise, 0.02 * ranges.force));
   }
-  StartWindow window;
-  for (double rise = 0.2 * ranges.force; rise > 0.01 * ranges.force; rise *= 0.5) {
-    window = window_of(sorted, std::max(rise, 4.0 * noise), noise, kSmallestStartNoise * ranges.force);
-    if (window.adequate) break;
-  }
-  Start start = has_kink(window) ? with_kink(window, sorted) : without_kink(window, sorted);
-  start.force += sorted.force.front();
+  Start start;
   start.noise = std::max(noise, kSmallestStartNoise * ranges.force);
+  for (double rise = 0.2 * ranges.force / 16.0; rise < 0.21 * ranges.force; rise *= 2.0) {
+    const StartWindow window =
+        window_of(sorted, std::max(rise, 4.0 * noise), noise, kSmallestStartNoise * ranges.force);
+    if (start.contact_error == 0.0 || window.adequate) use_smooth(window, sorted, start);
+    if (start.lead_rows == 0 && has_kink(window)) use_kink(window, sorted, start);
+  }
   return start;
 }
 
