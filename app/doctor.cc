@@ -27,13 +27,13 @@ constexpr double kGoodLateness = 100e3;  // ns, goal for p99.9: a tenth of a per
 
 /// Measured lateness of a tick's start, for a thread that sleeps between ticks and for one that polls.
 struct Lateness {
-  haptics::WakeUpLatency slept;
-  haptics::WakeUpLatency polled;
+  realtime::WakeUpLatency slept;
+  realtime::WakeUpLatency polled;
 };
 
-haptics::MachineCheck judged(const Lateness& lateness) {
-  const haptics::WakeUpLatency& wake_ups = lateness.slept;
-  haptics::MachineCheck check{"wake-ups at 1 kHz", haptics::Verdict::kGood, {}, {}};
+realtime::MachineCheck judged(const Lateness& lateness) {
+  const realtime::WakeUpLatency& wake_ups = lateness.slept;
+  realtime::MachineCheck check{"wake-ups at 1 kHz", realtime::Verdict::kGood, {}, {}};
   const std::int64_t late = wake_ups.late.percentile(0.999);
   check.found = fmt::format(
       "999 of 1000 at most {} us late, {} late by a full period or more ({} real-time priority, {} locked "
@@ -41,7 +41,7 @@ haptics::MachineCheck judged(const Lateness& lateness) {
       late / 1000, wake_ups.missed, wake_ups.realtime_priority ? "with" : "without",
       wake_ups.memory_locked ? "with" : "without");
   if (static_cast<double>(late) <= kGoodLateness) return check;
-  check.verdict = haptics::Verdict::kBad;
+  check.verdict = realtime::Verdict::kBad;
   check.advice = wake_ups.realtime_priority
                      ? "close other programs, use a kernel with PREEMPT_RT, and palpate run --core N; or "
                        "palpate run --poll (polling: 999 of 1000 at most " +
@@ -50,13 +50,13 @@ haptics::MachineCheck judged(const Lateness& lateness) {
   return check;
 }
 
-const char* word(haptics::Verdict verdict) {
+const char* word(realtime::Verdict verdict) {
   switch (verdict) {
-    case haptics::Verdict::kGood:
+    case realtime::Verdict::kGood:
       return "good";
-    case haptics::Verdict::kBad:
+    case realtime::Verdict::kBad:
       return "bad";
-    case haptics::Verdict::kUnknown:
+    case realtime::Verdict::kUnknown:
       break;
   }
   return "unknown";
@@ -88,8 +88,8 @@ void print_percentiles(const haptics::Histogram& late) {
             << ", max " << microseconds(late.max()) << '\n';
 }
 
-void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
-  for (const haptics::MachineCheck& check : checks) {
+void print_text(const std::vector<realtime::MachineCheck>& checks, const Lateness& lateness) {
+  for (const realtime::MachineCheck& check : checks) {
     std::cout << std::left << std::setw(8) << word(check.verdict) << std::setw(24) << check.name
               << check.found << '\n'
               << std::right;
@@ -102,10 +102,10 @@ void print_text(const std::vector<haptics::MachineCheck>& checks, const Lateness
   print_histogram(std::cout, lateness.slept.late);
 }
 
-void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness& lateness) {
-  const haptics::WakeUpLatency& wake_ups = lateness.slept;
+void print_json(const std::vector<realtime::MachineCheck>& checks, const Lateness& lateness) {
+  const realtime::WakeUpLatency& wake_ups = lateness.slept;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const haptics::MachineCheck& check : checks) {
+  for (const realtime::MachineCheck& check : checks) {
     list.push_back({{"name", check.name},
                     {"verdict", word(check.verdict)},
                     {"found", check.found},
@@ -130,9 +130,9 @@ void print_json(const std::vector<haptics::MachineCheck>& checks, const Lateness
 }
 
 void doctor(bool json) {
-  std::vector<haptics::MachineCheck> checks = haptics::check_machine();
-  const Lateness lateness{haptics::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kSleep),
-                          haptics::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kPoll)};
+  std::vector<realtime::MachineCheck> checks = realtime::check_machine();
+  const Lateness lateness{realtime::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kSleep),
+                          realtime::measure_wake_up_latency(kRate, kTicks, haptics::Waiting::kPoll)};
   checks.push_back(judged(lateness));
   if (json) {
     print_json(checks, lateness);

@@ -32,7 +32,7 @@ NextSession::NextSession(scene::Overrides request, std::optional<LiveParameters>
       check_(std::move(check)) {
   work_ = std::async(std::launch::async, [this] {
     const devices::SignalStack signal_stack;
-    haptics::yield_to_loop();
+    realtime::yield_to_loop();
     scene::Scene scene = scene::load(request_);
     if (kept_) {
       const double rate_Hz = scene.noise.rate_Hz;

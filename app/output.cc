@@ -78,7 +78,7 @@ std::uint64_t lines_in(std::string_view text) noexcept {
 class WritingThread final {
  public:
   explicit WritingThread(int descriptor) : queue_(std::make_shared<Queue>()) {
-    const haptics::BlockedSignals signals;
+    const realtime::BlockedSignals signals;
     std::thread([queue = queue_, descriptor] { write_texts(*queue, descriptor); }).detach();
   }
 

@@ -23,11 +23,11 @@ std::uint64_t Rig::whole_path() const {
 }
 
 haptics::LoopReport Rig::run(const std::vector<haptics::TickObserver*>& observers,
-                             const haptics::LoopOptions& options) {
+                             const realtime::LoopOptions& options) {
   haptics::SimulationState state(world);
   std::vector<haptics::Device*> plain;
   for (const auto& device : devices) plain.push_back(device.get());
-  return haptics::run_loop(world, state, plain, observers, options);
+  return realtime::run_loop(world, state, plain, observers, options);
 }
 
 Rig built_in(const std::string& task) {

@@ -22,7 +22,7 @@ struct Rig {
   [[nodiscard]] std::uint64_t whole_path() const;
   /// Runs from tick 0 for `options.ticks` ticks.
   haptics::LoopReport run(const std::vector<haptics::TickObserver*>& observers,
-                          const haptics::LoopOptions& options);
+                          const realtime::LoopOptions& options);
 };
 
 /// An experiment of the paper, "press" (gallbladder) or "pull" (heart), or "moving": the press on an organ

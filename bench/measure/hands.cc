@@ -136,7 +136,7 @@ class ParallelHands final {
  public:
   ParallelHands(const haptics::SimulationWorld& world, const Window& window, const scene::ToolPath& path,
                 haptics::Waiting waiting)
-      : world_(world), window_(window), path_(path), waiting_(waiting), cores_(haptics::usable_cores()) {
+      : world_(world), window_(window), path_(path), waiting_(waiting), cores_(realtime::usable_cores()) {
     if (cores_.empty()) cores_.push_back(-1);  // cores unknown: one thread without affinity
   }
 
@@ -167,14 +167,14 @@ class ParallelHands final {
     devices::ScriptedDevice device(path_);
     RowTaker taker(hands.size());  // started first, so that it does not inherit this thread's priority and
                                    // core
-    (void)haptics::pin_to_core(core);
-    (void)haptics::request_priority(haptics::Urgency::kLoop);
+    (void)realtime::pin_to_core(core);
+    (void)realtime::request_priority(realtime::Urgency::kLoop);
     Rounds rounds;
     rounds.times_us.reserve(periods);
     rounds.wall_us.reserve(periods);
     std::uint64_t over = 0;
-    haptics::TickWait wait(waiting_, kHandsRate);
-    haptics::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);
+    realtime::TickWait wait(waiting_, kHandsRate);
+    realtime::Schedule schedule(kHandsRate, monotonic_ns() + 1'000'000);
     for (std::uint64_t step = 0; step < kWarmUp + periods && !gave_up(); ++step) {
       wait.until(schedule.due());
       const std::int64_t woken = monotonic_ns();

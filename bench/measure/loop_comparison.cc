@@ -27,12 +27,12 @@ struct Side {
 
 /// Runs `ticks` periods in real time with a call of `work()` in each.
 template <typename Work>
-void take_turn(double rate_Hz, std::uint64_t ticks, haptics::TickWait& wait, Side& side, Work work) {
+void take_turn(double rate_Hz, std::uint64_t ticks, realtime::TickWait& wait, Side& side, Work work) {
   const auto period = static_cast<std::int64_t>(1e9 / rate_Hz);
-  haptics::Schedule schedule(rate_Hz, monotonic_ns() + period);
+  realtime::Schedule schedule(rate_Hz, monotonic_ns() + period);
   for (std::uint64_t i = 0; i < ticks; ++i) {
     wait.until(schedule.due());
-    const haptics::Schedule::Begin begin = schedule.begin(monotonic_ns());
+    const realtime::Schedule::Begin begin = schedule.begin(monotonic_ns());
     side.late_us.push_back(static_cast<double>(begin.late_ns) / kNanosecondsPerMicrosecond);
     if (begin.missed) ++side.missed;
     work();
@@ -54,11 +54,11 @@ LoopAccount compare_with_empty_loop(const scene::Scene& scene, const haptics::Si
   OneHand hand(world);
   ScratchRecorder recorder(scene);
   std::vector<std::string> remarks;
-  const haptics::MemoryLock memory(remarks);
+  const realtime::MemoryLock memory(remarks);
   std::thread thread([&] {
-    (void)haptics::request_priority(haptics::Urgency::kLoop);
-    haptics::prefault_stack();
-    haptics::TickWait wait(waiting, world.rate_Hz);
+    (void)realtime::request_priority(realtime::Urgency::kLoop);
+    realtime::prefault_stack();
+    realtime::TickWait wait(waiting, world.rate_Hz);
     for (std::uint64_t number = 0; number < last;) {
       watch(static_cast<double>(number) / static_cast<double>(last),
             "loop of the " + scene.name + " scene against an empty one");

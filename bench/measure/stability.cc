@@ -127,11 +127,11 @@ StabilityResult StabilityBlock::run(const StabilityCase& the_case) const {
   devices::EmulatedDevice device(press_and_let_go(lowest), device_setup, world_.rate_Hz);
   haptics::SimulationState state(world_);
   ForceWatch watch(device);
-  haptics::LoopOptions options;
+  realtime::LoopOptions options;
   options.ticks = device.last_tick(world_.rate_Hz);
   options.offline = true;
   std::array<haptics::Device*, 1> devices = {&device};
-  static_cast<void>(haptics::run_loop(world_, state, devices, {&watch}, options));
+  static_cast<void>(realtime::run_loop(world_, state, devices, {&watch}, options));
   StabilityResult result = watch.result();
   result.stiffness = stiffness_at_hold_;
   result.check = haptics::check_stability(

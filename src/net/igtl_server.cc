@@ -25,7 +25,7 @@ constexpr int kNiceness = 5;
 
 IgtlServer::IgtlServer(const IgtlAddress& address, const IgtlClients::Limits& limits)
     : clients_(address, limits), wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  const haptics::BlockedSignals held;
+  const realtime::BlockedSignals held;
   thread_ = std::thread([this] { serve(); });
 }
 

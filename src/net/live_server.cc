@@ -105,7 +105,7 @@ class LiveServer::Server final : public websocket::ConnectionHandler {
   [[nodiscard]] const LiveStatistics& statistics() const noexcept { return statistics_; }
 
   void run(const std::atomic<bool>& stop) {
-    haptics::yield_to_loop();
+    realtime::yield_to_loop();
     accept();
     poll(stop);
     context_.run();

@@ -154,11 +154,11 @@ Outcome outcome_of(const Attack& attack, const scene::ToolPath& path) {
       {.period = 1.0 / attack.rate_Hz, .max_force = scene.safety.max_force, .scale = attack.scale},
       attack.device);
   EnergyWatch watch(attack, world, device, check.stiffness * attack.device.resolution);
-  haptics::LoopOptions options;
+  realtime::LoopOptions options;
   options.ticks = device.last_tick(attack.rate_Hz);
   options.offline = true;
   std::array<haptics::Device*, 1> hands = {&device};
-  static_cast<void>(haptics::run_loop(world, state, hands, {&watch}, options));
+  static_cast<void>(realtime::run_loop(world, state, hands, {&watch}, options));
   return watch.outcome;
 }
 

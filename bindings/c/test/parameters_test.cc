@@ -60,8 +60,8 @@ std::vector<haptics::TickRow> rows_of_the_loop() {
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(&updates);
   Rows rows(kEnd);
-  (void)haptics::run_loop(world, state, devices, {&rows},
-                          {.ticks = kEnd, .offline = true, .control = &control});
+  (void)realtime::run_loop(world, state, devices, {&rows},
+                           {.ticks = kEnd, .offline = true, .control = &control});
   return rows.rows;
 }
 

@@ -50,7 +50,7 @@ RosPublisher::RosPublisher(Node& node, const std::vector<geometry::Tool>& tools,
     hand.angles = hand.open_angles;
     hands_.push_back(std::move(hand));
   }
-  const haptics::BlockedSignals held;
+  const realtime::BlockedSignals held;
   thread_ = std::thread([this] { run(); });
 }
 

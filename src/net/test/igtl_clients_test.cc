@@ -31,7 +31,7 @@ TEST(IgtlClients, AClientThatNeverReadsHoldsUpNeitherTheLoopNorTheOthers) {
         [](std::uint64_t, double time) { return haptics::test::pressing(time); });
     haptics::Device* devices[] = {&device};
     IgtlRun run(&server, large_setup());
-    report = haptics::run_loop(world, state, devices, {&server}, {.ticks = kTicks, .stalled_after_ns = 0});
+    report = realtime::run_loop(world, state, devices, {&server}, {.ticks = kTicks, .stalled_after_ns = 0});
   });
   // The other client sees the run to its last tick, and each state is newer than the previous state.
   double last = -1.0;

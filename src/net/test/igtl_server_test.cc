@@ -85,7 +85,7 @@ TEST(IgtlServer, ARealLoopsLastTickReachesEveryClientAsItsRowsSay) {
   std::array<std::future<Newest>, 2> all = {newest_of(first), newest_of(second)};
   {
     IgtlRun run(&server, block_setup());
-    (void)haptics::run_loop(world, state, devices, {&rows, &server}, {.ticks = 600, .offline = true});
+    (void)realtime::run_loop(world, state, devices, {&rows, &server}, {.ticks = 600, .offline = true});
   }
   EXPECT_EQ(server.finish().failure, "");
   const haptics::TickRow& last = rows.rows.back();
@@ -130,7 +130,7 @@ TEST(IgtlServer, RowsAreTheSameBitForBitWithAndWithoutIt) {
     haptics::test::RowKeeper rows(600);
     std::vector<haptics::TickObserver*> observers = {&rows};
     observers.insert(observers.end(), others.begin(), others.end());
-    (void)haptics::run_loop(world, state, devices, observers, {.ticks = 600, .offline = true});
+    (void)realtime::run_loop(world, state, devices, observers, {.ticks = 600, .offline = true});
     return std::move(rows.rows);
   };
   IgtlServer server(kAnyFreePort);

@@ -97,7 +97,7 @@ HaplyDevice::HaplyDevice(const std::string& address, std::size_t place, const Ha
   } catch (const std::exception& error) {
     throw InputError(fmt::format("device haply: {}: {}", address_.text(), error.what()));
   }
-  const haptics::BlockedSignals signals;
+  const realtime::BlockedSignals signals;
   thread_ = std::thread([this] { run(); });
 } catch (const websocket::Error& error) {  // thrown by the link's constructor, as for an unknown host
   throw InputError(fmt::format("device haply: {}: {}", parse_haply_address(address).text(), error.what()));

@@ -58,7 +58,7 @@ IgtlDevice::IgtlDevice(IgtlSource source, const IgtlTimes& times)
       source_(std::move(source)),
       listener_(net::listen_at(source_.address, kWho)),
       reader_(source_.name) {
-  const haptics::BlockedSignals signals;
+  const realtime::BlockedSignals signals;
   thread_ = std::thread([this] { run(); });
 }
 

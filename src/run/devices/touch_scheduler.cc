@@ -142,7 +142,7 @@ void TouchScheduler::resume() {
   if (call.SetSchedulerRate != nullptr) call.SetSchedulerRate(kHdRate);
   library_.take_error();  // an arm without this rate keeps its own; stale samples show a slow one
   runs_ = true;
-  const haptics::BlockedSignals signals;  // the vendor's threads must not receive the program's signals
+  const realtime::BlockedSignals signals;  // the vendor's threads must not receive the program's signals
   callback_ = call.ScheduleAsynchronous(&TouchScheduler::frame, this, kHdDefaultPriority);
   call.StartScheduler();
   const HdErrorInfo error = library_.take_error();

@@ -53,10 +53,10 @@
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
-bool is_zero(const ForceCommand& command) noexcept {
+bool is_zero(const haptics::ForceCommand& command) noexcept {
   return command.force.isZero(0.0) && command.torque.isZero(0.0) && command.gripper_force == 0.0;
 }
 
@@ -68,18 +68,18 @@ std::int64_t stalled_after_ns(const LoopOptions& options, double rate_Hz) noexce
 
 /// Zero force on every device when a run ends, however it ends.
 struct StopAtEnd {
-  std::span<Device* const> devices;
+  std::span<haptics::Device* const> devices;
   ~StopAtEnd() {
-    for (Device* device : devices) device->stop();
+    for (haptics::Device* device : devices) device->stop();
   }
 };
 
 class Loop final {
  public:
   /// @param watchdog null: none
-  Loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
-       const std::vector<TickObserver*>& observers, const LoopOptions& options, Watchdog* watchdog,
-       LoopReport& report)
+  Loop(const haptics::SimulationWorld& world, haptics::SimulationState& state,
+       std::span<haptics::Device* const> devices, const std::vector<haptics::TickObserver*>& observers,
+       const LoopOptions& options, Watchdog* watchdog, haptics::LoopReport& report)
       : world_(world),
         state_(state),
         devices_(devices),
@@ -118,13 +118,13 @@ class Loop final {
  private:
   /// Latched fault of a hand, from its rows.
   struct Latched {
-    Fault fault = Fault::kNone;
-    std::size_t entry = LoopReport::kMaxFaults;  // in report_.faults
+    haptics::Fault fault = haptics::Fault::kNone;
+    std::size_t entry = haptics::LoopReport::kMaxFaults;  // in report_.faults
   };
 
   void start() noexcept {
     const std::int64_t now = unix_ns();
-    for (TickObserver* observer : observers_) observer->on_start(now);
+    for (haptics::TickObserver* observer : observers_) observer->on_start(now);
   }
 
   [[nodiscard]] bool stop_wanted() const noexcept {
@@ -139,7 +139,7 @@ class Loop final {
   /// Zero force on every device until the run resumes or ends. A pause makes no tick late.
   void wait_through_pause() noexcept {
     constexpr std::int64_t kLookEvery = 2'000'000;  // ns
-    for (Device* device : devices_) device->stop();
+    for (haptics::Device* device : devices_) device->stop();
     const std::int64_t from = monotonic_ns();
     while (pause_wanted() && !stop_wanted()) sleep_until_ns(monotonic_ns() + kLookEvery);
     const std::int64_t lasted = monotonic_ns() - from;
@@ -176,7 +176,7 @@ class Loop final {
     const std::int64_t before = thread_cpu_ns();
     const bool changed = take_change(number);
     read_samples(number, changed);
-    tick(world_, state_, number, samples_, commands_, rows_);
+    haptics::tick(world_, state_, number, samples_, commands_, rows_);
     write_commands();
     const std::int64_t spent = thread_cpu_ns() - before;
     report_.tick_time.add(spent);
@@ -185,14 +185,14 @@ class Loop final {
 
   /// Applies the oldest parameter update that waits for this tick. @return whether there was one
   bool take_change(std::uint64_t number) noexcept {
-    ParameterUpdates* updates = options_.control == nullptr ? nullptr : options_.control->updates();
-    const PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting(number);
+    haptics::ParameterUpdates* updates = options_.control == nullptr ? nullptr : options_.control->updates();
+    const haptics::PreparedUpdate* change = updates == nullptr ? nullptr : updates->waiting(number);
     if (change == nullptr) return false;
-    apply_update(world_, state_, *change);
-    ParameterUpdate noted = change->values;
+    haptics::apply_update(world_, state_, *change);
+    haptics::ParameterUpdate noted = change->values;
     noted.tick = number;
     updates->taken();
-    for (TickObserver* observer : observers_) observer->on_update(noted);
+    for (haptics::TickObserver* observer : observers_) observer->on_update(noted);
     return true;
   }
 
@@ -202,55 +202,57 @@ class Loop final {
     const double time = static_cast<double>(number) / world_.rate_Hz;
     const std::uint32_t resets = options_.control == nullptr ? 0 : options_.control->take_resets();
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
-      DeviceState& sample = samples_[hand];
+      haptics::DeviceState& sample = samples_[hand];
       sample = devices_[hand]->read(number, time);
-      sample.events = (sample.events & ~kParameterUpdated) | (changed ? kParameterUpdated : 0U);
-      if (refused_[hand] != 0) sample.fault = Fault::kDevice;
-      if (stalled_ && sample.fault == Fault::kNone) sample.fault = Fault::kStalled;
-      if (((resets >> hand) & 1U) != 0) sample.events |= kResetFault;
+      sample.events =
+          (sample.events & ~haptics::kParameterUpdated) | (changed ? haptics::kParameterUpdated : 0U);
+      if (refused_[hand] != 0) sample.fault = haptics::Fault::kDevice;
+      if (stalled_ && sample.fault == haptics::Fault::kNone) sample.fault = haptics::Fault::kStalled;
+      if (((resets >> hand) & 1U) != 0) sample.events |= haptics::kResetFault;
     }
   }
 
   void write_commands() noexcept {
     const bool zero = held_at_zero_ || stopped_meanwhile();
     for (std::size_t hand = 0; hand < devices_.size(); ++hand) {
-      const ForceCommand command_D = zero ? ForceCommand{} : world_.mappings[hand].to_device(commands_[hand]);
+      const haptics::ForceCommand command_D =
+          zero ? haptics::ForceCommand{} : world_.mappings[hand].to_device(commands_[hand]);
       refused_[hand] = devices_[hand]->write(command_D) ? 0 : 1;
     }
     if (held_at_zero_ && std::all_of(commands_.begin(), commands_.end(), is_zero)) held_at_zero_ = false;
     // A stop during these writes must prevail; the next tick latches the fault.
     if (!zero && stopped_meanwhile()) {
-      for (Device* device : devices_) device->stop();
+      for (haptics::Device* device : devices_) device->stop();
     }
   }
 
   /// Passes the rows and the finished tick to the observers.
   void hand_over(std::uint64_t number, std::int64_t spent, std::int64_t late) noexcept {
-    for (TickRow& row : rows_) {
+    for (haptics::TickRow& row : rows_) {
       row.tick_ns = spent;
       row.late_ns = late;
-      for (TickObserver* observer : observers_) observer->on_row(row);
+      for (haptics::TickObserver* observer : observers_) observer->on_row(row);
       follow_fault(row);
     }
     report_.ticks = number + 1;
-    const TickState now{state_, commands_, number, options_.offline ? 0 : last_begin_};
-    for (TickObserver* observer : observers_) observer->on_tick(now);
+    const haptics::TickState now{state_, commands_, number, options_.offline ? 0 : last_begin_};
+    for (haptics::TickObserver* observer : observers_) observer->on_tick(now);
   }
 
   /// Records when a fault is latched or cleared. A fault that persists in the tick of its reset is latched
   /// again.
-  void follow_fault(const TickRow& row) noexcept {
+  void follow_fault(const haptics::TickRow& row) noexcept {
     Latched& latched = latched_[row.hand];
-    const auto fault = static_cast<Fault>(row.fault);
-    const bool reset = (row.events & kResetFault) != 0;
-    if (fault == latched.fault && (fault == Fault::kNone || !reset)) return;
+    const auto fault = static_cast<haptics::Fault>(row.fault);
+    const bool reset = (row.events & haptics::kResetFault) != 0;
+    if (fault == latched.fault && (fault == haptics::Fault::kNone || !reset)) return;
     if (latched.entry < report_.faults.size()) report_.faults[latched.entry].reset_tick = row.tick;
-    latched = {fault, LoopReport::kMaxFaults};
-    if (fault == Fault::kNone) return;
-    if (report_.fault == Fault::kNone) report_.fault = fault;
-    const FaultSeen seen{row.tick, row.hand, fault};
-    for (TickObserver* observer : observers_) observer->on_fault(seen);
-    if (report_.faults.size() == LoopReport::kMaxFaults) {
+    latched = {fault, haptics::LoopReport::kMaxFaults};
+    if (fault == haptics::Fault::kNone) return;
+    if (report_.fault == haptics::Fault::kNone) report_.fault = fault;
+    const haptics::FaultSeen seen{row.tick, row.hand, fault};
+    for (haptics::TickObserver* observer : observers_) observer->on_fault(seen);
+    if (report_.faults.size() == haptics::LoopReport::kMaxFaults) {
       ++report_.further_faults;
       return;
     }
@@ -258,18 +260,18 @@ class Loop final {
     report_.faults.push_back(seen);  // capacity is reserved
   }
 
-  const SimulationWorld& world_;
-  SimulationState& state_;
-  std::span<Device* const> devices_;
-  const std::vector<TickObserver*>& observers_;
+  const haptics::SimulationWorld& world_;
+  haptics::SimulationState& state_;
+  std::span<haptics::Device* const> devices_;
+  const std::vector<haptics::TickObserver*>& observers_;
   const LoopOptions& options_;
   Watchdog* watchdog_;
   std::int64_t stalled_after_ns_;
-  LoopReport& report_;
+  haptics::LoopReport& report_;
   TickWait wait_;
-  std::vector<DeviceState> samples_;
-  std::vector<ForceCommand> commands_;
-  std::vector<TickRow> rows_;
+  std::vector<haptics::DeviceState> samples_;
+  std::vector<haptics::ForceCommand> commands_;
+  std::vector<haptics::TickRow> rows_;
   std::vector<char> refused_;     // per hand: the last command was refused
   std::vector<Latched> latched_;  // of each hand
   std::int64_t last_begin_ = 0;
@@ -287,7 +289,7 @@ void check_core(const LoopOptions& options) {
 }
 
 /// Real-time settings that the loop's thread requests before its first tick.
-void prepare_thread(const LoopOptions& options, LoopReport& report) {
+void prepare_thread(const LoopOptions& options, haptics::LoopReport& report) {
   if (options.thread.core && !pin_to_core(*options.thread.core)) {
     report.remarks.push_back("the loop was not pinned to core " + std::to_string(*options.thread.core));
   }
@@ -301,7 +303,7 @@ void prepare_thread(const LoopOptions& options, LoopReport& report) {
 std::string milliseconds(std::int64_t ns) { return shortest(std::round(static_cast<double>(ns) * 1e-6)); }
 
 /// "the watchdog stopped the devices 2 times, as no tick had begun for 20 ms: after tick 12, after tick 90".
-std::string describe_stops(std::uint64_t number, const std::vector<WatchdogStop>& stops,
+std::string describe_stops(std::uint64_t number, const std::vector<haptics::WatchdogStop>& stops,
                            std::int64_t stalled_after) {
   constexpr std::size_t kMaxListed = 5;
   std::string text = "the watchdog stopped the devices " +
@@ -318,27 +320,29 @@ std::string describe_stops(std::uint64_t number, const std::vector<WatchdogStop>
 
 }  // namespace
 
-std::int64_t stall_limit_ns(const SimulationWorld& world) noexcept {
+std::int64_t stall_limit_ns(const haptics::SimulationWorld& world) noexcept {
   const bool held = std::any_of(world.mappings.begin(), world.mappings.end(),
-                                [](const WorkspaceMapping& mapping) { return mapping.held; });
+                                [](const haptics::WorkspaceMapping& mapping) { return mapping.held; });
   return held ? LoopOptions{}.stalled_after_ns : 0;
 }
 
-LoopReport run_loop(const SimulationWorld& world, SimulationState& state, std::span<Device* const> devices,
-                    const std::vector<TickObserver*>& observers, const LoopOptions& options) {
+haptics::LoopReport run_loop(const haptics::SimulationWorld& world, haptics::SimulationState& state,
+                             std::span<haptics::Device* const> devices,
+                             const std::vector<haptics::TickObserver*>& observers,
+                             const LoopOptions& options) {
   const StopAtEnd stop_at_end{devices};
   if (devices.size() != world.hands()) {
     throw std::invalid_argument("run_loop: " + std::to_string(devices.size()) + " devices for " +
                                 std::to_string(world.hands()) + " hands");
   }
   check_core(options);
-  LoopReport report;
-  report.polled = !options.offline && options.thread.waiting == Waiting::kPoll;
+  haptics::LoopReport report;
+  report.polled = !options.offline && options.thread.waiting == haptics::Waiting::kPoll;
   if (report.polled && usable_cores().size() == 1) {
     report.remarks.emplace_back(
         "the loop polled on the only core that this program may use: all else had to wait");
   }
-  report.faults.reserve(LoopReport::kMaxFaults);
+  report.faults.reserve(haptics::LoopReport::kMaxFaults);
   std::optional<MemoryLock> memory;
   std::optional<Watchdog> watchdog;
   if (!options.offline) report.memory_locked = memory.emplace(report.remarks).granted();
@@ -377,4 +381,4 @@ std::string describe_pauses(std::uint64_t pauses, std::int64_t paused_ns) {
   return "the run was paused " + times + ", for " + time + "; its times leave that out";
 }
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

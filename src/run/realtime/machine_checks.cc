@@ -12,7 +12,7 @@
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,7 +247,7 @@ std::vector<MachineCheck> check_machine(const fs::path& root) {
           clock_source(root), preemption(root),  processors(root), governor(root)};
 }
 
-WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, Waiting waiting) {
+WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, haptics::Waiting waiting) {
   WakeUpLatency result;
   std::vector<std::string> remarks;
   const MemoryLock memory(remarks);
@@ -268,4 +268,4 @@ WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, Waiti
   return result;
 }
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

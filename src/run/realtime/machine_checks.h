@@ -8,7 +8,7 @@
 #include "palpate/histogram.h"
 #include "run/realtime/tick_wait.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 
 enum class Verdict { kGood, kBad, kUnknown };
 
@@ -28,13 +28,14 @@ struct MachineCheck {
 
 /// Wake-up latency of a thread that only waits for the loop's deadlines.
 struct WakeUpLatency {
-  Histogram late;                  // ns
+  haptics::Histogram late;         // ns
   std::uint64_t missed = 0;        // wake-ups a full period or more late
   bool realtime_priority = false;  // granted to the measuring thread
   bool memory_locked = false;
 };
 
 /// [setup] Measures for ticks / rate_Hz seconds on a thread with the loop's settings.
-[[nodiscard]] WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, Waiting waiting);
+[[nodiscard]] WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks,
+                                                    haptics::Waiting waiting);
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

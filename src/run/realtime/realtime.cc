@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 constexpr int kLoopPriority = 80;         // above interrupt threads (50), below the kernel's own (99)
@@ -96,4 +96,4 @@ BlockedSignals::BlockedSignals() noexcept {
 
 BlockedSignals::~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 
 /// Threads of a run, by rising real-time priority.
 enum class Urgency { kLoop, kWatchdog };
@@ -67,4 +67,4 @@ class BlockedSignals final {
   sigset_t before_;
 };
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

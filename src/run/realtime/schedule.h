@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 
 /// Deadlines of ticks: an anchor plus whole periods, so that rounding does not accumulate. A tick that begins
 /// a full period or more late moves the anchor to its begin: missed time is not made up by a burst, and no
@@ -40,4 +40,4 @@ class Schedule final {
   std::int64_t since_anchor_ = 0;
 };
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -4,7 +4,7 @@
 
 #include "io/system/clock.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 constexpr double kLeastRest = 0.05;   // fraction, for the kernel's threads on that core
@@ -48,12 +48,12 @@ std::int64_t PollingSleep::next(std::int64_t now, std::int64_t due) noexcept {
   return rest;
 }
 
-TickWait::TickWait(Waiting waiting, double rate_Hz)
+TickWait::TickWait(haptics::Waiting waiting, double rate_Hz)
     : waiting_(waiting),
-      rest_(rate_Hz, waiting == Waiting::kPoll ? polling_sleep_fraction(realtime_budget()) : 0.0) {}
+      rest_(rate_Hz, waiting == haptics::Waiting::kPoll ? polling_sleep_fraction(realtime_budget()) : 0.0) {}
 
 void TickWait::until(std::int64_t due) noexcept {
-  if (waiting_ == Waiting::kSleep) {
+  if (waiting_ == haptics::Waiting::kSleep) {
     sleep_until_ns(due);
     return;
   }
@@ -63,4 +63,4 @@ void TickWait::until(std::int64_t due) noexcept {
   while (monotonic_ns() < due) relax();
 }
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -5,7 +5,7 @@
 #include "palpate/run_control.h"
 #include "run/realtime/realtime.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 
 /// [any] Fraction of the time, 0..1, that a polling thread must sleep so that real-time throttling never
 /// stops it.
@@ -34,14 +34,14 @@ class PollingSleep final {
 class TickWait final {
  public:
   /// [setup]
-  TickWait(Waiting waiting, double rate_Hz);
+  TickWait(haptics::Waiting waiting, double rate_Hz);
 
   /// [rt] Returns when monotonic_ns() has reached `due`, the time of the next tick; once a tick.
   void until(std::int64_t due) noexcept;
 
  private:
-  Waiting waiting_;
+  haptics::Waiting waiting_;
   PollingSleep rest_;
 };
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

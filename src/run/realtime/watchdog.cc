@@ -6,7 +6,7 @@
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 constexpr std::int64_t kLongestNap = 20'000'000;         // ns, so that finish() does not wait longer
@@ -14,16 +14,16 @@ constexpr std::int64_t kNapWithNothingToDo = 2'000'000;  // ns; before the first
 
 }  // namespace
 
-Watchdog::Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns)
+Watchdog::Watchdog(std::span<haptics::Device* const> devices, std::int64_t stalled_after_ns)
     : devices_(devices), stalled_after_ns_(stalled_after_ns) {
-  kept_.reserve(WatchdogStop::kMaxKept);
+  kept_.reserve(haptics::WatchdogStop::kMaxKept);
   const BlockedSignals signals;
   thread_ = std::thread([this] { watch(); });
 }
 
 Watchdog::~Watchdog() { (void)finish(); }
 
-std::vector<WatchdogStop> Watchdog::finish() {
+std::vector<haptics::WatchdogStop> Watchdog::finish() {
   ending_.store(true);
   if (thread_.joinable()) thread_.join();
   return kept_;
@@ -53,10 +53,10 @@ void Watchdog::watch() noexcept {
 
 void Watchdog::stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept {
   stops_.fetch_add(1);  // before the stop, so that a loop that wakes sees it
-  for (Device* device : devices_) device->stop();
-  if (kept_.size() < WatchdogStop::kMaxKept) {
+  for (haptics::Device* device : devices_) device->stop();
+  if (kept_.size() < haptics::WatchdogStop::kMaxKept) {
     kept_.push_back({tick_.load(std::memory_order_relaxed), last_begin + stalled_after_ns_ - first_begin});
   }
 }
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

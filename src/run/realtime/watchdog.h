@@ -8,7 +8,7 @@
 #include "palpate/device.h"
 #include "palpate/run_control.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 
 /// A second thread that calls Device::stop() on all devices when no tick begins for too long, so that a loop
 /// that hangs leaves no force. It runs at a higher priority than the loop where permitted. Both share only
@@ -17,7 +17,7 @@ class Watchdog final {
  public:
   /// [setup] Starts the thread; it does nothing before the first beat(). @param devices outlive it
   /// @param stalled_after_ns between two ticks' begins, > 0
-  Watchdog(std::span<Device* const> devices, std::int64_t stalled_after_ns);
+  Watchdog(std::span<haptics::Device* const> devices, std::int64_t stalled_after_ns);
   ~Watchdog();
   Watchdog(const Watchdog&) = delete;
   Watchdog& operator=(const Watchdog&) = delete;
@@ -33,7 +33,7 @@ class Watchdog final {
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_.load(); }
 
   /// [setup] Ends the thread (within 20 ms). @return the first WatchdogStop::kMaxKept stops.
-  std::vector<WatchdogStop> finish();
+  std::vector<haptics::WatchdogStop> finish();
 
  private:
   static constexpr std::int64_t kResting = -1;
@@ -41,9 +41,9 @@ class Watchdog final {
   void watch() noexcept;
   void stop_devices(std::int64_t last_begin, std::int64_t first_begin) noexcept;
 
-  std::span<Device* const> devices_;
+  std::span<haptics::Device* const> devices_;
   std::int64_t stalled_after_ns_;
-  std::vector<WatchdogStop> kept_;  // used by the thread until it has ended
+  std::vector<haptics::WatchdogStop> kept_;  // used by the thread until it has ended
   std::atomic<bool> ending_{false};
   std::atomic<std::uint64_t> stops_{0};
   alignas(64) std::atomic<std::int64_t> last_begin_{kResting};
@@ -51,4 +51,4 @@ class Watchdog final {
   std::thread thread_;  // last: it uses all of the above
 };
 
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

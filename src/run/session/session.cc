@@ -81,7 +81,7 @@ Session::Session(scene::Scene scene, SessionOptions options)
 
 Session::~Session() = default;
 
-bool Session::may_pause() const noexcept { return haptics::stall_limit_ns(*world_) == 0; }
+bool Session::may_pause() const noexcept { return realtime::stall_limit_ns(*world_) == 0; }
 
 /// Prepares the organ, which may take seconds, then opens the devices and adapts the scene to their
 /// abilities.
@@ -128,12 +128,12 @@ RunResult Session::run(const RunOptions& options, const std::vector<haptics::Tic
   ran_ = true;
   haptics::SimulationState state(*world_);
   RunResult result = result_of(scene_, options.offline);
-  result.loop = haptics::run_loop(*world_, state, devices, all,
-                                  {.ticks = ticks_,
-                                   .offline = options.offline,
-                                   .control = &control_,
-                                   .thread = options.thread,
-                                   .stalled_after_ns = haptics::stall_limit_ns(*world_)});
+  result.loop = realtime::run_loop(*world_, state, devices, all,
+                                   {.ticks = ticks_,
+                                    .offline = options.offline,
+                                    .control = &control_,
+                                    .thread = options.thread,
+                                    .stalled_after_ns = realtime::stall_limit_ns(*world_)});
   if (recorder) close_recording(*recorder, options, result);
   if (flight && flight->fault_met()) write_flight_recording(*flight, result);
   result.statistics = statistics.statistics();

@@ -106,13 +106,13 @@ Recording restless_run(std::uint64_t seed, std::uint64_t ticks, bool by_flight_r
   RestlessDevice device(*changes, seed);
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(changes.get());
-  const haptics::LoopOptions options{.ticks = ticks, .offline = true, .control = &control};
+  const realtime::LoopOptions options{.ticks = ticks, .offline = true, .control = &control};
   if (by_flight_recorder) {
     FlightRecorder flight(scene);
-    flight.write(folder / "a.h5", run_loop(world, state, devices, {&flight}, options));
+    flight.write(folder / "a.h5", realtime::run_loop(world, state, devices, {&flight}, options));
   } else {
     Recorder recorder(folder / "a.h5", scene, true);
-    recorder.finish(run_loop(world, state, devices, {&recorder}, options));
+    recorder.finish(realtime::run_loop(world, state, devices, {&recorder}, options));
   }
   return read_recording(folder / "a.h5");
 }

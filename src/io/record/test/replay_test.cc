@@ -63,10 +63,11 @@ Recording run(const scene::Scene& scene, std::uint64_t ticks) {
   PressingDevice right(-0.01);
   haptics::Device* const devices[] = {&left, &right};
   Recorder recorder(folder / "a.h5", scene, true);
-  haptics::LoopOptions options;
+  realtime::LoopOptions options;
   options.ticks = ticks;
   options.offline = true;
-  recorder.finish(run_loop(world, state, std::span(devices, scene.tools.size()), {&recorder}, options));
+  recorder.finish(
+      realtime::run_loop(world, state, std::span(devices, scene.tools.size()), {&recorder}, options));
   return read_recording(folder / "a.h5");
 }
 

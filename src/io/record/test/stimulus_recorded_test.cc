@@ -74,8 +74,8 @@ Recording trial(std::uint64_t ticks = 1000) {
   haptics::Device* const devices[] = {&device};
   haptics::RunControl control(updates.get());
   Recorder recorder(folder / "a.h5", scene, true);
-  recorder.finish(
-      run_loop(world, state, devices, {&recorder}, {.ticks = ticks, .offline = true, .control = &control}));
+  recorder.finish(realtime::run_loop(world, state, devices, {&recorder},
+                                     {.ticks = ticks, .offline = true, .control = &control}));
   return read_recording(folder / "a.h5");
 }
 

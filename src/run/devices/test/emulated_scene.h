@@ -88,11 +88,11 @@ inline std::vector<haptics::TickRow> run_through(const scene::Scene& scene, hapt
   haptics::SimulationState state(world);
   const std::uint64_t ticks = device.last_tick(scene.rate_Hz);
   Rows sink(ticks);
-  haptics::LoopOptions options;
+  realtime::LoopOptions options;
   options.ticks = ticks;
   options.offline = offline;
   std::array<haptics::Device*, 1> devices = {&device};
-  static_cast<void>(haptics::run_loop(world, state, devices, {&sink}, options));
+  static_cast<void>(realtime::run_loop(world, state, devices, {&sink}, options));
   return std::move(sink.rows);
 }
 

@@ -207,7 +207,7 @@ void ForceDimensionSafety::check_return(haptics::Device& device, double largest_
   AskingForReset reset(device);
   haptics::Device* const devices[] = {&reset};
   const haptics::LoopReport report =
-      haptics::run_loop(world_, state_, devices, {&again}, {.ticks = kTicks, .offline = true});
+      realtime::run_loop(world_, state_, devices, {&again}, {.ticks = kTicks, .offline = true});
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_EQ(again.forces[0], 0.0);
   EXPECT_NEAR(again.forces.back(), kHandForce, 0.05);
@@ -220,7 +220,7 @@ TEST_P(ForceDimensionSafety, AFaultTakesTheForceAwayIn10MsAndAResetBringsItBackW
   haptics::Device* const devices[] = {&device};
   Hand hand(hardware_, GetParam().inject);
   const haptics::LoopReport report =
-      haptics::run_loop(world_, state_, devices, {&hand}, {.ticks = kTicks, .offline = true});
+      realtime::run_loop(world_, state_, devices, {&hand}, {.ticks = kTicks, .offline = true});
   ASSERT_EQ(hand.rows.size(), kTicks) << "the run goes on";
   EXPECT_NEAR(hand.forces[kDhdFaultTick], kHandForce, 0.05) << "the tissue carries the hand";
   EXPECT_EQ(report.fault, GetParam().recorded);
@@ -255,7 +255,7 @@ TEST_F(ForceDimensionInTheLoop, AHandThatPressesRestsWhereTheTissueCarriesIt) {
   haptics::Device* const devices[] = {&device};
   Hand hand(hardware_);
   const haptics::LoopReport report =
-      haptics::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
+      realtime::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
   EXPECT_EQ(report.fault, Fault::kNone);
   EXPECT_NEAR(hand.rows.back().force[2], kHandForce, 1e-3);
   EXPECT_GT(hand.rows.back().depth, 0.0);
@@ -271,7 +271,7 @@ TEST_F(ForceDimensionInTheLoop, AForceThatIsStillOffAtTheResetLatchesAgainAtOnce
   haptics::Device* const devices[] = {&reset};
   hardware_.force_off_cause = 6;
   Hand hand(hardware_);
-  (void)haptics::run_loop(world, state, devices, {&hand}, {.ticks = 10, .offline = true});
+  (void)realtime::run_loop(world, state, devices, {&hand}, {.ticks = 10, .offline = true});
   EXPECT_EQ(hand.rows.front().fault, static_cast<std::uint32_t>(Fault::kForceOff));
   EXPECT_EQ(hand.rows.back().fault, static_cast<std::uint32_t>(Fault::kForceOff));
   EXPECT_THAT(hand.forces, testing::Each(0.0));
@@ -291,7 +291,7 @@ TEST_F(ForceDimensionInTheLoop, TwoDevicesAreTwoHandsAndAFaultOfOneLeavesTheOthe
     d.pose_result = -1;
     dhd_.device(1).hand_force[2] = -kHandForce;
   });
-  (void)haptics::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
+  (void)realtime::run_loop(world, state, devices, {&hand}, {.ticks = 2 * kTicks, .offline = true});
   EXPECT_EQ(hand.rows.back().fault, static_cast<std::uint32_t>(Fault::kDevice));
   EXPECT_EQ(hand.rows.back().force[2], 0.0);
   EXPECT_EQ(hand.others.back().fault, 0U);

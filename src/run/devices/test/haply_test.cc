@@ -418,7 +418,7 @@ TEST(Haply, ALoopRunsWithItAndLeavesItWithoutForce) {
   haptics::Device* devices[] = {&device};
   StartKeeper keeper(300, start);
   const haptics::LoopReport report =
-      haptics::run_loop(world, state, devices, {&keeper}, {.ticks = 300, .offline = false});
+      realtime::run_loop(world, state, devices, {&keeper}, {.ticks = 300, .offline = false});
   EXPECT_EQ(report.ticks, 300U);
   const std::vector<haptics::TickRow>& rows = keeper.rows();
   ASSERT_EQ(rows.size(), 300U);

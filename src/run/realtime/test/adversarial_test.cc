@@ -11,7 +11,7 @@
 #include "core/haptics/test/test_world.h"
 #include "palpate/parameter_updates.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -30,10 +30,10 @@ long samples_wanted() {
 
 /// A sample that no hand can produce. It jumps in and out of the block, and often has a value that is not
 /// finite or that no device would report.
-DeviceState adversarial(std::mt19937_64& random) {
+haptics::DeviceState adversarial(std::mt19937_64& random) {
   static constexpr double kOdd[] = {kNaN, kInf, -kInf, 1e308, -1e308, 1e30, 5e-324, 1e-310, 0.0, -0.0};
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  DeviceState sample;
+  haptics::DeviceState sample;
   sample.position_D = 0.03 * Vec3(unit(random), unit(random), unit(random));
   sample.orientation_D = Quat(unit(random), unit(random), unit(random), unit(random)).normalized();
   sample.velocity_D = Vec3(unit(random), unit(random), unit(random));
@@ -50,13 +50,14 @@ DeviceState adversarial(std::mt19937_64& random) {
                             &sample.orientation_D.x(),
                             &sample.age};
   *places[(dice >> 16U) % std::size(places)] = odd;
-  static constexpr Fault kFaults[] = {Fault::kNone, Fault::kNone, Fault::kDevice, Fault::kStalled,
-                                      Fault::kForceOff};
+  static constexpr haptics::Fault kFaults[] = {haptics::Fault::kNone, haptics::Fault::kNone,
+                                               haptics::Fault::kDevice, haptics::Fault::kStalled,
+                                               haptics::Fault::kForceOff};
   sample.fault = kFaults[(dice >> 24U) % std::size(kFaults)];
   return sample;
 }
 
-bool all_numbers_finite(const TickRow& row) {
+bool all_numbers_finite(const haptics::TickRow& row) {
   for (const auto* three : {&row.force, &row.torque, &row.tool, &row.contact, &row.normal}) {
     for (const double x : *three) {
       if (!std::isfinite(x)) return false;
@@ -74,9 +75,10 @@ bool all_numbers_finite(const TickRow& row) {
 /// Checks every tick against the gate's limits. Only a fault may reduce the force faster than the slew limit.
 class LimitsKept final {
  public:
-  explicit LimitsKept(const GateLimits& limits) : limits_(limits) {}
+  explicit LimitsKept(const haptics::GateLimits& limits) : limits_(limits) {}
 
-  [[nodiscard]] ::testing::AssertionResult check(const TickRow& row, const ForceCommand& command) {
+  [[nodiscard]] ::testing::AssertionResult check(const haptics::TickRow& row,
+                                                 const haptics::ForceCommand& command) {
     const auto failed = [](const char* what) { return ::testing::AssertionFailure() << what; };
     if (!all_numbers_finite(row)) return failed("a number in the row is not finite");
     if (!command.force.allFinite() || !command.torque.allFinite()) return failed("the command is not finite");
@@ -94,12 +96,13 @@ class LimitsKept final {
   }
 
  private:
-  GateLimits limits_;
-  ForceCommand last_;
+  haptics::GateLimits limits_;
+  haptics::ForceCommand last_;
 };
 
 /// Changes the tissue during the run: either spring law, up to three Prony terms.
-void change_tissue(const SimulationWorld& world, SimulationState& state, std::mt19937_64& random) {
+void change_tissue(const haptics::SimulationWorld& world, haptics::SimulationState& state,
+                   std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   static constexpr const char* kNames[] = {"gallbladder", "heart", "liver", "kidney"};
   model::TissueParameters tissue = model::tissue_preset(kNames[random() % std::size(kNames)]);
@@ -108,25 +111,27 @@ void change_tissue(const SimulationWorld& world, SimulationState& state, std::mt
   for (std::uint64_t terms = random() % 4; terms > 0; --terms) {
     tissue.relaxation.push_back({0.33 * unit(random) + 1e-6, 1e-3 + unit(random)});
   }
-  const LiveNoise noise{random() % 2 == 0, 1e-4 * unit(random), 1e-3 + 1e-2 * unit(random)};
-  apply_update(world, state,
-               prepare_update(world, parameter_update(tissue, noise, kTissueChanged | kNoiseChanged)));
+  const haptics::LiveNoise noise{random() % 2 == 0, 1e-4 * unit(random), 1e-3 + 1e-2 * unit(random)};
+  haptics::apply_update(
+      world, state,
+      haptics::prepare_update(
+          world, haptics::parameter_update(tissue, noise, haptics::kTissueChanged | haptics::kNoiseChanged)));
 }
 
 /// @param changes whether tissue and noise change every 150 samples
 void run_samples(bool held, long count, std::uint64_t seed, bool changes = false) {
-  SimulationWorld world = test::block_and_balls(1, 1000.0);
+  haptics::SimulationWorld world = haptics::test::block_and_balls(1, 1000.0);
   world.mappings[0].held = held;
-  SimulationState state(world);
+  haptics::SimulationState state(world);
   LimitsKept limits(world.limits);
   std::mt19937_64 random(seed);
-  ForceCommand command;
-  TickRow row;
+  haptics::ForceCommand command;
+  haptics::TickRow row;
   std::uint64_t in_contact = 0;
   for (long i = 0; i < count; ++i) {
     // Hand-like motion ends the soft start and forms contacts that last. A burst of
     // impossible samples follows.
-    DeviceState sample;
+    haptics::DeviceState sample;
     const long phase = i % 2000;
     if (phase < 1900) {
       sample.position_D.z() =
@@ -134,9 +139,9 @@ void run_samples(bool held, long count, std::uint64_t seed, bool changes = false
     } else {
       sample = adversarial(random);
     }
-    if (phase == 0) sample.events = kResetFault;
+    if (phase == 0) sample.events = haptics::kResetFault;
     if (changes && i % 150 == 0) change_tissue(world, state, random);
-    tick(world, state, static_cast<std::uint64_t>(i), {&sample, 1}, {&command, 1}, {&row, 1});
+    haptics::tick(world, state, static_cast<std::uint64_t>(i), {&sample, 1}, {&command, 1}, {&row, 1});
     ASSERT_TRUE(limits.check(row, command)) << "sample " << i;
     if (row.phase != 0 && command.force.norm() > 0.02) ++in_contact;
   }
@@ -153,20 +158,20 @@ TEST(Adversarial, TissuesThatRelaxAndChangeWhileTheyAreTouchedNeverBreakTheGate)
 }
 
 TEST(Adversarial, NothingButNonsenseNeverBreaksTheGate) {
-  SimulationWorld world = test::block_and_balls(1, 4000.0);
+  haptics::SimulationWorld world = haptics::test::block_and_balls(1, 4000.0);
   world.mappings[0].clutch = 1U;
-  SimulationState state(world);
+  haptics::SimulationState state(world);
   LimitsKept limits(world.limits);
   std::mt19937_64 random(5);
-  ForceCommand command;
-  TickRow row;
+  haptics::ForceCommand command;
+  haptics::TickRow row;
   for (std::uint64_t i = 0; i < 20'000; ++i) {
-    DeviceState sample = adversarial(random);
-    sample.events = i % 50 == 0 ? kResetFault : 0U;
-    tick(world, state, i, {&sample, 1}, {&command, 1}, {&row, 1});
+    haptics::DeviceState sample = adversarial(random);
+    sample.events = i % 50 == 0 ? haptics::kResetFault : 0U;
+    haptics::tick(world, state, i, {&sample, 1}, {&command, 1}, {&row, 1});
     ASSERT_TRUE(limits.check(row, command)) << "sample " << i;
   }
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -10,7 +10,7 @@
 #include "core/haptics/simulation.h"
 #include "core/haptics/test/test_world.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 constexpr double kHeldNaN = std::numeric_limits<double>::quiet_NaN();
@@ -18,16 +18,18 @@ constexpr double kHeldNaN = std::numeric_limits<double>::quiet_NaN();
 /// One held device with a 3 mm ball over the block.
 struct HeldBench {
   explicit HeldBench(double rate = 1000.0)
-      : world(test::block_and_balls(1, rate, test::no_noise())), rate_Hz(rate), state(world) {
+      : world(haptics::test::block_and_balls(1, rate, haptics::test::no_noise())),
+        rate_Hz(rate),
+        state(world) {
     world.mappings[0].held = true;
     world.mappings[0].clutch = 1U;
     at_height(0.010);
   }
 
-  void at_height(double z) { sample.position_D = Vec3(0.001, 0.002, test::kBallRadius + z); }
+  void at_height(double z) { sample.position_D = Vec3(0.001, 0.002, haptics::test::kBallRadius + z); }
 
   void step() {
-    tick(world, state, number++, {&sample, 1}, {&command, 1}, {&row, 1});
+    haptics::tick(world, state, number++, {&sample, 1}, {&command, 1}, {&row, 1});
     sample.events = 0;
   }
 
@@ -38,7 +40,7 @@ struct HeldBench {
 
   /// Moves the ball straight to the height z [m] at 20 mm/s.
   void go_to(double z) {
-    const double from = sample.position_D.z() - test::kBallRadius;
+    const double from = sample.position_D.z() - haptics::test::kBallRadius;
     const auto ticks = static_cast<int>(std::ceil(std::abs(z - from) / 0.020 * rate_Hz));
     for (int i = 1; i <= ticks; ++i) {
       at_height(from + (z - from) * i / ticks);
@@ -54,12 +56,12 @@ struct HeldBench {
 
   [[nodiscard]] double force() const { return command.force.norm(); }
 
-  SimulationWorld world;
+  haptics::SimulationWorld world;
   double rate_Hz;
-  SimulationState state;
-  DeviceState sample;
-  ForceCommand command;
-  TickRow row;
+  haptics::SimulationState state;
+  haptics::DeviceState sample;
+  haptics::ForceCommand command;
+  haptics::TickRow row;
   std::uint64_t number = 0;
 };
 
@@ -87,18 +89,22 @@ TEST(HeldDevice, ADeviceThatNobodyHoldsIsEngagedFromTheStart) {
 
 struct FaultCase {
   const char* what;
-  Fault fault;
-  std::function<void(DeviceState&)> spoil;
+  haptics::Fault fault;
+  std::function<void(haptics::DeviceState&)> spoil;
 };
 
 std::vector<FaultCase> all_faults() {
   return {
-      {"position not finite", Fault::kNotFinite, [](DeviceState& s) { s.position_D.x() = kHeldNaN; }},
-      {"age not finite", Fault::kNotFinite, [](DeviceState& s) { s.age = kHeldNaN; }},
-      {"unreadable", Fault::kDevice, [](DeviceState& s) { s.fault = Fault::kDevice; }},
-      {"no new sample for 6 ms", Fault::kStale, [](DeviceState& s) { s.age = 6e-3; }},
-      {"stalled loop", Fault::kStalled, [](DeviceState& s) { s.fault = Fault::kStalled; }},
-      {"force off", Fault::kForceOff, [](DeviceState& s) { s.fault = Fault::kForceOff; }},
+      {"position not finite", haptics::Fault::kNotFinite,
+       [](haptics::DeviceState& s) { s.position_D.x() = kHeldNaN; }},
+      {"age not finite", haptics::Fault::kNotFinite, [](haptics::DeviceState& s) { s.age = kHeldNaN; }},
+      {"unreadable", haptics::Fault::kDevice,
+       [](haptics::DeviceState& s) { s.fault = haptics::Fault::kDevice; }},
+      {"no new sample for 6 ms", haptics::Fault::kStale, [](haptics::DeviceState& s) { s.age = 6e-3; }},
+      {"stalled loop", haptics::Fault::kStalled,
+       [](haptics::DeviceState& s) { s.fault = haptics::Fault::kStalled; }},
+      {"force off", haptics::Fault::kForceOff,
+       [](haptics::DeviceState& s) { s.fault = haptics::Fault::kForceOff; }},
   };
 }
 
@@ -109,13 +115,13 @@ TEST(HeldDevice, EveryFaultTakesTheForceToZeroWithinTenMillisecondsAtEveryRateAn
       bench.press();
       const double before = bench.force();
       ASSERT_GT(before, 0.05) << fault.what;
-      const DeviceState good = bench.sample;
+      const haptics::DeviceState good = bench.sample;
       fault.spoil(bench.sample);
       bench.step();
       EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(fault.fault)) << fault.what;
       bench.sample = good;
       double last = before;
-      for (int i = 0; i < static_cast<int>(kFaultFall * rate); ++i) {
+      for (int i = 0; i < static_cast<int>(haptics::kFaultFall * rate); ++i) {
         EXPECT_LE(bench.force(), last) << fault.what;
         last = bench.force();
         bench.step();
@@ -132,15 +138,15 @@ TEST(HeldDevice, AfterAResetTheForceComesBackOnlyOutsideStillAndByTheRamp) {
   for (const FaultCase& fault : all_faults()) {
     HeldBench bench;
     bench.press();
-    const DeviceState good = bench.sample;
+    const haptics::DeviceState good = bench.sample;
     fault.spoil(bench.sample);
     bench.step();
     bench.sample = good;
     bench.wait(0.05);
-    bench.sample.events = kResetFault;
+    bench.sample.events = haptics::kResetFault;
     bench.step();
     EXPECT_EQ(bench.row.fault, 0U) << fault.what;
-    EXPECT_EQ(bench.row.events, kResetFault);
+    EXPECT_EQ(bench.row.events, haptics::kResetFault);
     bench.wait(2.0);
     EXPECT_EQ(bench.force(), 0.0) << fault.what << ": still inside, so nothing comes back";
     bench.go_to(0.010);
@@ -160,11 +166,11 @@ TEST(HeldDevice, AfterAResetTheForceComesBackOnlyOutsideStillAndByTheRamp) {
 TEST(HeldDevice, AResetWhileTheDeviceIsStillBrokenLatchesAgain) {
   HeldBench bench;
   bench.press();
-  bench.sample.fault = Fault::kForceOff;
+  bench.sample.fault = haptics::Fault::kForceOff;
   bench.wait(0.1);
-  bench.sample.events = kResetFault;
+  bench.sample.events = haptics::kResetFault;
   bench.step();
-  EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(Fault::kForceOff));
+  EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(haptics::Fault::kForceOff));
   EXPECT_EQ(bench.force(), 0.0);
 }
 
@@ -186,7 +192,7 @@ TEST(HeldDevice, PositionsInTheWrongUnitAreADeviceFaultWhenNoHandReachesThatFar)
   bench.press();
   bench.sample.position_D = Vec3(120.0, -85.0, 110.0);  // mm where m are expected
   bench.step();
-  EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(Fault::kDevice));
+  EXPECT_EQ(bench.row.fault, static_cast<std::uint32_t>(haptics::Fault::kDevice));
 }
 
 TEST(HeldDevice, TheClutchInsideTheTissueLetsGoAndAsksForStillnessOutside) {
@@ -216,17 +222,17 @@ TEST(HeldDevice, ItsRowsRunAgainBitForBitThroughFaultsResetsAndTheClutch) {
     const std::uint64_t dice = random();
     if (i > 1000) z += dice % 2 == 0 ? -4e-5 : 3.9e-5;
     bench.at_height(std::clamp(z, -0.008, 0.012));
-    DeviceState sample = bench.sample;
+    haptics::DeviceState sample = bench.sample;
     if (dice % 997 == 0) faults[(dice >> 20) % faults.size()].spoil(sample);
     sample.buttons = (dice >> 32) % 512 == 0 ? 1U : 0U;
-    sample.events = (dice >> 42) % 256 == 0 ? kResetFault : 0U;
+    sample.events = (dice >> 42) % 256 == 0 ? haptics::kResetFault : 0U;
     bench.sample = sample;
     bench.step();
-    again.sample = sample_of(bench.row);
+    again.sample = haptics::sample_of(bench.row);
     again.step();
-    ASSERT_TRUE(test::same_bits(bench.row, again.row)) << i;
+    ASSERT_TRUE(haptics::test::same_bits(bench.row, again.row)) << i;
     bench.sample = sample;
-    bench.sample.fault = Fault::kNone;
+    bench.sample.fault = haptics::Fault::kNone;
     bench.sample.age = 0.0;
   }
 }
@@ -261,4 +267,4 @@ TEST(HeldDevice, TheRowSaysWhatTheHandHasPutIn) {
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -14,7 +14,7 @@
 #include "io/system/clock.h"
 #include "run/realtime/loop.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 double stress_seconds() {
@@ -23,18 +23,18 @@ double stress_seconds() {
 }
 
 /// Presses, and sometimes halts for longer than the watchdog waits.
-class HangingDevice final : public Device {
+class HangingDevice final : public haptics::Device {
  public:
   explicit HangingDevice(std::int64_t hang_ns) : hang_ns_(hang_ns) {}
 
-  DeviceState read(std::uint64_t tick, double) noexcept override {
+  haptics::DeviceState read(std::uint64_t tick, double) noexcept override {
     constexpr std::uint64_t kBetweenHangs = 200;  // ticks
     if (tick % kBetweenHangs == kBetweenHangs - 1) sleep_until_ns(monotonic_ns() + hang_ns_);
-    DeviceState sample = test::pressing(0.5);
-    if (tick % 1'000 == 500) sample.fault = Fault::kDevice;
+    haptics::DeviceState sample = haptics::test::pressing(0.5);
+    if (tick % 1'000 == 500) sample.fault = haptics::Fault::kDevice;
     return sample;
   }
-  bool write(const ForceCommand& command) noexcept override {
+  bool write(const haptics::ForceCommand& command) noexcept override {
     force_.store(command.force.norm());
     return true;
   }
@@ -53,14 +53,14 @@ class HangingDevice final : public Device {
 };
 
 /// All observers of the loop on other threads, until `over` is set.
-struct Observers final : TickObserver {
-  void on_fault(const FaultSeen& fault) noexcept override { (void)news.push(fault); }
-  void on_tick(const TickState& now) noexcept override { progress.store(now.tick + 1); }
+struct Observers final : haptics::TickObserver {
+  void on_fault(const haptics::FaultSeen& fault) noexcept override { (void)news.push(fault); }
+  void on_tick(const haptics::TickState& now) noexcept override { progress.store(now.tick + 1); }
 
-  SnapshotPublisher publisher;
-  SpscQueue<FaultSeen> news{64};
+  haptics::SnapshotPublisher publisher;
+  SpscQueue<haptics::FaultSeen> news{64};
   std::atomic<std::uint64_t> progress{0};
-  RunControl control;
+  haptics::RunControl control;
   std::uint64_t snapshots = 0;  // received by the drawing thread
   std::uint64_t torn = 0;
   std::uint64_t heard = 0;  // faults received by the reporting thread
@@ -70,7 +70,7 @@ struct Observers final : TickObserver {
     while (!over) {
       if (publisher.cell().refresh()) {
         ++snapshots;
-        const Snapshot& newest = publisher.cell().value();
+        const haptics::Snapshot& newest = publisher.cell().value();
         if (newest.hands != 2 || newest.tick < last) ++torn;
         last = newest.tick;
       }
@@ -79,7 +79,7 @@ struct Observers final : TickObserver {
   }
 
   void talk(const std::atomic<bool>& over) {
-    FaultSeen seen;
+    haptics::FaultSeen seen;
     while (!over) {
       while (news.pop(seen)) ++heard;
       control.reset_faults(0b11);
@@ -92,11 +92,11 @@ struct Observers final : TickObserver {
 TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
   constexpr double kRate = 4000.0;
   constexpr std::int64_t kStall = 5'000'000;  // ns
-  const SimulationWorld world = test::block_and_balls(2, kRate);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = haptics::test::block_and_balls(2, kRate);
+  haptics::SimulationState state(world);
   HangingDevice left(2 * kStall);
   HangingDevice right(0);
-  Device* devices[] = {&left, &right};
+  haptics::Device* devices[] = {&left, &right};
   Observers observers;
   LoopOptions options{.ticks = ~std::uint64_t{0}, .control = &observers.control};
   options.stalled_after_ns = kStall;
@@ -108,7 +108,8 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
     sleep_until_ns(monotonic_ns() + static_cast<std::int64_t>(stress_seconds() * 1e9));
     observers.control.stop();
   });
-  const LoopReport report = run_loop(world, state, devices, {&observers.publisher, &observers}, options);
+  const haptics::LoopReport report =
+      run_loop(world, state, devices, {&observers.publisher, &observers}, options);
   ends.join();
   over = true;
   draws.join();
@@ -119,7 +120,7 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
   EXPECT_EQ(observers.progress.load(), report.ticks);
   EXPECT_GT(report.watchdog_stops, 0u);
   EXPECT_GE(left.stops(), report.watchdog_stops);
-  EXPECT_EQ(report.fault, Fault::kStalled);
+  EXPECT_EQ(report.fault, haptics::Fault::kStalled);
   EXPECT_GE(observers.heard, 1u);
   std::cout << report.ticks << " ticks, " << report.watchdog_stops << " stops by the watchdog, "
             << report.faults.size() + report.further_faults << " faults latched, " << observers.heard
@@ -127,4 +128,4 @@ TEST(LoopStress, LoopHandOverWatchdogAndResetsTogether) {
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -16,23 +16,23 @@
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
-using test::block_and_balls;
-using test::FakeDevice;
-using test::pressing;
-using test::RowKeeper;
+using haptics::test::block_and_balls;
+using haptics::test::FakeDevice;
+using haptics::test::pressing;
+using haptics::test::RowKeeper;
 
 struct Outcome {
-  LoopReport report;
-  std::vector<TickRow> rows;
+  haptics::LoopReport report;
+  std::vector<haptics::TickRow> rows;
 };
 
 Outcome run_with(FakeDevice& device, const LoopOptions& options, double rate_Hz = 1000.0) {
-  const SimulationWorld world = block_and_balls(1, rate_Hz);
-  SimulationState state(world);
-  Device* devices[] = {&device};
+  const haptics::SimulationWorld world = block_and_balls(1, rate_Hz);
+  haptics::SimulationState state(world);
+  haptics::Device* devices[] = {&device};
   RowKeeper rows(options.ticks);
   Outcome outcome{run_loop(world, state, devices, {&rows}, options), {}};
   outcome.rows = std::move(rows.rows);
@@ -57,13 +57,13 @@ TEST(Loop, OfflineAndInRealTimeGiveTheSameRowsHoweverTicksAreWaitedFor) {
   const Outcome offline = run_with(first, {.ticks = 600, .offline = true});
   ASSERT_EQ(offline.rows.size(), 600u);
   EXPECT_EQ(offline.report.lateness.count(), 0u);
-  for (const Waiting waiting : {Waiting::kSleep, Waiting::kPoll}) {
+  for (const haptics::Waiting waiting : {haptics::Waiting::kSleep, haptics::Waiting::kPoll}) {
     FakeDevice device = presser();
     const Outcome real =
         run_with(device, calm({.ticks = 600, .offline = false, .thread = {.waiting = waiting}}));
     ASSERT_EQ(real.rows.size(), 600u);
     for (std::size_t i = 0; i < 600; ++i) {
-      ASSERT_TRUE(test::same_bits(offline.rows[i], real.rows[i])) << i;
+      ASSERT_TRUE(haptics::test::same_bits(offline.rows[i], real.rows[i])) << i;
       ASSERT_EQ(offline.rows[i].tick, i);
       ASSERT_EQ(offline.rows[i].tick_ns, 0);
       ASSERT_EQ(offline.rows[i].late_ns, 0);
@@ -73,7 +73,7 @@ TEST(Loop, OfflineAndInRealTimeGiveTheSameRowsHoweverTicksAreWaitedFor) {
     EXPECT_GT(real.rows.back().tissue_force, 0.0);
     EXPECT_EQ(real.report.lateness.count(), 600u);
     EXPECT_EQ(real.report.tick_time.count(), 600u);
-    EXPECT_EQ(real.report.polled, waiting == Waiting::kPoll);
+    EXPECT_EQ(real.report.polled, waiting == haptics::Waiting::kPoll);
   }
 }
 
@@ -112,10 +112,10 @@ TEST(Loop, OfAThreadThatYieldsToLoopsDoesNotYieldItself) {
 }
 
 TEST(Loop, ObserversAreStartedOnceWithTheWallTimeOfTheFirstTick) {
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(1, 1000.0);
+  haptics::SimulationState state(world);
   FakeDevice device = presser();
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   RowKeeper none(1);
   (void)run_loop(world, state, devices, {&none}, {.ticks = 0, .offline = false});
   EXPECT_EQ(none.begins, 0) << "no tick was due";
@@ -128,7 +128,7 @@ TEST(Loop, ObserversAreStartedOnceWithTheWallTimeOfTheFirstTick) {
 }
 
 TEST(Loop, AStopEndsItWithDeviceStopped) {
-  RunControl control;
+  haptics::RunControl control;
   FakeDevice device([&](std::uint64_t tick, double time) {
     if (tick == 20) control.stop();
     return pressing(time);
@@ -194,17 +194,17 @@ TEST(Loop, AStallIsAFaultThatLatchesInTheTickThatBeginsAfterIt) {
   LoopOptions options{.ticks = 500};
   options.stalled_after_ns = kStallAfter;
   const Outcome outcome = run_with(device, options);
-  const auto stalled = static_cast<std::uint32_t>(Fault::kStalled);
+  const auto stalled = static_cast<std::uint32_t>(haptics::Fault::kStalled);
   EXPECT_EQ(outcome.rows[449].fault, 0u);
   EXPECT_EQ(outcome.rows[450].fault, stalled);
   EXPECT_EQ(outcome.rows[450].device_fault, stalled) << "so that a replay meets the same fault";
   EXPECT_EQ(outcome.rows[450].device_valid, 1u);
   EXPECT_EQ(outcome.rows[499].fault, stalled);
   EXPECT_EQ(outcome.rows[499].force, (std::array<double, 3>{}));
-  EXPECT_EQ(outcome.report.fault, Fault::kStalled);
+  EXPECT_EQ(outcome.report.fault, haptics::Fault::kStalled);
   ASSERT_GE(outcome.report.faults.size(), 1u);
   EXPECT_EQ(outcome.report.faults[0].tick, 450u);
-  EXPECT_EQ(outcome.report.faults[0].reset_tick, FaultSeen::kNotReset);
+  EXPECT_EQ(outcome.report.faults[0].reset_tick, haptics::FaultSeen::kNotReset);
 }
 
 TEST(Loop, AfterAStopByTheWatchdogNoForceIsWrittenUntilTheGatesOwnIsZero) {
@@ -213,7 +213,7 @@ TEST(Loop, AfterAStopByTheWatchdogNoForceIsWrittenUntilTheGatesOwnIsZero) {
     if (tick == 449) sleep_until_ns(monotonic_ns() + 2 * kStallAfter);
     return pressing(time);
   });
-  device.on_write = [&](const ForceCommand& command) { written.push_back(command.force.norm()); };
+  device.on_write = [&](const haptics::ForceCommand& command) { written.push_back(command.force.norm()); };
   LoopOptions options{.ticks = 500};
   options.stalled_after_ns = kStallAfter;
   const Outcome outcome = run_with(device, options);
@@ -237,13 +237,13 @@ TEST(Loop, WhereNobodyWatchesAStallIsALateTick) {
   LoopOptions options{.ticks = 20};
   options.stalled_after_ns = 0;
   const Outcome outcome = run_with(device, options);
-  EXPECT_EQ(outcome.report.fault, Fault::kNone);
+  EXPECT_EQ(outcome.report.fault, haptics::Fault::kNone);
   EXPECT_GE(outcome.report.longest_gap_ns, 30'000'000);
   EXPECT_EQ(outcome.report.watchdog_stops, 0u);
 }
 
 TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
-  RunControl control;
+  haptics::RunControl control;
   std::thread releaser;
   FakeDevice device([&](std::uint64_t tick, double time) {
     if (tick == 100 && !releaser.joinable()) {
@@ -263,7 +263,8 @@ TEST(Loop, APauseLeavesRowsAsTheyAreStopsTheDeviceAndMakesNoTickLate) {
   FakeDevice other = presser();
   const Outcome offline = run_with(other, {.ticks = 200, .offline = true});
   ASSERT_EQ(paused.rows.size(), 200U);
-  for (std::size_t i = 0; i < 200; ++i) ASSERT_TRUE(test::same_bits(offline.rows[i], paused.rows[i])) << i;
+  for (std::size_t i = 0; i < 200; ++i)
+    ASSERT_TRUE(haptics::test::same_bits(offline.rows[i], paused.rows[i])) << i;
   EXPECT_EQ(paused.report.pauses, 1U);
   EXPECT_GE(paused.report.paused_ns, 1'900'000'000);
   EXPECT_LT(paused.report.longest_gap_ns, 1'900'000'000) << "the pause is no gap";
@@ -282,7 +283,7 @@ TEST(Loop, SaysPausesInTenthsOfASecond) {
 }
 
 TEST(Loop, WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
-  RunControl control;
+  haptics::RunControl control;
   control.pause(true);
   FakeDevice device = presser();
   const LoopOptions watched{.ticks = 50, .control = &control, .stalled_after_ns = 60'000'000'000};
@@ -292,7 +293,7 @@ TEST(Loop, WhereSomebodyWatchesForStallsAndOfflineNothingIsPaused) {
 }
 
 TEST(Loop, APausedRunCanBeEnded) {
-  RunControl control;
+  haptics::RunControl control;
   control.pause(true);
   std::thread ender([&control] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -311,96 +312,99 @@ TEST(Loop, OfflineNothingIsAStall) {
     return pressing(time);
   });
   const Outcome outcome = run_with(device, {.ticks = 20, .offline = true});
-  EXPECT_EQ(outcome.report.fault, Fault::kNone);
+  EXPECT_EQ(outcome.report.fault, haptics::Fault::kNone);
   EXPECT_EQ(outcome.report.watchdog_stops, 0u);
 }
 
 TEST(Loop, AResetReachesItsHandsOnceInTheNextTick) {
-  const SimulationWorld world = block_and_balls(2, 1000.0);
-  SimulationState state(world);
-  RunControl control;
+  const haptics::SimulationWorld world = block_and_balls(2, 1000.0);
+  haptics::SimulationState state(world);
+  haptics::RunControl control;
   FakeDevice first = presser();
   FakeDevice second([&](std::uint64_t tick, double time) {
     if (tick == 10) control.reset_faults(0b10);
     return pressing(time);
   });
-  Device* devices[] = {&first, &second};
+  haptics::Device* devices[] = {&first, &second};
   RowKeeper rows(40);
   (void)run_loop(world, state, devices, {&rows}, {.ticks = 20, .offline = true, .control = &control});
-  for (const TickRow& row : rows.rows) {
-    EXPECT_EQ(row.events, row.tick == 11 && row.hand == 1 ? kResetFault : 0u) << row.tick << ' ' << row.hand;
+  for (const haptics::TickRow& row : rows.rows) {
+    EXPECT_EQ(row.events, row.tick == 11 && row.hand == 1 ? haptics::kResetFault : 0u)
+        << row.tick << ' ' << row.hand;
   }
   EXPECT_EQ(control.take_resets(), 0u);
 }
 
 /// Collects the faults passed to on_fault().
-class FaultKeeper final : public TickObserver {
+class FaultKeeper final : public haptics::TickObserver {
  public:
-  void on_fault(const FaultSeen& fault) noexcept override { faults.push_back(fault); }
-  std::vector<FaultSeen> faults;
+  void on_fault(const haptics::FaultSeen& fault) noexcept override { faults.push_back(fault); }
+  std::vector<haptics::FaultSeen> faults;
 };
 
 TEST(Loop, EachFaultIsInTheReportAndReportedToObservers) {
-  const SimulationWorld world = block_and_balls(2, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(2, 1000.0);
+  haptics::SimulationState state(world);
   FakeDevice first([](std::uint64_t tick, double time) {
-    DeviceState sample = pressing(time);
+    haptics::DeviceState sample = pressing(time);
     if (tick == 30) sample.position_D.x() = std::numeric_limits<double>::quiet_NaN();
     return sample;
   });
   FakeDevice second([](std::uint64_t tick, double time) {
-    DeviceState sample = pressing(time);
-    if (tick == 20) sample.fault = Fault::kForceOff;
+    haptics::DeviceState sample = pressing(time);
+    if (tick == 20) sample.fault = haptics::Fault::kForceOff;
     return sample;
   });
-  Device* devices[] = {&first, &second};
+  haptics::Device* devices[] = {&first, &second};
   FaultKeeper keeper;
-  const LoopReport report = run_loop(world, state, devices, {&keeper}, {.ticks = 50, .offline = true});
+  const haptics::LoopReport report =
+      run_loop(world, state, devices, {&keeper}, {.ticks = 50, .offline = true});
   ASSERT_EQ(report.faults.size(), 2u);
   EXPECT_EQ(report.faults[0].tick, 20u);
   EXPECT_EQ(report.faults[0].hand, 1u);
-  EXPECT_EQ(report.faults[0].fault, Fault::kForceOff);
+  EXPECT_EQ(report.faults[0].fault, haptics::Fault::kForceOff);
   EXPECT_EQ(report.faults[1].tick, 30u);
   EXPECT_EQ(report.faults[1].hand, 0u);
-  EXPECT_EQ(report.fault, Fault::kForceOff) << "the first";
+  EXPECT_EQ(report.fault, haptics::Fault::kForceOff) << "the first";
   ASSERT_EQ(keeper.faults.size(), 2u);
   EXPECT_EQ(keeper.faults[0].tick, 20u);
   EXPECT_EQ(keeper.faults[1].tick, 30u);
 }
 
 TEST(Loop, AFaultThatWasResetSaysWhenAndOneThatIsLatchedAnewIsAnotherOne) {
-  RunControl control;
+  haptics::RunControl control;
   FakeDevice device([&](std::uint64_t tick, double time) {
-    DeviceState sample = pressing(time);
-    if (tick >= 20 && tick < 30) sample.fault = Fault::kForceOff;
+    haptics::DeviceState sample = pressing(time);
+    if (tick >= 20 && tick < 30) sample.fault = haptics::Fault::kForceOff;
     if (tick == 24 || tick == 34) control.reset_faults(1);  // takes effect at the next tick
     return sample;
   });
-  const LoopReport report = run_with(device, {.ticks = 50, .offline = true, .control = &control}).report;
+  const haptics::LoopReport report =
+      run_with(device, {.ticks = 50, .offline = true, .control = &control}).report;
   ASSERT_EQ(report.faults.size(), 2u);
   EXPECT_EQ(report.faults[0].tick, 20u);
   EXPECT_EQ(report.faults[0].reset_tick, 25u);
   EXPECT_EQ(report.faults[1].tick, 25u) << "the cause was still there";
   EXPECT_EQ(report.faults[1].reset_tick, 35u);
-  EXPECT_EQ(report.fault, Fault::kForceOff) << "also after the reset";
+  EXPECT_EQ(report.fault, haptics::Fault::kForceOff) << "also after the reset";
 }
 
 TEST(Loop, ADeviceHearsItsCommandInItsOwnFrame) {
   // The device's frame is turned a quarter about x. Its z axis is the world's -y axis, so an upward push in
   // the world is along the device's y axis.
-  SimulationWorld world = block_and_balls(1, 1000.0);
+  haptics::SimulationWorld world = block_and_balls(1, 1000.0);
   const Quat quarter(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
   world.mappings[0].base.rotation = quarter;
-  SimulationState state(world);
+  haptics::SimulationState state(world);
   FakeDevice device([&](std::uint64_t, double time) {
-    DeviceState sample = pressing(time);
+    haptics::DeviceState sample = pressing(time);
     sample.position_D = quarter.conjugate() * sample.position_D;
     return sample;
   });
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   RowKeeper rows(450);
   (void)run_loop(world, state, devices, {&rows}, {.ticks = 450, .offline = true});
-  const TickRow& last = rows.rows.back();
+  const haptics::TickRow& last = rows.rows.back();
   ASSERT_GT(last.force[2], 0.05);
   EXPECT_NEAR(device.last.force.x(), last.force[0], 1e-12);
   EXPECT_NEAR(device.last.force.y(), last.force[2], 1e-12);
@@ -430,19 +434,19 @@ TEST(Loop, ARefusedCommandIsADeviceFaultAtTheNextTick) {
   device.failing_write = 450;
   const Outcome outcome = run_with(device, {.ticks = 500, .offline = true});
   EXPECT_EQ(outcome.rows[449].fault, 0u);
-  EXPECT_EQ(outcome.rows[450].fault, static_cast<std::uint32_t>(Fault::kDevice));
+  EXPECT_EQ(outcome.rows[450].fault, static_cast<std::uint32_t>(haptics::Fault::kDevice));
   EXPECT_EQ(outcome.rows[450].device_valid, 0u) << "so that a replay meets the same fault";
   EXPECT_EQ(outcome.rows[451].device_valid, 1u);
-  EXPECT_EQ(outcome.report.fault, Fault::kDevice);
+  EXPECT_EQ(outcome.report.fault, haptics::Fault::kDevice);
   EXPECT_EQ(outcome.report.ticks, 500u) << "the run goes on at zero force";
   EXPECT_EQ(device.last.force, Vec3::Zero().eval());
 }
 
 TEST(Loop, RefusesMoreOrFewerDevicesThanHandsAndStopsThem) {
-  const SimulationWorld world = block_and_balls(2, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(2, 1000.0);
+  haptics::SimulationState state(world);
   FakeDevice device = presser();
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   EXPECT_THROW((void)run_loop(world, state, devices, {}, {.ticks = 1}), std::invalid_argument);
   EXPECT_GE(device.stops, 1);
 }
@@ -458,11 +462,11 @@ TEST(Loop, WhatWasNotGrantedIsSaidInWords) {
 }
 
 TEST(StallLimit, IsThereWhereAHandHoldsADevice) {
-  SimulationWorld world = block_and_balls(2, 1000.0);
+  haptics::SimulationWorld world = block_and_balls(2, 1000.0);
   EXPECT_EQ(stall_limit_ns(world), 0);
   world.mappings[1].held = true;
   EXPECT_EQ(stall_limit_ns(world), 20'000'000);
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

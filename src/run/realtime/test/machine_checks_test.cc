@@ -7,7 +7,7 @@
 
 #include "io/system/test/temporary_folder.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 /// A folder that replaces the root folder of a machine that passes all checks.
@@ -118,7 +118,7 @@ TEST(MachineChecks, ADynamicKernelIsJudgedByWhatIsInForce) {
 }
 
 TEST(WakeUpLatency, EveryDeadlineIsCountedHoweverItIsWaitedFor) {
-  for (const Waiting waiting : {Waiting::kSleep, Waiting::kPoll}) {
+  for (const haptics::Waiting waiting : {haptics::Waiting::kSleep, haptics::Waiting::kPoll}) {
     const WakeUpLatency wake_ups = measure_wake_up_latency(1000.0, 50, waiting);
     EXPECT_EQ(wake_ups.late.count(), 50u);
     EXPECT_LE(wake_ups.missed, 50u);
@@ -126,4 +126,4 @@ TEST(WakeUpLatency, EveryDeadlineIsCountedHoweverItIsWaitedFor) {
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

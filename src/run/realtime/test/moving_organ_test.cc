@@ -8,13 +8,13 @@
 #include "core/haptics/test/test_world.h"
 #include "run/realtime/loop.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
+using haptics::test::kBallRadius;
 using model::OrganMotion;
 using model::OrganMotionKind;
 using model::OrganMotionParameters;
-using test::kBallRadius;
 
 constexpr double kRate = 1000.0;
 const double kPi = std::acos(-1.0);
@@ -36,24 +36,28 @@ OrganMotionParameters twisting(double angle, double period) {
 /// The moving block of test_world.h and one ball.
 struct MovingBench {
   explicit MovingBench(std::vector<OrganMotionParameters> motions,
-                       const noise::NoiseSettings& noise = test::no_noise())
-      : world(test::block_and_balls(1, kRate, noise)), state(world), samples(1), commands(1), rows(1) {
+                       const noise::NoiseSettings& noise = haptics::test::no_noise())
+      : world(haptics::test::block_and_balls(1, kRate, noise)),
+        state(world),
+        samples(1),
+        commands(1),
+        rows(1) {
     world.organ_motion = OrganMotion(std::move(motions), Vec3::Zero());
   }
   [[nodiscard]] Pose organ_now() const { return world.organ_motion.pose_at(world.organ_W, number, kRate); }
-  const TickRow& step(const Pose& tool) {
+  const haptics::TickRow& step(const Pose& tool) {
     samples[0].position_D = tool.position;
     samples[0].orientation_D = tool.rotation;
-    tick(world, state, number++, samples, commands, rows);
+    haptics::tick(world, state, number++, samples, commands, rows);
     return rows[0];
   }
-  const TickRow& step(const Vec3& position) { return step(Pose{Quat::Identity(), position}); }
+  const haptics::TickRow& step(const Vec3& position) { return step(Pose{Quat::Identity(), position}); }
 
-  SimulationWorld world;
-  SimulationState state;
-  std::vector<DeviceState> samples;
-  std::vector<ForceCommand> commands;
-  std::vector<TickRow> rows;
+  haptics::SimulationWorld world;
+  haptics::SimulationState state;
+  std::vector<haptics::DeviceState> samples;
+  std::vector<haptics::ForceCommand> commands;
+  std::vector<haptics::TickRow> rows;
   std::uint64_t number = 0;
 };
 
@@ -75,7 +79,7 @@ TEST(MovingOrgan, AToolHeldStillFeelsTheForceFollowTheBreath) {
   const auto [most, least] = std::pair(0.004, -0.002);
   double deepest = 0.0;
   for (int i = 0; i < 8000; ++i) {
-    const TickRow& row = bench.step(held);
+    const haptics::TickRow& row = bench.step(held);
     const double lifted = 0.006 * std::pow(std::sin(kPi * i / 4000.0), 6);
     ASSERT_NEAR(-row.distance, lifted + least, 1e-6) << i;
     // The surface of a ball of 80 vertices is less than 0.1 mm from its sphere. Damping acts while the depth
@@ -96,9 +100,9 @@ TEST(MovingOrgan, AToolCarriedAlongFeelsTheSameAsOnAStillOrgan) {
   double largest = 0.0;
   for (int i = 0; i < 3000; ++i) {
     const Pose tool_S{Quat::Identity(), pressing_and_sliding(i / kRate)};
-    const TickRow& a = still.step(still.world.organ_W * tool_S);
+    const haptics::TickRow& a = still.step(still.world.organ_W * tool_S);
     const Pose organ_W = moving.organ_now();
-    const TickRow& b = moving.step(organ_W * tool_S);
+    const haptics::TickRow& b = moving.step(organ_W * tool_S);
     ASSERT_EQ(a.phase, b.phase) << i;
     ASSERT_NEAR(a.depth, b.depth, 1e-9) << i;
     ASSERT_NEAR(a.friction, b.friction, 1e-7) << i;
@@ -117,8 +121,8 @@ TEST(MovingOrgan, OnlyTheMotionBetweenToolAndOrganCountsForForceDampingAndFricti
   double friction = 0.0;
   for (int i = 0; i < 6000; ++i) {
     const Vec3 moved = organ_moves.organ_now().position - organ_moves.world.organ_W.position;
-    const TickRow& a = organ_moves.step(held);
-    const TickRow& b = tool_moves.step(held - moved);
+    const haptics::TickRow& a = organ_moves.step(held);
+    const haptics::TickRow& b = tool_moves.step(held - moved);
     ASSERT_NEAR((vector(a.force) - vector(b.force)).norm(), 0.0, 1e-7) << i;
     ASSERT_NEAR(a.friction, b.friction, 1e-7) << i;
     ASSERT_NEAR((vector(a.contact) - vector(b.contact) - moved).norm(), 0.0, 1e-9) << i;
@@ -135,7 +139,7 @@ TEST(MovingOrgan, AFastBeatNeitherPassesThroughAHeldToolNorHoldsItAfterwards) {
   int entries = 0;
   bool was_touching = false;
   for (int i = 0; i < 1000; ++i) {
-    const TickRow& row = bench.step(held);
+    const haptics::TickRow& row = bench.step(held);
     const bool touching = row.phase != 0;
     if (touching && !was_touching) ++entries;
     was_touching = touching;
@@ -152,7 +156,7 @@ TEST(MovingOrgan, NoiseFollowsTheDistanceToTheMovingOrgan) {
   const Vec3 held(0, 0, kBallRadius + 0.010);
   double nearest = 1.0;
   for (int i = 0; i < 4000; ++i) {
-    const TickRow& row = bench.step(held);
+    const haptics::TickRow& row = bench.step(held);
     ASSERT_EQ(row.phase, 0u);
     ASSERT_EQ(row.noise_force, bench.world.noise.force(level, true, 0, row.tick, row.distance)) << i;
     nearest = std::min(nearest, row.distance);
@@ -167,8 +171,8 @@ TEST(MovingOrgan, AGripCarriedAlongKeepsItsStretchAndAHeldOneIsPulledByTheBreath
     const double gripper = i < 100 ? 1.0 : std::max(0.0, 1.0 - (i - 100) / 100.0);
     carried.samples[0].gripper = held.samples[0].gripper = gripper;
     const Vec3 at(0.001, 0.002, kBallRadius + 0.0005);
-    const TickRow& a = carried.step(carried.organ_now().position + Vec3(0, 0, 0.02) + at);
-    const TickRow& b = held.step(at);
+    const haptics::TickRow& a = carried.step(carried.organ_now().position + Vec3(0, 0, 0.02) + at);
+    const haptics::TickRow& b = held.step(at);
     if (i < 300) continue;
     ASSERT_EQ(a.phase, 2u) << i;
     ASSERT_EQ(b.phase, 2u) << i;
@@ -182,16 +186,16 @@ TEST(MovingOrgan, AGripCarriedAlongKeepsItsStretchAndAHeldOneIsPulledByTheBreath
 
 TEST(MovingOrgan, TheSnapshotCarriesThePoseOfItsTick) {
   MovingBench bench({breathing(0.008)});
-  SnapshotPublisher publisher;
-  test::FakeDevice device([](std::uint64_t, double) {
-    DeviceState state;
+  haptics::SnapshotPublisher publisher;
+  haptics::test::FakeDevice device([](std::uint64_t, double) {
+    haptics::DeviceState state;
     state.position_D = Vec3(0, 0, 0.05);
     return state;
   });
-  Device* const devices[] = {&device};
+  haptics::Device* const devices[] = {&device};
   (void)run_loop(bench.world, bench.state, devices, {&publisher}, {.ticks = 1501, .offline = true});
   ASSERT_TRUE(publisher.cell().refresh());
-  const Snapshot& newest = publisher.cell().value();
+  const haptics::Snapshot& newest = publisher.cell().value();
   EXPECT_EQ(newest.tick, 1500u);
   EXPECT_EQ(newest.organ_W.position,
             bench.world.organ_motion.pose_at(bench.world.organ_W, 1500, kRate).position);
@@ -205,10 +209,10 @@ TEST(MovingOrgan, ARunOfMovingTicksReplaysTheSameBitsFromACopyOfTheState) {
   copy.state = bench.state;
   copy.number = bench.number;
   for (int i = 0; i < 700; ++i) {
-    const TickRow a = bench.step(Vec3(0.001, 0.002, kBallRadius));
-    ASSERT_TRUE(test::same_bits(a, copy.step(Vec3(0.001, 0.002, kBallRadius)))) << i;
+    const haptics::TickRow a = bench.step(Vec3(0.001, 0.002, kBallRadius));
+    ASSERT_TRUE(haptics::test::same_bits(a, copy.step(Vec3(0.001, 0.002, kBallRadius)))) << i;
   }
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

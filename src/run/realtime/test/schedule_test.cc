@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 TEST(Schedule, TicksInTimeStayOnTheGridOfTheFirst) {
@@ -66,4 +66,4 @@ TEST(Schedule, ASlowTickIsNeverMadeUpForAtAnyRate) {
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

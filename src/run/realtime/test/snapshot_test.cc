@@ -11,24 +11,24 @@
 #include "palpate/tick_observer.h"
 #include "run/realtime/loop.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
-using test::block_and_balls;
-using test::FakeDevice;
-using test::pressing;
-using test::RowKeeper;
+using haptics::test::block_and_balls;
+using haptics::test::FakeDevice;
+using haptics::test::pressing;
+using haptics::test::RowKeeper;
 
 TEST(SnapshotPublisher, HandsOverTheNewestTick) {
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(1, 1000.0);
+  haptics::SimulationState state(world);
   FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   RowKeeper rows(450);
-  SnapshotPublisher publisher;
+  haptics::SnapshotPublisher publisher;
   (void)run_loop(world, state, devices, {&rows, &publisher}, {.ticks = 450, .offline = true});
   ASSERT_TRUE(publisher.cell().refresh());
-  const Snapshot& newest = publisher.cell().value();
+  const haptics::Snapshot& newest = publisher.cell().value();
   EXPECT_EQ(newest.tick, 449u);
   EXPECT_EQ(newest.hands, 1u);
   EXPECT_EQ(newest.organ_W.position, world.organ_W.position);
@@ -38,24 +38,24 @@ TEST(SnapshotPublisher, HandsOverTheNewestTick) {
 }
 
 TEST(Snapshot, CarriesFaultsParametersAndTheTimeOfItsTick) {
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(1, 1000.0);
+  haptics::SimulationState state(world);
   model::TissueParameters tissue = model::tissue_preset("gallbladder");
-  ParameterUpdates updates(world, tissue, {});
+  haptics::ParameterUpdates updates(world, tissue, {});
   tissue.reach.bar_ratio = 1.5 * tissue.reach.bar_ratio;
   (void)updates.offer(tissue);
-  RunControl control(&updates);
+  haptics::RunControl control(&updates);
   FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
   device.failing_write = 30;
-  Device* devices[] = {&device};
-  SnapshotPublisher publisher;
+  haptics::Device* devices[] = {&device};
+  haptics::SnapshotPublisher publisher;
   const std::int64_t before = monotonic_ns();
   (void)run_loop(world, state, devices, {&publisher},
                  {.ticks = 45, .control = &control, .stalled_after_ns = 0});
   ASSERT_TRUE(publisher.cell().refresh());
-  const Snapshot& newest = publisher.cell().value();
+  const haptics::Snapshot& newest = publisher.cell().value();
   EXPECT_EQ(newest.tick, 44u);
-  EXPECT_EQ(newest.faults[0], Fault::kDevice) << "latched since tick 30";
+  EXPECT_EQ(newest.faults[0], haptics::Fault::kDevice) << "latched since tick 30";
   EXPECT_EQ(newest.change, 1u);
   EXPECT_EQ(newest.reach, tissue.reach);
   EXPECT_GT(newest.taken_ns, before);
@@ -63,21 +63,21 @@ TEST(Snapshot, CarriesFaultsParametersAndTheTimeOfItsTick) {
 }
 
 TEST(TickObserver, ObserversAreCalledInTheirOrderRowsBeforeTheTick) {
-  class Witness final : public TickObserver {
+  class Witness final : public haptics::TickObserver {
    public:
     Witness(std::string name, std::vector<std::string>& calls) : name_(std::move(name)), calls_(calls) {}
     void on_start(std::int64_t) noexcept override { calls_.push_back(name_ + " start"); }
-    void on_row(const TickRow&) noexcept override { calls_.push_back(name_ + " row"); }
-    void on_tick(const TickState&) noexcept override { calls_.push_back(name_ + " tick"); }
+    void on_row(const haptics::TickRow&) noexcept override { calls_.push_back(name_ + " row"); }
+    void on_tick(const haptics::TickState&) noexcept override { calls_.push_back(name_ + " tick"); }
 
    private:
     std::string name_;
     std::vector<std::string>& calls_;
   };
-  const SimulationWorld world = block_and_balls(1, 1000.0);
-  SimulationState state(world);
+  const haptics::SimulationWorld world = block_and_balls(1, 1000.0);
+  haptics::SimulationState state(world);
   FakeDevice device([](std::uint64_t, double time) { return pressing(time); });
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   std::vector<std::string> calls;
   Witness a("a", calls);
   Witness b("b", calls);
@@ -86,4 +86,4 @@ TEST(TickObserver, ObserversAreCalledInTheirOrderRowsBeforeTheTick) {
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

@@ -18,7 +18,7 @@
 #include "run/realtime/loop.h"
 #include "run/realtime/realtime.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
 TEST(PollingRestShare, IsMoreThanTheKernelAsksOfRealTimeThreads) {
@@ -114,7 +114,7 @@ TEST(PollingSleep, LateTicksAreNotMadeLater) {
 }
 
 TEST(TickWait, NeverEndsBeforeTheTickIsDue) {
-  for (const Waiting waiting : {Waiting::kSleep, Waiting::kPoll}) {
+  for (const haptics::Waiting waiting : {haptics::Waiting::kSleep, haptics::Waiting::kPoll}) {
     for (const double rate : {1000.0, 10'000.0}) {
       TickWait wait(waiting, rate);
       std::int64_t due = monotonic_ns();
@@ -128,22 +128,23 @@ TEST(TickWait, NeverEndsBeforeTheTickIsDue) {
 }
 
 TEST(Polling, OnTheOnlyCoreThereIsIsSaidInWords) {
-  const auto remarks = [](Waiting waiting) {
-    const SimulationWorld world = test::block_and_balls(1, 1000.0);
-    SimulationState state(world);
-    test::FakeDevice device([](std::uint64_t, double time) { return test::pressing(time); });
-    Device* devices[] = {&device};
+  const auto remarks = [](haptics::Waiting waiting) {
+    const haptics::SimulationWorld world = haptics::test::block_and_balls(1, 1000.0);
+    haptics::SimulationState state(world);
+    haptics::test::FakeDevice device(
+        [](std::uint64_t, double time) { return haptics::test::pressing(time); });
+    haptics::Device* devices[] = {&device};
     const LoopOptions options{.ticks = 2, .thread = {.waiting = waiting}, .stalled_after_ns = 0};
     return run_loop(world, state, devices, {}, options).remarks;
   };
   std::thread([&] {
     ASSERT_TRUE(pin_to_core(usable_cores().back()));
-    std::vector<std::string> expected = remarks(Waiting::kSleep);
+    std::vector<std::string> expected = remarks(haptics::Waiting::kSleep);
     expected.insert(expected.begin(),
                     "the loop polled on the only core that this program may use: all else had to wait");
-    EXPECT_EQ(remarks(Waiting::kPoll), expected);
+    EXPECT_EQ(remarks(haptics::Waiting::kPoll), expected);
   }).join();
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime

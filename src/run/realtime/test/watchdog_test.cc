@@ -8,16 +8,16 @@
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
 
-namespace palpate::haptics {
+namespace palpate::realtime {
 namespace {
 
-using test::FakeDevice;
+using haptics::test::FakeDevice;
 using namespace std::chrono_literals;
 
 constexpr std::int64_t kStalledAfter = 50'000'000;  // ns
 
 FakeDevice still() {
-  return FakeDevice([](std::uint64_t, double) { return DeviceState{}; });
+  return FakeDevice([](std::uint64_t, double) { return haptics::DeviceState{}; });
 }
 
 /// Waits until the device was stopped `times` times, for at most a minute. @return whether it was
@@ -32,7 +32,7 @@ bool stopped(const FakeDevice& device, int times) {
 TEST(Watchdog, StopsEveryDeviceOncePerStallAndSaysAfterWhichTick) {
   FakeDevice first = still();
   FakeDevice second = still();
-  Device* devices[] = {&first, &second};
+  haptics::Device* devices[] = {&first, &second};
   Watchdog watchdog(devices, kStalledAfter);
   watchdog.beat(7, monotonic_ns());
   ASSERT_TRUE(stopped(second, 1));
@@ -40,7 +40,7 @@ TEST(Watchdog, StopsEveryDeviceOncePerStallAndSaysAfterWhichTick) {
   EXPECT_EQ(watchdog.stops(), 1u) << "one stall, one stop";
   watchdog.beat(8, monotonic_ns());
   ASSERT_TRUE(stopped(second, 2));
-  const std::vector<WatchdogStop> kept = watchdog.finish();
+  const std::vector<haptics::WatchdogStop> kept = watchdog.finish();
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0].tick, 7u);
   EXPECT_EQ(kept[0].after_ns, kStalledAfter) << "its time is that of the last begin and the limit";
@@ -52,7 +52,7 @@ TEST(Watchdog, StopsEveryDeviceOncePerStallAndSaysAfterWhichTick) {
 
 TEST(Watchdog, DoesNothingBeforeTheFirstTickAndAfterTheLast) {
   FakeDevice device = still();
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   Watchdog watchdog(devices, 1'000'000);
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(device.stops, 0) << "no tick had begun";
@@ -66,17 +66,17 @@ TEST(Watchdog, DoesNothingBeforeTheFirstTickAndAfterTheLast) {
 
 TEST(Watchdog, KeepsTheFirstStopsAndCountsTheRest) {
   FakeDevice device = still();
-  Device* devices[] = {&device};
+  haptics::Device* devices[] = {&device};
   Watchdog watchdog(devices, 1);
-  const auto most = static_cast<int>(WatchdogStop::kMaxKept);
+  const auto most = static_cast<int>(haptics::WatchdogStop::kMaxKept);
   for (int i = 0; i < most + 3; ++i) {
     watchdog.beat(static_cast<std::uint64_t>(i), monotonic_ns());
     ASSERT_TRUE(stopped(device, i + 1));
   }
-  const std::vector<WatchdogStop> kept = watchdog.finish();
-  EXPECT_EQ(kept.size(), WatchdogStop::kMaxKept);
-  EXPECT_EQ(watchdog.stops(), WatchdogStop::kMaxKept + 3);
+  const std::vector<haptics::WatchdogStop> kept = watchdog.finish();
+  EXPECT_EQ(kept.size(), haptics::WatchdogStop::kMaxKept);
+  EXPECT_EQ(watchdog.stops(), haptics::WatchdogStop::kMaxKept + 3);
 }
 
 }  // namespace
-}  // namespace palpate::haptics
+}  // namespace palpate::realtime
