@@ -38,22 +38,22 @@ bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::
 
 /// The mesh after the repairs of an organ. A mesh that cannot be an organ is shown as a tool would use it.
 struct Inspected {
-  geometry::LoadedMesh loaded;
+  mesh_io::LoadedMesh loaded;
   std::string refusal;        // why the mesh cannot be an organ; empty: it can
   std::string tool_refusal;   // why it cannot be a tool; empty: it can
   bool all_crossings = true;  // false: too many candidate pairs to test all
 };
 
-geometry::LoadedMesh load(const InspectOptions& options) {
+mesh_io::LoadedMesh load(const InspectOptions& options) {
   if (is_path(options.mesh)) {
     const LengthUnit unit = options.unit.empty() ? LengthUnit::kMillimetre : parse_length_unit(options.unit);
-    return geometry::read_mesh(options.mesh, unit);
+    return mesh_io::read_mesh(options.mesh, unit);
   }
   if (!options.unit.empty()) {
     throw InputError("--unit: " + options.mesh + " is a built-in mesh, whose unit is fixed; omit the flag");
   }
-  geometry::LoadedMesh loaded{geometry::make_organ(options.mesh), {}};
-  loaded.findings = geometry::findings_of(loaded.mesh);
+  mesh_io::LoadedMesh loaded{geometry::make_organ(options.mesh), {}};
+  loaded.findings = mesh_io::findings_of(loaded.mesh);
   return loaded;
 }
 
@@ -64,31 +64,31 @@ std::string without_start(const std::string& text, const std::string& start) {
 Inspected inspect(const InspectOptions& options) {
   Inspected inspected{load(options), {}, {}, true};
   try {
-    geometry::require_tool(inspected.loaded, options.mesh);
+    mesh_io::require_tool(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
     inspected.tool_refusal = without_start(error.what(), options.mesh + ": ");
   }
   try {
-    inspected.loaded = geometry::repair_organ(inspected.loaded, options.mesh);
+    inspected.loaded = mesh_io::repair_organ(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
     inspected.refusal =
         without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");
   }
   if (!inspected.loaded.findings.crossing_pairs) {
-    const geometry::Crossings crossings = geometry::find_crossings(inspected.loaded.mesh);
+    const mesh_io::Crossings crossings = mesh_io::find_crossings(inspected.loaded.mesh);
     inspected.loaded.findings.crossing_pairs = crossings.pairs.size();
     inspected.all_crossings = crossings.all;
   }
   return inspected;
 }
 
-std::optional<double> volume_mm3(const geometry::MeshFindings& findings) {
+std::optional<double> volume_mm3(const mesh_io::MeshFindings& findings) {
   if (!findings.closed) return std::nullopt;  // an open surface encloses no volume
   return findings.volume * kCubicMillimetresPerCubicMetre;
 }
 
 void print_json(const Inspected& inspected) {
-  const geometry::LoadedMesh& loaded = inspected.loaded;
+  const mesh_io::LoadedMesh& loaded = inspected.loaded;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto in_mm = [](const Vec3& p) {
     return std::vector<double>{p.x() / kMillimetre, p.y() / kMillimetre, p.z() / kMillimetre};
@@ -129,8 +129,8 @@ void print_list(const char* name, const std::vector<std::string>& texts) {
 }
 
 void print_table(const InspectOptions& options, const Inspected& inspected) {
-  const geometry::LoadedMesh& loaded = inspected.loaded;
-  const geometry::MeshFindings& findings = loaded.findings;
+  const mesh_io::LoadedMesh& loaded = inspected.loaded;
+  const mesh_io::MeshFindings& findings = loaded.findings;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto side = [&](int k) {
     return fmt::format("{} .. {} mm", shortest(box.low[k] / kMillimetre),
@@ -168,7 +168,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<InspectOptions>();
   command
       ->add_option("mesh", options->mesh,
-                   "a file (" + joined(geometry::mesh_file_extensions(), " ") +
+                   "a file (" + joined(mesh_io::mesh_file_extensions(), " ") +
                        ") or a built-in organ (gallbladder, heart, liver, kidney, each also -30k and -300k; "
                        "ball, box)")
       ->required();

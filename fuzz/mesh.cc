@@ -25,12 +25,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile input(PALPATE_FUZZ_ENDING);
   const std::filesystem::path& file = input.hold({data, size});
   fuzz::read_or_refuse(file.string(), [&] {
-    geometry::LoadedMesh loaded = geometry::read_mesh(file, LengthUnit::kMillimetre);
+    mesh_io::LoadedMesh loaded = mesh_io::read_mesh(file, LengthUnit::kMillimetre);
     require_sound(loaded.mesh);
     // repair_organ() also rejects meshes by size, so repair_surface() is called first.
-    const geometry::RepairedSurface repaired = geometry::repair_surface(loaded.mesh);
+    const mesh_io::RepairedSurface repaired = mesh_io::repair_surface(loaded.mesh);
     require_sound(repaired.mesh);
-    loaded = geometry::repair_organ(std::move(loaded), file.string());
+    loaded = mesh_io::repair_organ(std::move(loaded), file.string());
     require_sound(loaded.mesh);
     fuzz::require(loaded.findings.closed && loaded.findings.manifold, "an organ is closed and manifold");
   });

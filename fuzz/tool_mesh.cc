@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const fuzz::InputFile input(".stl");
   const std::filesystem::path& file = input.hold({data, size});
   fuzz::read_or_refuse(file.string(), [&] {
-    geometry::LoadedMesh loaded = geometry::read_mesh(file, LengthUnit::kMillimetre);
+    mesh_io::LoadedMesh loaded = mesh_io::read_mesh(file, LengthUnit::kMillimetre);
     if (geometry::bounds(loaded.mesh).size().maxCoeff() > kLargest) return;
     geometry::ToolPart part;
     part.name = file.string();

@@ -53,13 +53,13 @@ TriangleMesh mesh_of(const Numbers& vertices, const Indices& triangles) {
 }
 
 /// Serializes read_mesh(), because the importer is not reentrant.
-geometry::LoadedMesh read_alone(const std::filesystem::path& file, const std::optional<std::string>& unit) {
+mesh_io::LoadedMesh read_alone(const std::filesystem::path& file, const std::optional<std::string>& unit) {
   static std::mutex one_at_a_time;
   std::optional<LengthUnit> length;
   if (unit) length = parse_length_unit(*unit);
   const py::gil_scoped_release others_may_run;
   const std::lock_guard lock(one_at_a_time);
-  return geometry::read_mesh(file, length);
+  return mesh_io::read_mesh(file, length);
 }
 
 void bind_findings(py::module_& module) {
@@ -84,7 +84,7 @@ void bind_geometry(py::module_& module) {
       .def_property_readonly("triangles", &triangles_of,
                              "n x 3 vertex indices, counter-clockwise seen from outside; a copy.")
       .def(
-          "findings", [](const TriangleMesh& mesh) { return geometry::findings_of(mesh); }, others_may_run,
+          "findings", [](const TriangleMesh& mesh) { return mesh_io::findings_of(mesh); }, others_may_run,
           doc("findings_of"))
       .def("__repr__", [](const TriangleMesh& mesh) {
         return "<palpate.Mesh of " + std::to_string(mesh.vertices.size()) + " vertices, " +
@@ -93,7 +93,7 @@ void bind_geometry(py::module_& module) {
   module.def(
       "read_mesh",
       [](const std::filesystem::path& file, const std::optional<std::string>& unit) {
-        geometry::LoadedMesh loaded = read_alone(file, unit);
+        mesh_io::LoadedMesh loaded = read_alone(file, unit);
         return std::pair(std::move(loaded.mesh), std::move(loaded.findings));
       },
       py::arg("file"), py::arg("unit"),

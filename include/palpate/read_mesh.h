@@ -7,7 +7,7 @@
 #include "palpate/mesh.h"
 #include "palpate/units.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// Properties of a mesh, and the repairs and defects of its file.
 struct MeshFindings {
@@ -22,7 +22,7 @@ struct MeshFindings {
 };
 
 struct LoadedMesh {
-  TriangleMesh mesh;  // metres
+  geometry::TriangleMesh mesh;  // metres
   MeshFindings findings;
   std::string
       space{};  // axes that the file's header declares, as "LPS" in SPACE=LPS of 3D Slicer; empty: none
@@ -46,15 +46,25 @@ struct LoadedMesh {
 /// has at least two triangles. `manifold`: no edge has more than two, and no vertex joins separate surfaces.
 /// `shells`: components that are connected by edges. A sliver is a triangle whose height is below 2e-7 of its
 /// longest edge.
-[[nodiscard]] MeshFindings findings_of(const TriangleMesh& mesh);
+[[nodiscard]] MeshFindings findings_of(const geometry::TriangleMesh& mesh);
 
 /// [setup] Rejects a mesh that cannot be an organ: open, not manifold, oriented inwards, or with a bounding
 /// box outside 5 mm to 2 m. @param name file or built-in name, for the message @throws InputError that names
 /// the defects.
 void require_organ(const LoadedMesh& loaded, const std::string& name);
 
-/// [setup] Rejects a mesh that cannot be a tool: a largest side outside 1 um to 100 m, as of a file whose
+/// [setup] Rejects a mesh that cannot be a tool: a largest side outside 0.1 mm to 5 m, as of a file whose
 /// numbers were misread. @param name file, for the message @throws InputError that names the size.
 void require_tool(const LoadedMesh& loaded, const std::string& name);
 
+}  // namespace palpate::mesh_io
+
+namespace palpate::geometry {  // the names of earlier versions
+using mesh_io::findings_of;
+using mesh_io::is_mesh_file;
+using mesh_io::LoadedMesh;
+using mesh_io::mesh_file_extensions;
+using mesh_io::MeshFindings;
+using mesh_io::read_mesh;
+using mesh_io::require_organ;
 }  // namespace palpate::geometry

@@ -231,7 +231,7 @@ std::vector<std::filesystem::path> files_of(const SweepRequest& request, const A
   if (axis.type != scene::KeyType::kText || !regular_file_exists(file)) return {};
   std::vector<std::filesystem::path> files = {file};
   try {
-    for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(file)) files.push_back(buffer);
+    for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(file)) files.push_back(buffer);
   } catch (const InputError&) {  // the run itself reports the error
   }
   return files;

@@ -10,7 +10,7 @@
 #include "io/mesh_io/repair/repair_surface.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 // Above this number of shells only their orientation is checked, not which lies inside which.
@@ -18,7 +18,7 @@ constexpr std::size_t kMaxShellsNested = 100;
 
 class MeshInspection final {
  public:
-  explicit MeshInspection(const TriangleMesh& mesh)
+  explicit MeshInspection(const geometry::TriangleMesh& mesh)
       : mesh_(mesh), shells_(mesh.triangles.size()), fans_(3 * mesh.triangles.size()) {}
 
   MeshFindings run() {
@@ -26,7 +26,7 @@ class MeshInspection final {
     const std::size_t touching = bow_tie_vertices();
     findings_.closed = !mesh_.triangles.empty() && boundary_edges_ == 0;
     findings_.manifold = !mesh_.triangles.empty() && non_manifold_edges_ == 0 && touching == 0;
-    findings_.volume = signed_volume(mesh_);
+    findings_.volume = geometry::signed_volume(mesh_);
     report(boundary_edges_, "boundary edge", "boundary edges");
     report(non_manifold_edges_, "edge", "edges", " of more than two triangles");
     report(inconsistent_edges_, "edge", "edges", " whose two triangles differ in orientation");
@@ -85,10 +85,11 @@ class MeshInspection final {
 
   /// A shell must be oriented outwards; a cavity, oriented inwards, must be inside another shell.
   void check_shells() {
-    const Vec3 origin = bounds(mesh_).middle();
+    const Vec3 origin = geometry::bounds(mesh_).middle();
     std::vector<double> volume(mesh_.triangles.size(), 0.0);  // by root
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      volume[shell_of_[t]] += (point(3 * t) - origin).dot(area_vector_doubled(mesh_, mesh_.triangles[t]));
+      volume[shell_of_[t]] +=
+          (point(3 * t) - origin).dot(geometry::area_vector_doubled(mesh_, mesh_.triangles[t]));
     }
     std::size_t turned = 0;
     std::size_t nested = 0;
@@ -123,7 +124,7 @@ class MeshInspection final {
   }
   [[nodiscard]] const Vec3& point(std::size_t corner) const { return mesh_.vertices[at(vertex_at(corner))]; }
 
-  const TriangleMesh& mesh_;
+  const geometry::TriangleMesh& mesh_;
   DisjointSets shells_;
   DisjointSets fans_;  // of triangle corners
   std::vector<std::uint32_t> shell_of_;
@@ -136,6 +137,6 @@ class MeshInspection final {
 
 }  // namespace
 
-MeshFindings findings_of(const TriangleMesh& mesh) { return MeshInspection(mesh).run(); }
+MeshFindings findings_of(const geometry::TriangleMesh& mesh) { return MeshInspection(mesh).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

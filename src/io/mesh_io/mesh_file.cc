@@ -15,7 +15,7 @@
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 struct Reader {
@@ -136,4 +136,4 @@ ImportedMesh import_mesh(const MeshFile& file) {
   }
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -9,7 +9,7 @@
 #include "palpate/mesh.h"
 
 // A mesh file in memory and its reader, for read_mesh.cc and formats/.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 inline constexpr std::size_t kMaxTriangles = 20'000'000;
 /// Largest coordinate of a mesh; sums of its squares stay finite.
@@ -25,7 +25,7 @@ struct MeshFile {
 
 /// The content of a mesh file: vertices in the file's unit and axes, node transforms applied.
 struct ImportedMesh {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::vector<std::string> repairs;  // divided polygons, dropped lines and points, mirrored parts
 };
 
@@ -46,4 +46,4 @@ struct ImportedMesh {
 /// @throws InputError naming the file, the line, byte or element, the value and what would be right.
 [[nodiscard]] ImportedMesh import_mesh(const MeshFile& file);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -17,11 +17,11 @@
 #include "io/system/plausible.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 struct Merged {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::size_t collapsed = 0;  // dropped triangles that use a vertex twice
   std::size_t distinct = 0;   // distinct positions of vertices, used or not
 };
@@ -47,14 +47,15 @@ std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices, s
 
 /// Keeps one vertex for each distinct position that a triangle uses, in the order of the input. Only exactly
 /// equal positions are merged.
-Merged merge_equal_vertices(TriangleMesh mesh) {
+Merged merge_equal_vertices(geometry::TriangleMesh mesh) {
   Merged merged;
   const std::vector<std::int32_t> name = first_at_position(mesh.vertices, merged.distinct);
-  for (Triangle& triangle : mesh.triangles) {
+  for (geometry::Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
-  merged.collapsed = std::erase_if(
-      mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  merged.collapsed = std::erase_if(mesh.triangles, [](const geometry::Triangle& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+  });
   drop_unused_vertices(mesh);
   merged.mesh = std::move(mesh);
   return merged;
@@ -103,7 +104,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
 }
 
 void require_organ(const LoadedMesh& loaded, const std::string& name) {
-  const double size = bounds(loaded.mesh).size().maxCoeff();
+  const double size = geometry::bounds(loaded.mesh).size().maxCoeff();
   if (!kOrganExtent.possible.contains(size)) {
     throw InputError(fmt::format("{}: its largest side is {}, an organ's is 5 to 2000 mm{}", name,
                                  in_unit(kOrganExtent, size), unit_question(kOrganExtent, size)));
@@ -114,10 +115,10 @@ void require_organ(const LoadedMesh& loaded, const std::string& name) {
 }
 
 void require_tool(const LoadedMesh& loaded, const std::string& name) {
-  const double size = bounds(loaded.mesh).size().maxCoeff();
+  const double size = geometry::bounds(loaded.mesh).size().maxCoeff();
   if (kToolExtent.possible.contains(size)) return;
-  throw InputError(fmt::format("{}: its largest side is {}, a tool's is 0.1 to 5000 mm{}", name, in_unit(kToolExtent, size),
-                               unit_question(kToolExtent, size)));
+  throw InputError(fmt::format("{}: its largest side is {}, a tool's is 0.1 to 5000 mm{}", name,
+                               in_unit(kToolExtent, size), unit_question(kToolExtent, size)));
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -32,7 +32,7 @@ geometry::ToolPart read_part(const LocatedString& mesh, const std::optional<Leng
                              MeshNotes& notes) {
   geometry::ToolPart part;
   part.name = to_text(to_path(mesh.value).stem());
-  geometry::LoadedMesh loaded = read_part_source(mesh, unit, notes);
+  mesh_io::LoadedMesh loaded = read_part_source(mesh, unit, notes);
   if (!loaded.findings.closed) {
     notes.remarks.push_back(mesh.value + ": not closed, used as it is (a tool need not be closed)");
   }

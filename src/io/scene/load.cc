@@ -198,7 +198,7 @@ SceneFile describe(const Overrides& request) {
 }
 
 /// The frame that the scene states, else that of the file's header, else RAS. @param space of
-/// geometry::LoadedMesh
+/// mesh_io::LoadedMesh
 void set_organ_frame(const SceneFile& scene_file, const std::string& space, Scene& scene, MeshNotes& notes) {
   const OrganFrame declared = space == "LPS" ? OrganFrame::kLps : OrganFrame::kRas;
   scene.organ_frame = scene_file.organ_frame.value_or(declared);
@@ -228,7 +228,7 @@ void load_organ(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
   const LocatedString& organ = *scene_file.organ;
   scene.organ_name = organ.value;
   if (is_path(organ.value)) {
-    geometry::LoadedMesh loaded = read_organ_source(organ, scene_file.organ_unit, notes);
+    mesh_io::LoadedMesh loaded = read_organ_source(organ, scene_file.organ_unit, notes);
     scene.organ = std::move(loaded.mesh);
     set_organ_frame(scene_file, loaded.space, scene, notes);
     return;
@@ -421,7 +421,7 @@ void add_source(const LocatedString& stated, Scene& scene) {
 void add_mesh_source(const LocatedString& stated, Scene& scene) {
   add_source(stated, scene);
   if (!is_path(stated.value)) return;
-  for (const std::filesystem::path& buffer : geometry::gltf_buffer_files(stated.file())) {
+  for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(stated.file())) {
     scene.files.push_back({"a buffer of " + stated.where, buffer});
   }
 }

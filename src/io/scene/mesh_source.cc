@@ -13,7 +13,7 @@ std::string unit_field(const LocatedString& mesh) {
   return mesh.where.find(": organ.") != std::string::npos ? "organ.unit" : "tool.unit";
 }
 
-void note(const geometry::MeshFindings& findings, const std::string& file, MeshNotes& notes) {
+void note(const mesh_io::MeshFindings& findings, const std::string& file, MeshNotes& notes) {
   const auto add = [&](const std::vector<std::string>& texts, std::vector<std::string>& all) {
     for (const std::string& word : texts) all.push_back(file + ": " + word);
   };
@@ -40,23 +40,23 @@ void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& un
 
 }  // namespace
 
-geometry::LoadedMesh read_part_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
-                                      MeshNotes& notes) {
+mesh_io::LoadedMesh read_part_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
+                                     MeshNotes& notes) {
   require_unit(mesh, unit);
-  geometry::LoadedMesh loaded = with_location(mesh, [&] {
-    geometry::LoadedMesh read = geometry::read_mesh(mesh.file(), unit);
-    geometry::require_tool(read, mesh.value);
+  mesh_io::LoadedMesh loaded = with_location(mesh, [&] {
+    mesh_io::LoadedMesh read = mesh_io::read_mesh(mesh.file(), unit);
+    mesh_io::require_tool(read, mesh.value);
     return read;
   });
   note(loaded.findings, mesh.value, notes);
   return loaded;
 }
 
-geometry::LoadedMesh read_organ_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
-                                       MeshNotes& notes) {
+mesh_io::LoadedMesh read_organ_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
+                                      MeshNotes& notes) {
   require_unit(mesh, unit);
-  geometry::LoadedMesh loaded = with_location(
-      mesh, [&] { return geometry::repair_organ(geometry::read_mesh(mesh.file(), unit), mesh.value); });
+  mesh_io::LoadedMesh loaded = with_location(
+      mesh, [&] { return mesh_io::repair_organ(mesh_io::read_mesh(mesh.file(), unit), mesh.value); });
   note(loaded.findings, mesh.value, notes);
   return loaded;
 }

@@ -17,12 +17,12 @@ struct MeshNotes {
 
 /// [setup] Reads the mesh file of an instrument's part, without repair. @throws InputError naming the field
 /// or flag, also when the unit is missing.
-[[nodiscard]] geometry::LoadedMesh read_part_source(const LocatedString& mesh,
-                                                    const std::optional<LengthUnit>& unit, MeshNotes& notes);
+[[nodiscard]] mesh_io::LoadedMesh read_part_source(const LocatedString& mesh,
+                                                   const std::optional<LengthUnit>& unit, MeshNotes& notes);
 
 /// [setup] Reads and repairs an organ's mesh file. @throws InputError naming the field or flag, also when the
 /// unit is missing or the mesh cannot be an organ.
-[[nodiscard]] geometry::LoadedMesh read_organ_source(const LocatedString& mesh,
-                                                     const std::optional<LengthUnit>& unit, MeshNotes& notes);
+[[nodiscard]] mesh_io::LoadedMesh read_organ_source(const LocatedString& mesh,
+                                                    const std::optional<LengthUnit>& unit, MeshNotes& notes);
 
 }  // namespace palpate::scene

@@ -17,8 +17,8 @@
 namespace palpate::scene {
 namespace {
 
-using geometry::PlyProperty;
-using geometry::PlyVertices;
+using mesh_io::PlyProperty;
+using mesh_io::PlyVertices;
 
 StiffnessMapFile read_csv(const std::filesystem::path& file) {
   enum Column : std::size_t { kX, kY, kZ, kFactor };
@@ -66,8 +66,8 @@ class VertexFactor final {
                          ": element vertex must have the property factor or quality, or the colours red, "
                          "green and blue");
       }
-      using enum geometry::NumberType;
-      const geometry::NumberType type = colours_[c]->type;
+      using enum mesh_io::NumberType;
+      const mesh_io::NumberType type = colours_[c]->type;
       if (type != kUint8 && type != kFloat && type != kDouble) {
         throw InputError(
             fmt::format("{}: property {} must be uchar, or float from 0 to 1", to_text(file), names[c]));
@@ -86,7 +86,7 @@ class VertexFactor final {
     if (scalar_ != nullptr) return scalar_->values[vertex];
     double brightness = 0.0;
     for (const PlyProperty* colour : colours_) {
-      const double most = colour->type == geometry::NumberType::kUint8 ? 255.0 : 1.0;
+      const double most = colour->type == mesh_io::NumberType::kUint8 ? 255.0 : 1.0;
       const double value = colour->values[vertex];
       if (!(value >= 0.0 && value <= most)) {
         throw ParameterError(colour->name, value, "a number >= 0 and <= " + shortest(most));
@@ -108,7 +108,7 @@ class VertexFactor final {
 
 StiffnessMapFile read_ply(const std::filesystem::path& file, const StiffnessMapOptions& options) {
   constexpr std::array<std::string_view, 5> kWanted{"factor", "quality", "red", "green", "blue"};
-  const PlyVertices vertices = geometry::read_ply_vertices(geometry::open_mesh_file(file), kWanted);
+  const PlyVertices vertices = mesh_io::read_ply_vertices(mesh_io::open_mesh_file(file), kWanted);
   const VertexFactor factor_of(file, vertices, options);
   StiffnessMapFile map;
   map.item = "vertex";
@@ -139,7 +139,7 @@ std::string StiffnessMapFile::name_of(std::size_t point) const {
 }
 
 StiffnessMapFile read_stiffness_map(const std::filesystem::path& file, const StiffnessMapOptions& options) {
-  if (geometry::mesh_format(file) == geometry::MeshFormat::kPly) return read_ply(file, options);
+  if (mesh_io::mesh_format(file) == mesh_io::MeshFormat::kPly) return read_ply(file, options);
   StiffnessMapFile map = read_csv(file);
   require_no_factors(file, options);
   return map;

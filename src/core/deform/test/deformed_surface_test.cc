@@ -66,7 +66,7 @@ std::size_t crossings(const DeformedSurface& surface) {
   geometry::TriangleMesh moved = surface.rest();
   for (std::size_t v = 0; v < moved.vertices.size(); ++v)
     moved.vertices[v] = surface.vertices()[v].position.cast<double>();
-  return geometry::find_crossings(moved).pairs.size();
+  return mesh_io::find_crossings(moved).pairs.size();
 }
 
 TEST(DeformedSurface, MovesAsThePlainFormDoesToTwoPercentOfTheDepth) {

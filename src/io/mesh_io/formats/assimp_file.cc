@@ -23,7 +23,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr int kDeepestNode = 1000;
@@ -136,7 +136,7 @@ class SceneReader final {
   }
 
   void add_part(const aiMesh& part, const Mat4& to_file) {
-    TriangleMesh& mesh = imported_.mesh;
+    geometry::TriangleMesh& mesh = imported_.mesh;
     if (mesh.triangles.size() + part.mNumFaces > kMaxTriangles ||
         mesh.vertices.size() + part.mNumVertices > 3 * kMaxTriangles) {
       throw InputError(fmt::format("{}: more than {} triangles", to_text(file_.path), kMaxTriangles));
@@ -160,7 +160,7 @@ class SceneReader final {
         ++lines_;
         continue;
       }
-      Triangle triangle{};
+      geometry::Triangle triangle{};
       for (unsigned k = 0; k < 3; ++k) {
         if (face.mIndices[k] >= part.mNumVertices) {
           throw InputError(
@@ -264,4 +264,4 @@ ImportedMesh read_gltf(const MeshFile& file) {
   return check_gltf(file) ? read_by_assimp(with_float_positions(file)) : read_by_assimp(file);
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -2,7 +2,7 @@
 #include "io/mesh_io/mesh_file.h"
 
 // One reader per format, as import_mesh(): [setup], @throws InputError.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// STL, text or binary: a list of triangles, each with its own three vertices.
 [[nodiscard]] ImportedMesh read_stl(const MeshFile& file);
@@ -19,4 +19,4 @@ namespace palpate::geometry {
 [[nodiscard]] ImportedMesh read_3ds(const MeshFile& file);
 [[nodiscard]] ImportedMesh read_gltf(const MeshFile& file);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

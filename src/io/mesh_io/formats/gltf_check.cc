@@ -19,7 +19,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using nlohmann::json;
@@ -299,4 +299,4 @@ std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path
   return files;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

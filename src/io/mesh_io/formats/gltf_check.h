@@ -5,7 +5,7 @@
 
 #include "io/mesh_io/mesh_file.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// [setup] Rejects a .gltf or .glb file that an importer would misread, by the name of the extension that it
 /// needs, and one that would exhaust its memory or stack: deep nesting, parts that are used many times,
@@ -26,4 +26,4 @@ namespace palpate::geometry {
 /// InputError when the mesh cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& mesh);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

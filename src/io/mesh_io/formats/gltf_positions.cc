@@ -22,7 +22,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using nlohmann::json;
@@ -271,4 +271,4 @@ class FloatPositions final {
 
 MeshFile with_float_positions(const MeshFile& file) { return FloatPositions(file).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

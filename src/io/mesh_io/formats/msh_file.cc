@@ -12,7 +12,7 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr NumberType kInt = NumberType::kInt32;
@@ -254,4 +254,4 @@ class MshReader final {
 
 ImportedMesh read_msh(const MeshFile& file) { return MshReader(file).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -7,7 +7,7 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 class ObjReader final {
@@ -69,4 +69,4 @@ class ObjReader final {
 
 ImportedMesh read_obj(const MeshFile& file) { return ObjReader(file).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

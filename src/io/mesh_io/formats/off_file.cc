@@ -6,7 +6,7 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 class OffReader final {
@@ -69,4 +69,4 @@ class OffReader final {
 
 ImportedMesh read_off(const MeshFile& file) { return OffReader(file).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

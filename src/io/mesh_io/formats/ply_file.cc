@@ -14,7 +14,7 @@
 #include "io/mesh_io/formats/ply_vertices.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 struct Property {
@@ -193,4 +193,4 @@ PlyVertices read_ply_vertices(const MeshFile& file, std::span<const std::string_
   return PlyReader(file).vertices_with(wanted);
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

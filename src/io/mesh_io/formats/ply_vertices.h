@@ -8,7 +8,7 @@
 #include "io/mesh_io/formats/scan.h"
 
 // Values at the vertices of a PLY file, such as colours.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 inline constexpr std::size_t kMaxPlyVertices = 4'000'000;  // with values
 
@@ -31,4 +31,4 @@ struct PlyVertices {
 /// them. @throws InputError as import_mesh(), and for more than kMaxPlyVertices
 [[nodiscard]] PlyVertices read_ply_vertices(const MeshFile& file, std::span<const std::string_view> wanted);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -14,7 +14,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr std::string_view kBlank = " \t\v\f\r\n";
@@ -309,4 +309,4 @@ void MeshScan::skip_numbers(std::size_t numbers, NumberType type) {
 
 void MeshScan::skip_bytes(std::size_t bytes) { at_ = std::min(bytes_.size(), at_ + bytes); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

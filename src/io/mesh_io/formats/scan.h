@@ -9,7 +9,7 @@
 #include "io/mesh_io/mesh_file.h"
 
 // Reads lines, words and numbers of a mesh file, for all readers in this folder.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat, kDouble };
 
@@ -112,4 +112,4 @@ class MeshScan final {
 [[nodiscard]] std::string upper(std::string_view word);
 [[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view word);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

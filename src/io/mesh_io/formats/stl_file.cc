@@ -10,7 +10,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr std::size_t kHeader = 84;
@@ -102,4 +102,4 @@ ImportedMesh read_stl(const MeshFile& file) {
                   begins_with_solid(file) ? kOfText : ""));
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

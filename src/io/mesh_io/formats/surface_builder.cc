@@ -11,7 +11,7 @@
 #include "io/mesh_io/repair/repair_holes.h"
 #include "io/mesh_io/repair/repair_surface.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr std::size_t kMaxVertices = 32'000'000;  // 0.8 GB
@@ -204,7 +204,7 @@ void SurfaceBuilder::report(std::size_t count, std::string_view done, std::strin
 ImportedMesh SurfaceBuilder::take() {
   report(curved_, "used only the corners of ", "curved cell", "curved cells", "");
   if (solids_ > 0) take_outer_faces();
-  TriangleMesh& mesh = imported_.mesh;
+  geometry::TriangleMesh& mesh = imported_.mesh;
   mesh.vertices = std::move(vertices);
   mesh.triangles.reserve(triangles_);
   for (std::size_t n = 0; n + 1 < starts_.size(); ++n) {
@@ -213,7 +213,7 @@ ImportedMesh SurfaceBuilder::take() {
     if (count == 3) {
       mesh.triangles.push_back({corners[0], corners[1], corners[2]});
     } else {
-      const std::vector<Triangle> patch =
+      const std::vector<geometry::Triangle> patch =
           least_area_patch(mesh, {corners, corners + count}, [](std::int32_t, std::int32_t) { return true; });
       mesh.triangles.insert(mesh.triangles.end(), patch.begin(), patch.end());
     }
@@ -225,4 +225,4 @@ ImportedMesh SurfaceBuilder::take() {
   return std::move(imported_);
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

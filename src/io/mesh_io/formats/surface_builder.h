@@ -9,7 +9,7 @@
 #include "io/mesh_io/formats/scan.h"
 #include "io/mesh_io/mesh_file.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 enum class Shape {
   kLine,  // or points
@@ -84,4 +84,4 @@ class SurfaceBuilder final {
   std::size_t curved_ = 0;
 };
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -14,7 +14,7 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/surface_builder.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 /// The cells of a file: cell n has the corners from starts[n] to starts[n + 1].
@@ -306,4 +306,4 @@ class VtkReader final {
 
 ImportedMesh read_vtk(const MeshFile& file) { return VtkReader(file).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

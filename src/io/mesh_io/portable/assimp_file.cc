@@ -4,7 +4,7 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 [[noreturn]] ImportedMesh refuse_format(const MeshFile& file, const char* format) {
@@ -19,4 +19,4 @@ ImportedMesh read_gltf(const MeshFile& file) { return refuse_format(file, "glTF"
 
 std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& /*mesh*/) { return {}; }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -7,7 +7,7 @@
 
 #include "io/mesh_io/repair/repair_surface.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr std::size_t kMaxCrossingSteps = 300'000'000;  // about 3 s; a step is a visit of a node
@@ -30,10 +30,10 @@ double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 class Search final {
  public:
-  explicit Search(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
+  explicit Search(const geometry::TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     boxes_.reserve(mesh.triangles.size());
-    for (const Triangle& t : mesh.triangles) boxes_.push_back(box_of({t}));
+    for (const geometry::Triangle& t : mesh.triangles) boxes_.push_back(box_of({t}));
     scale_ = 0.0;
     for (const Vec3& v : mesh.vertices) scale_ = std::max(scale_, v.cwiseAbs().maxCoeff());
   }
@@ -109,7 +109,7 @@ class Search final {
     }
   }
 
-  [[nodiscard]] bool cross(const Triangle& s, const Triangle& t) const {
+  [[nodiscard]] bool cross(const geometry::Triangle& s, const geometry::Triangle& t) const {
     int common = 0;
     for (const std::int32_t v : s) common += std::count(t.begin(), t.end(), v) > 0 ? 1 : 0;
     if (common > 1) return false;
@@ -117,14 +117,14 @@ class Search final {
     return edge_pierces(s, t) || edge_pierces(t, s);
   }
 
-  [[nodiscard]] double rounding(const Triangle& s, const Triangle& t) const {
+  [[nodiscard]] double rounding(const geometry::Triangle& s, const geometry::Triangle& t) const {
     const Box box = box_of({s, t});
     const double size = (box.high - box.low).maxCoeff();
     return kRounding * (size + 1e-3 * scale_) * size * size;
   }
 
   /// Whether all corners of s are on one side of t's plane; corners on the plane count for both sides.
-  [[nodiscard]] bool all_on_one_side(const Triangle& s, const Triangle& t) const {
+  [[nodiscard]] bool all_on_one_side(const geometry::Triangle& s, const geometry::Triangle& t) const {
     const double slack = rounding(s, t);
     int above = 0;
     int below = 0;
@@ -137,7 +137,7 @@ class Search final {
   }
 
   /// Whether an edge of s that shares no corner with t passes through the interior of t.
-  [[nodiscard]] bool edge_pierces(const Triangle& s, const Triangle& t) const {
+  [[nodiscard]] bool edge_pierces(const geometry::Triangle& s, const geometry::Triangle& t) const {
     const double slack = rounding(s, t);
     const auto in_t = [&](std::int32_t v) { return std::count(t.begin(), t.end(), v) > 0; };
     for (std::size_t k = 0; k < 3; ++k) {
@@ -160,9 +160,9 @@ class Search final {
     return false;
   }
 
-  [[nodiscard]] Box box_of(std::initializer_list<Triangle> triangles) const {
+  [[nodiscard]] Box box_of(std::initializer_list<geometry::Triangle> triangles) const {
     Box box;
-    for (const Triangle& triangle : triangles) {
+    for (const geometry::Triangle& triangle : triangles) {
       for (const std::int32_t v : triangle) box.add(point(v));
     }
     return box;
@@ -172,7 +172,7 @@ class Search final {
   }
   [[nodiscard]] Vec3 centre(std::uint32_t t) const { return boxes_[t].low + boxes_[t].high; }
 
-  const TriangleMesh& mesh_;
+  const geometry::TriangleMesh& mesh_;
   std::vector<std::uint32_t> order_;
   std::vector<Box> boxes_;
   std::vector<Node> nodes_;
@@ -183,6 +183,6 @@ class Search final {
 
 }  // namespace
 
-Crossings find_crossings(const TriangleMesh& mesh) { return Search(mesh).run(); }
+Crossings find_crossings(const geometry::TriangleMesh& mesh) { return Search(mesh).run(); }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

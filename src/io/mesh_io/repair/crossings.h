@@ -6,7 +6,7 @@
 
 #include "palpate/mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// Triangles of one mesh that intersect each other.
 struct Crossings {
@@ -17,6 +17,6 @@ struct Crossings {
 /// [setup] Finds all pairs of triangles where an edge of one passes through the interior of the other by more
 /// than rounding. Neighbours with a common edge and coplanar parts do not count. Tests at most some ten
 /// million pairs with overlapping boxes, so that any mesh takes seconds.
-[[nodiscard]] Crossings find_crossings(const TriangleMesh& mesh);
+[[nodiscard]] Crossings find_crossings(const geometry::TriangleMesh& mesh);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

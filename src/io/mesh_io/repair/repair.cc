@@ -16,7 +16,7 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr double kWeld =
@@ -49,7 +49,7 @@ std::string percent(double share) {
 
 class Repair final {
  public:
-  explicit Repair(TriangleMesh mesh) : surface_(std::move(mesh)) {}
+  explicit Repair(geometry::TriangleMesh mesh) : surface_(std::move(mesh)) {}
 
   RepairedSurface run() {
     drop_and_weld();
@@ -77,7 +77,7 @@ class Repair final {
           fmt::format("dropped {} that {} a vertex twice", triangles(count), count == 1 ? "names" : "name"));
     }
     std::size_t duplicates = drop_duplicates(surface_);
-    const double tolerance = kWeld * bounds(surface_.mesh).size().norm();
+    const double tolerance = kWeld * geometry::bounds(surface_.mesh).size().norm();
     if (const std::size_t count = weld_boundaries(surface_, tolerance); count > 0) {
       report(fmt::format("joined {} at boundaries less than {} mm apart",
                          counted(count, "vertex", "vertices"), millimetres(tolerance)));
@@ -130,7 +130,7 @@ class Repair final {
   void close_holes() {
     const std::vector<Hole> holes = holes_of(surface_, pair_half_edges(surface_));
     if (holes.empty()) return;
-    const double diagonal = bounds(surface_.mesh).size().norm();
+    const double diagonal = geometry::bounds(surface_.mesh).size().norm();
     const double area = surface_.area();
     std::uint64_t steps = 0;
     for (const Hole& hole : holes) {
@@ -153,7 +153,7 @@ class Repair final {
         continue;
       }
       if (patch.middle) surface_.mesh.vertices.push_back(*patch.middle);
-      for (const Triangle& triangle : patch.triangles) surface_.add(triangle, kAdded);
+      for (const geometry::Triangle& triangle : patch.triangles) surface_.add(triangle, kAdded);
       added += patch.triangles.size();
       widest = std::max(widest, hole.width);
     }
@@ -210,7 +210,7 @@ class Repair final {
 
 }  // namespace
 
-RepairedSurface repair_surface(TriangleMesh mesh) { return Repair(std::move(mesh)).run(); }
+RepairedSurface repair_surface(geometry::TriangleMesh mesh) { return Repair(std::move(mesh)).run(); }
 
 LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
@@ -230,4 +230,4 @@ LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
   return organ;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -5,11 +5,11 @@
 #include "palpate/mesh.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// A surface after repair, and whether it can be an organ.
 struct RepairedSurface {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::vector<std::string> repairs;  // a sentence for each kind of repair, with counts
   std::vector<std::string> remarks;  // harmless defects that remain
   std::size_t crossing_pairs = 0;    // pairs of triangles that still intersect
@@ -23,10 +23,10 @@ struct RepairedSurface {
 /// removes slivers, small components and inner shells. Repairing twice gives the same result. A valid mesh
 /// keeps its vertices, triangles and their order. docs/file-formats.md defines "small"; all tolerances are
 /// relative to the mesh's size.
-[[nodiscard]] RepairedSurface repair_surface(TriangleMesh mesh);
+[[nodiscard]] RepairedSurface repair_surface(geometry::TriangleMesh mesh);
 
 /// [setup] Repairs a mesh from a file and adds the repairs to its findings. @param name file, for the message
 /// @throws InputError naming the defect of a mesh that cannot be an organ.
 [[nodiscard]] LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

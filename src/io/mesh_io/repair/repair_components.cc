@@ -7,7 +7,7 @@
 
 #include "io/mesh_io/repair/crossings.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 constexpr double kSmall = 0.01;  // of the largest component's volume; of an open one, of the surface's area
@@ -28,7 +28,7 @@ std::vector<Component> measured(const WorkSurface& surface, const std::vector<st
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     Component& component = components[component_of[t]];
     const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, against cancellation
-    const Vec3 doubled = area_vector_doubled(surface.mesh, surface.mesh.triangles[t]);
+    const Vec3 doubled = geometry::area_vector_doubled(surface.mesh, surface.mesh.triangles[t]);
     component.volume += (surface.point_at(3 * t) - origin).dot(doubled) / 6.0;
     component.area += 0.5 * doubled.norm();
     ++component.triangles;
@@ -176,4 +176,4 @@ ComponentRepairs clean_components(WorkSurface& surface) {
   return done;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

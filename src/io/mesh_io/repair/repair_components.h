@@ -7,7 +7,7 @@
 #include "io/mesh_io/repair/repair_surface.h"
 
 // Components of a closed, consistently oriented surface, for repair.cc.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 /// Result of the repairs of components and of intersecting triangles.
 struct ComponentRepairs {
@@ -28,4 +28,4 @@ RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& op
 /// those inside another, and searches for intersecting triangles.
 ComponentRepairs clean_components(WorkSurface& surface);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -5,11 +5,11 @@
 #include "core/base/infinity.h"
 #include "core/geometry/edge_key.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
-double area_of(const TriangleMesh& mesh, const Triangle& triangle) {
-  return 0.5 * area_vector_doubled(mesh, triangle).norm();
+double area_of(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle) {
+  return 0.5 * geometry::area_vector_doubled(mesh, triangle).norm();
 }
 
 }  // namespace
@@ -41,8 +41,9 @@ std::vector<Hole> holes_of(const WorkSurface& surface, const Opposites& opposite
   return holes;
 }
 
-std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
-                                       const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
+std::vector<geometry::Triangle> least_area_patch(
+    const geometry::TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+    const std::function<bool(std::int32_t, std::int32_t)>& may_join) {
   const std::size_t n = loop.size();
   if (n < 3) return {};
   std::vector<double> least(n * n, 0.0);  // [i, j]: smallest area that closes the loop from i to j
@@ -56,7 +57,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
         for (std::size_t m = i + 1; m < j; ++m) {
           const double rest = least[i * n + m] + least[m * n + j];
           if (!(rest < best)) continue;
-          const double area = rest + area_of(mesh, Triangle{loop[i], loop[m], loop[j]});
+          const double area = rest + area_of(mesh, geometry::Triangle{loop[i], loop[m], loop[j]});
           if (area < best) {
             best = area;
             split[i * n + j] = m;
@@ -67,7 +68,7 @@ std::vector<Triangle> least_area_patch(const TriangleMesh& mesh, const std::vect
     }
   }
   if (!(least[n - 1] < kInfinity)) return {};
-  std::vector<Triangle> patch;
+  std::vector<geometry::Triangle> patch;
   std::vector<std::array<std::size_t, 2>> open{{0, n - 1}};
   while (!open.empty()) {
     const auto [from, to] = open.back();
@@ -90,9 +91,9 @@ std::vector<std::uint64_t> edges_of(const WorkSurface& surface) {
 HolePatch patch_of(const WorkSurface& surface, const std::vector<std::uint64_t>& edges, const Hole& hole) {
   HolePatch patch;
   patch.triangles = least_area_patch(surface.mesh, hole.loop, [&](std::int32_t a, std::int32_t b) {
-    return !std::binary_search(edges.begin(), edges.end(), edge_key(a, b));
+    return !std::binary_search(edges.begin(), edges.end(), geometry::edge_key(a, b));
   });
-  for (const Triangle& triangle : patch.triangles) patch.area += area_of(surface.mesh, triangle);
+  for (const geometry::Triangle& triangle : patch.triangles) patch.area += area_of(surface.mesh, triangle);
   if (!patch.triangles.empty()) return patch;
   const std::size_t n = hole.loop.size();
   Vec3 middle = Vec3::Zero();
@@ -108,4 +109,4 @@ HolePatch patch_of(const WorkSurface& surface, const std::vector<std::uint64_t>&
   return patch;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -8,7 +8,7 @@
 #include "io/mesh_io/repair/repair_surface.h"
 
 // Holes of a consistently oriented surface without bow-tie vertices, for repair.cc.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 
 struct Hole {
   std::vector<std::int32_t> loop;  // vertices in the order of a patch's orientation
@@ -22,13 +22,13 @@ struct Hole {
 /// The triangulation of a loop of vertices with the smallest total area [Barequet and Sharir 1995]; n^3 / 6
 /// steps. It also triangulates a planar polygon of any shape. @param may_join whether an edge may connect two
 /// vertices that are not neighbours @return empty if there is no solution
-[[nodiscard]] std::vector<Triangle> least_area_patch(
-    const TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
+[[nodiscard]] std::vector<geometry::Triangle> least_area_patch(
+    const geometry::TriangleMesh& mesh, const std::vector<std::int32_t>& loop,
     const std::function<bool(std::int32_t, std::int32_t)>& may_join);
 
 /// The triangles that close a hole.
 struct HolePatch {
-  std::vector<Triangle> triangles;
+  std::vector<geometry::Triangle> triangles;
   double area = 0.0;           // [m^2]
   std::optional<Vec3> middle;  // a new vertex, after those of the surface
 };
@@ -41,4 +41,4 @@ struct HolePatch {
 [[nodiscard]] HolePatch patch_of(const WorkSurface& surface, const std::vector<std::uint64_t>& edges,
                                  const Hole& hole);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 // A round tries each sliver once; removing one may make the next removable.
@@ -51,7 +51,7 @@ class Round final {
     std::vector<Corner> corners;
     Corner c = start;
     do {
-      const Triangle& triangle = surface_.mesh.triangles[c / 3];
+      const geometry::Triangle& triangle = surface_.mesh.triangles[c / 3];
       if (opposite_[c] == kNoOpposite || corners.size() > 100) return {};
       for (const std::int32_t v : triangle) {
         if (touched_[static_cast<std::size_t>(v)] != 0) return {};
@@ -103,7 +103,7 @@ class Round final {
     for (const Corner corner : about_apex) {
       if (surface_.vertex_at(next_corner(corner)) == q) return false;
     }
-    const auto flat = [&](const Triangle& t) { return is_sliver(surface_.mesh, t) ? 1 : 0; };
+    const auto flat = [&](const geometry::Triangle& t) { return is_sliver(surface_.mesh, t) ? 1 : 0; };
     const int before = 1 + flat(surface_.mesh.triangles[across / 3]);
     if (flat({a, q, p}) + flat({q, b, p}) >= before) return false;
     touch(about_apex);
@@ -121,19 +121,20 @@ class Round final {
 
 }  // namespace
 
-bool is_sliver(const TriangleMesh& mesh, const Triangle& triangle) {
+bool is_sliver(const geometry::TriangleMesh& mesh, const geometry::Triangle& triangle) {
   double longest_squared = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& a = mesh.vertices[static_cast<std::size_t>(triangle[k])];
     const Vec3& b = mesh.vertices[static_cast<std::size_t>(triangle[(k + 1) % 3])];
     longest_squared = std::max(longest_squared, (b - a).squaredNorm());
   }
-  return area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
+  return geometry::area_vector_doubled(mesh, triangle).norm() <= kFlat * longest_squared;
 }
 
-std::size_t count_slivers(const TriangleMesh& mesh) {
-  return static_cast<std::size_t>(std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
-                                                [&](const Triangle& t) { return is_sliver(mesh, t); }));
+std::size_t count_slivers(const geometry::TriangleMesh& mesh) {
+  return static_cast<std::size_t>(
+      std::count_if(mesh.triangles.begin(), mesh.triangles.end(),
+                    [&](const geometry::Triangle& t) { return is_sliver(mesh, t); }));
 }
 
 std::size_t remove_slivers(WorkSurface& surface) {
@@ -146,4 +147,4 @@ std::size_t remove_slivers(WorkSurface& surface) {
   return before - std::min(before, after);
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

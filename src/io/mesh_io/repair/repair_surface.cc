@@ -11,7 +11,7 @@
 #include "core/geometry/cell.h"
 #include "core/geometry/edge_key.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 /// Triangles that are connected by manifold edges.
@@ -134,7 +134,7 @@ void pair_around(const WorkSurface& surface, const HalfEdge* first, const HalfEd
 }  // namespace
 
 double WorkSurface::area(std::size_t triangle) const {
-  return 0.5 * area_vector_doubled(mesh, mesh.triangles[triangle]).norm();
+  return 0.5 * geometry::area_vector_doubled(mesh, mesh.triangles[triangle]).norm();
 }
 
 double WorkSurface::area() const {
@@ -164,9 +164,9 @@ std::size_t WorkSurface::drop(const std::vector<std::uint8_t>& doomed) {
   return dropped;
 }
 
-void drop_unused_vertices(TriangleMesh& mesh) {
+void drop_unused_vertices(geometry::TriangleMesh& mesh) {
   std::vector<std::int32_t> name(mesh.vertices.size(), -1);
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const geometry::Triangle& triangle : mesh.triangles) {
     for (const std::int32_t v : triangle) name[at(v)] = 0;
   }
   std::size_t used = 0;
@@ -176,7 +176,7 @@ void drop_unused_vertices(TriangleMesh& mesh) {
     name[v] = static_cast<std::int32_t>(used++);
   }
   mesh.vertices.resize(used);
-  for (Triangle& triangle : mesh.triangles) {
+  for (geometry::Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
 }
@@ -204,7 +204,7 @@ void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
   parent_[std::max(a, b)] = std::min(a, b);
 }
 
-void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans) {
+void unite_fans(const std::vector<geometry::Triangle>& triangles, Corner a, Corner b, DisjointSets& fans) {
   const bool runs_along = triangles[a / 3][a % 3] == triangles[b / 3][b % 3];
   fans.unite(a, runs_along ? b : next_corner(b));
   fans.unite(next_corner(a), runs_along ? next_corner(b) : b);
@@ -239,13 +239,13 @@ std::size_t drop_collapsed(WorkSurface& surface) {
 
 std::size_t drop_duplicates(WorkSurface& surface) {
   struct Face {
-    Triangle sorted;
+    geometry::Triangle sorted;
     std::uint32_t triangle;
     bool is_even;  // sorted by an even number of swaps
   };
   std::vector<Face> faces(surface.mesh.triangles.size());
   for (std::uint32_t t = 0; t < faces.size(); ++t) {
-    Triangle sorted = surface.mesh.triangles[t];
+    geometry::Triangle sorted = surface.mesh.triangles[t];
     std::rotate(sorted.begin(), std::min_element(sorted.begin(), sorted.end()), sorted.end());
     const bool is_even = sorted[1] <= sorted[2];
     if (!is_even) std::swap(sorted[1], sorted[2]);
@@ -275,10 +275,11 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
     is_open = true;
   });
   if (!is_open || !(tolerance > 0.0)) return 0;
-  std::unordered_map<Cell, std::int32_t, ThreeWordsHash> cells;  // the first vertex of each cell
+  std::unordered_map<geometry::Cell, std::int32_t, geometry::ThreeWordsHash>
+      cells;                                           // the first vertex of each cell
   const auto find_or_add = [&](std::int32_t vertex) {  // an earlier vertex within the tolerance, or itself
     const Vec3& p = surface.point(vertex);
-    const Cell home = cell_at(p, tolerance);
+    const geometry::Cell home = geometry::cell_at(p, tolerance);
     for (int n = 0; n < 27; ++n) {
       const auto found = cells.find({home[0] + n % 3 - 1, home[1] + n / 3 % 3 - 1, home[2] + n / 9 - 1});
       if (found != cells.end() && (surface.point(found->second) - p).norm() <= tolerance)
@@ -295,7 +296,7 @@ std::size_t weld_boundaries(WorkSurface& surface, double tolerance) {
     joined += name[v] == static_cast<std::int32_t>(v) ? 0 : 1;
   }
   if (joined == 0) return 0;
-  for (Triangle& triangle : surface.mesh.triangles) {
+  for (geometry::Triangle& triangle : surface.mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[static_cast<std::size_t>(v)];
   }
   drop_unused_vertices(surface.mesh);
@@ -345,8 +346,8 @@ std::size_t split_non_manifold_edges(WorkSurface& surface, const Opposites& oppo
   std::size_t parted = 0;
   std::vector<std::uint8_t> is_cut(surface.mesh.triangles.size(), 0);
   const auto cut = [&](Corner corner, std::int32_t middle) {
-    Triangle& whole = surface.mesh.triangles[corner / 3];
-    Triangle half = whole;
+    geometry::Triangle& whole = surface.mesh.triangles[corner / 3];
+    geometry::Triangle half = whole;
     whole[(corner % 3 + 1) % 3] = middle;
     half[corner % 3] = middle;
     surface.add(half, surface.marks[corner / 3]);
@@ -415,4 +416,4 @@ std::vector<std::uint32_t> components_of(const Opposites& opposite) {
   return components;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -9,17 +9,25 @@
 #include "palpate/mesh.h"
 
 // The mesh under repair, its edges, and the repairs that need only its connectivity; for repair.cc.
-namespace palpate::geometry {
+namespace palpate::mesh_io {
+
+using geometry::Corner;
+using geometry::for_each_edge;
+using geometry::HalfEdge;
+using geometry::next_corner;
+using geometry::previous_corner;
+using geometry::sorted_half_edges;
 
 inline constexpr std::uint8_t kReversed = 1;    // reversed against the input
 inline constexpr std::uint8_t kAdded = 2;       // not in the input
 inline constexpr std::uint8_t kDuplicated = 4;  // in the input twice, with opposite orientations
 
 struct WorkSurface {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::vector<std::uint8_t> marks;  // one per triangle
 
-  explicit WorkSurface(TriangleMesh whole) : mesh(std::move(whole)), marks(mesh.triangles.size(), 0) {}
+  explicit WorkSurface(geometry::TriangleMesh whole)
+      : mesh(std::move(whole)), marks(mesh.triangles.size(), 0) {}
 
   [[nodiscard]] std::size_t corners() const { return 3 * mesh.triangles.size(); }
   [[nodiscard]] std::int32_t vertex_at(Corner corner) const { return mesh.triangles[corner / 3][corner % 3]; }
@@ -30,7 +38,7 @@ struct WorkSurface {
   [[nodiscard]] double area(std::size_t triangle) const;
   [[nodiscard]] double area() const;
 
-  void add(const Triangle& triangle, std::uint8_t mark) {
+  void add(const geometry::Triangle& triangle, std::uint8_t mark) {
     mesh.triangles.push_back(triangle);
     marks.push_back(mark);
   }
@@ -41,7 +49,7 @@ struct WorkSurface {
 };
 
 /// Drops unused vertices. The others keep their order.
-void drop_unused_vertices(TriangleMesh& mesh);
+void drop_unused_vertices(geometry::TriangleMesh& mesh);
 
 /// Half the solid angle of a triangle seen from the origin, positive from behind the triangle [van Oosterom
 /// and Strackee 1983].
@@ -76,7 +84,7 @@ class DisjointSets final {
 };
 
 /// Unites the fans of two triangles with a common edge, around both ends of the edge.
-void unite_fans(const std::vector<Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
+void unite_fans(const std::vector<geometry::Triangle>& triangles, Corner a, Corner b, DisjointSets& fans);
 
 inline constexpr Corner kNoOpposite = 0xffffffffU;
 
@@ -115,4 +123,4 @@ bool orient_consistently(WorkSurface& surface, const Opposites& opposite);
 /// The component of each triangle, identified by its smallest triangle.
 [[nodiscard]] std::vector<std::uint32_t> components_of(const Opposites& opposite);
 
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

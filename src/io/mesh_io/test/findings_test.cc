@@ -10,7 +10,7 @@
 #include "palpate/mesh.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using testing::AllOf;
@@ -20,15 +20,15 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
 
-LoadedMesh with_findings(TriangleMesh mesh) {
+LoadedMesh with_findings(geometry::TriangleMesh mesh) {
   LoadedMesh loaded{std::move(mesh), {}};
   loaded.findings = findings_of(loaded.mesh);
   return loaded;
 }
 
-TriangleMesh two_boxes(const Vec3& offset, bool second_is_turned) {
-  TriangleMesh mesh = make_box({0.06, 0.06, 0.06}, 0.06);
-  const TriangleMesh other = make_box({0.02, 0.02, 0.02}, 0.02);
+geometry::TriangleMesh two_boxes(const Vec3& offset, bool second_is_turned) {
+  geometry::TriangleMesh mesh = geometry::make_box({0.06, 0.06, 0.06}, 0.06);
+  const geometry::TriangleMesh other = geometry::make_box({0.02, 0.02, 0.02}, 0.02);
   for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(vertex + offset);
   for (auto [a, b, c] : other.triangles) {
     if (second_is_turned) std::swap(b, c);
@@ -38,7 +38,7 @@ TriangleMesh two_boxes(const Vec3& offset, bool second_is_turned) {
 }
 
 TEST(Findings, OfABallAreClean) {
-  const MeshFindings findings = findings_of(make_ball(0.02, 320));
+  const MeshFindings findings = findings_of(geometry::make_ball(0.02, 320));
   EXPECT_TRUE(findings.closed);
   EXPECT_TRUE(findings.manifold);
   EXPECT_EQ(findings.shells, 1);
@@ -53,7 +53,7 @@ TEST(Findings, OfNothing) {
 }
 
 TEST(Findings, ABoundary) {
-  TriangleMesh mesh = make_ball(0.02, 320);
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 320);
   mesh.triangles.pop_back();
   const MeshFindings findings = findings_of(mesh);
   EXPECT_FALSE(findings.closed);
@@ -62,20 +62,20 @@ TEST(Findings, ABoundary) {
 }
 
 TEST(Findings, ATriangleTurnedOver) {
-  TriangleMesh mesh = make_ball(0.02, 320);
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 320);
   std::swap(mesh.triangles[7][0], mesh.triangles[7][1]);
   EXPECT_THAT(findings_of(mesh).defects, ElementsAre("3 edges whose two triangles differ in orientation"));
 }
 
 TEST(Findings, ASurfaceOrientedInwards) {
-  TriangleMesh mesh = make_ball(0.02, 320);
-  for (Triangle& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 320);
+  for (geometry::Triangle& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_THAT(findings_of(mesh).defects, ElementsAre("1 shell oriented inwards"));
 }
 
 TEST(Findings, TwoBallsThatShareAVertex) {
-  TriangleMesh mesh = make_ball(0.02, 20);
-  TriangleMesh other = mesh;
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 20);
+  geometry::TriangleMesh other = mesh;
   for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(2.0 * other.vertices[0] - vertex);
   for (const auto& [a, b, c] : other.triangles) {
     const auto moved = [](std::int32_t v) { return v == 0 ? 0 : v + 12; };
@@ -90,7 +90,7 @@ TEST(Findings, TwoBallsThatShareAVertex) {
 
 TEST(Findings, AnEdgeOfFourTriangles) {
   // Two tetrahedra with the edge 0-1 in common.
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {0, 5, 4}};
   const MeshFindings findings = findings_of(mesh);
@@ -99,7 +99,7 @@ TEST(Findings, AnEdgeOfFourTriangles) {
 }
 
 TEST(Findings, TrianglesWithoutArea) {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-8, 0}, {0.5, 1e-6, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 1, 1}};
   EXPECT_THAT(findings_of(mesh).remarks, Contains("2 triangles without area"));
@@ -121,11 +121,11 @@ TEST(Findings, SeparateShellsMustEachBeOrientedOutwards) {
 }
 
 TEST(RequireOrgan, TakesASoundMesh) {
-  EXPECT_NO_THROW(require_organ(with_findings(make_ball(0.02, 320)), "ball"));
+  EXPECT_NO_THROW(require_organ(with_findings(geometry::make_ball(0.02, 320)), "ball"));
 }
 
 TEST(RequireOrgan, RefusesAnOpenMeshAndReportsWhatIsWrong) {
-  TriangleMesh mesh = make_ball(0.02, 320);
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 320);
   mesh.triangles.pop_back();
   EXPECT_THAT([&] { require_organ(with_findings(mesh), "x.stl"); },
               ThrowsMessage<InputError>(
@@ -133,21 +133,22 @@ TEST(RequireOrgan, RefusesAnOpenMeshAndReportsWhatIsWrong) {
 }
 
 TEST(RequireOrgan, RefusesASizeThatSpeaksForAnotherUnit) {
-  EXPECT_THAT([] { require_organ(with_findings(make_ball(40.0, 80)), "x.stl"); },
+  EXPECT_THAT([] { require_organ(with_findings(geometry::make_ball(40.0, 80)), "x.stl"); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("5 to 2000 mm"), HasSubstr("1000 times smaller"))));
-  EXPECT_THAT([] { require_organ(with_findings(make_ball(4e-5, 80)), "x.stl"); },
+  EXPECT_THAT([] { require_organ(with_findings(geometry::make_ball(4e-5, 80)), "x.stl"); },
               ThrowsMessage<InputError>(HasSubstr("1000 times larger")));
 }
 
 TEST(RequireOrgan, TakesSizesUpToItsBounds) {
-  EXPECT_NO_THROW(require_organ(with_findings(make_box({0.005, 0.001, 0.001}, 1.0)), "x"));
-  EXPECT_NO_THROW(require_organ(with_findings(make_box({2.0, 0.1, 0.1}, 1.0)), "x"));
-  EXPECT_THROW(require_organ(with_findings(make_box({0.00499, 0.001, 0.001}, 1.0)), "x"), InputError);
-  EXPECT_THROW(require_organ(with_findings(make_box({2.01, 0.1, 0.1}, 1.0)), "x"), InputError);
+  EXPECT_NO_THROW(require_organ(with_findings(geometry::make_box({0.005, 0.001, 0.001}, 1.0)), "x"));
+  EXPECT_NO_THROW(require_organ(with_findings(geometry::make_box({2.0, 0.1, 0.1}, 1.0)), "x"));
+  EXPECT_THROW(require_organ(with_findings(geometry::make_box({0.00499, 0.001, 0.001}, 1.0)), "x"),
+               InputError);
+  EXPECT_THROW(require_organ(with_findings(geometry::make_box({2.01, 0.1, 0.1}, 1.0)), "x"), InputError);
 }
 
 TEST(RequireTool, RefusesAMeshWithoutExtentOrOfAbsurdSize) {
-  const auto cube = [](double side) { return with_findings(make_box({side, side, side}, side)); };
+  const auto cube = [](double side) { return with_findings(geometry::make_box({side, side, side}, side)); };
   EXPECT_NO_THROW(require_tool(cube(1.001e-4), "x"));
   EXPECT_NO_THROW(require_tool(cube(4.999), "x"));
   for (const double bad : {1e-38, 0.99e-4, 5.01, 1e32}) {
@@ -157,4 +158,4 @@ TEST(RequireTool, RefusesAMeshWithoutExtentOrOfAbsurdSize) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -14,7 +14,7 @@
 #include "palpate/mesh.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using testing::AllOf;
@@ -111,7 +111,7 @@ TEST_F(Gltf, ReadsQuantizedPositionsOfEveryType) {
     const LoadedMesh beside = read(
         "a.gltf", quantized_json(form.type, form.normalized, form.stride, form.scale, R"("uri":"a.bin",)"));
     EXPECT_NEAR(std::abs(beside.findings.volume), 4.0, 1e-3);
-    const Bounds box = bounds(beside.mesh);
+    const geometry::Bounds box = geometry::bounds(beside.mesh);
     EXPECT_LT((box.low - Vec3(10, 20, 30)).norm(), 1e-3);
     EXPECT_LT((box.high - Vec3(12, 23, 34)).norm(), 1e-3);
     std::string json = quantized_json(form.type, form.normalized, form.stride, form.scale, "");
@@ -188,4 +188,4 @@ TEST_F(Gltf, RefusesCompressedMeshesWhoseExtensionIsOnlyUsed) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -12,7 +12,7 @@
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using test::Solid;
@@ -181,7 +181,7 @@ TEST(Msh, TakesTheSurfaceOfSolidElementsOrientedOutwards) {
       SCOPED_TRACE(solid.name + ", version " + form.version + (form.is_binary ? ", binary" : ", text"));
       const ImportedMesh read = read_msh_bytes(msh(form, solid.points, solid.cells));
       EXPECT_EQ(read.mesh.triangles.size(), solid.triangles);
-      EXPECT_NEAR(signed_volume(read.mesh), solid.volume, 1e-12);
+      EXPECT_NEAR(geometry::signed_volume(read.mesh), solid.volume, 1e-12);
       EXPECT_THAT(read.mesh.vertices, IsSubsetOf(solid.points));
       const MeshFindings findings = findings_of(read.mesh);
       EXPECT_TRUE(findings.closed && findings.manifold);
@@ -209,7 +209,7 @@ TEST(Msh, KeepsNoNodesFromWithinASolid) {
   const ImportedMesh read = read_msh_bytes(msh({"4.1", true, false}, points, cells));
   EXPECT_EQ(read.mesh.vertices.size(), 26U);
   EXPECT_EQ(read.mesh.triangles.size(), 48U);
-  EXPECT_NEAR(signed_volume(read.mesh), 8.0, 1e-12);
+  EXPECT_NEAR(geometry::signed_volume(read.mesh), 8.0, 1e-12);
 }
 
 TEST(Msh, ReportsThatCurvedElementsAreTakenByTheirCorners) {
@@ -225,7 +225,7 @@ TEST(Msh, TakesTrianglesAndQuadrilateralsAsASurfaceWhereNothingIsSolid) {
   for (const MshForm& form : all_msh_forms()) {
     const ImportedMesh read = read_msh_bytes(msh(form, points, cells));
     ASSERT_EQ(read.mesh.triangles.size(), 3U);
-    EXPECT_EQ(read.mesh.triangles.front(), (Triangle{0, 1, 4}));
+    EXPECT_EQ(read.mesh.triangles.front(), (geometry::Triangle{0, 1, 4}));
     EXPECT_THAT(read.repairs, ElementsAre("cut 1 polygon into triangles", "dropped 1 line or point"));
   }
 }
@@ -262,7 +262,7 @@ TEST(Msh, IsRefusedOrReadWhicheverByteIsChanged) {
       for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
       try {
         const ImportedMesh some = read_msh_bytes(damaged);
-        for (const Triangle& t : some.mesh.triangles) {
+        for (const geometry::Triangle& t : some.mesh.triangles) {
           for (const std::int32_t v : t) ASSERT_LT(static_cast<std::size_t>(v), some.mesh.vertices.size());
         }
       } catch (const InputError& error) {
@@ -316,7 +316,7 @@ TEST(Msh, IsReadWhateverTheTagsOfItsNodesHaveInCommon) {
   text += "$EndNodes\n$Elements\n1 1 1 1\n2 1 2 1\n1 1 " + std::to_string(1 + kTableSize) + " " +
           std::to_string(1 + 499'999 * kTableSize) + "\n$EndElements\n";
   const palpate::test::TemporaryFolder folder;
-  const TriangleMesh mesh = read_mesh(folder.write("a.msh", text), LengthUnit::kMetre).mesh;
+  const geometry::TriangleMesh mesh = read_mesh(folder.write("a.msh", text), LengthUnit::kMetre).mesh;
   ASSERT_EQ(mesh.vertices.size(), 3U);
   EXPECT_EQ(mesh.vertices[1], Vec3(1, 1, 0));
   EXPECT_EQ(mesh.vertices[2], Vec3(499'999, 499'999 % 7, 0));
@@ -334,4 +334,4 @@ TEST(Msh, RefusesBlocksThatDoNotAddUpToWhatIsDeclared) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -14,7 +14,7 @@
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using palpate::test::TemporaryFolder;
@@ -265,8 +265,8 @@ TEST_F(ReadMesh, NodeTransformsAreApplied) {
                      {10, 20, 30});
   const LoadedMesh turned =
       read("b.glb", glb(R"([{"children":[1],"translation":[10,0,0]},{"mesh":0,"rotation":[0,0,1,0]}])"));
-  EXPECT_LT((bounds(turned.mesh).low - Vec3(8, -3, 0)).norm(), 1e-5);
-  EXPECT_LT((bounds(turned.mesh).high - Vec3(10, 0, 4)).norm(), 1e-5);
+  EXPECT_LT((geometry::bounds(turned.mesh).low - Vec3(8, -3, 0)).norm(), 1e-5);
+  EXPECT_LT((geometry::bounds(turned.mesh).high - Vec3(10, 0, 4)).norm(), 1e-5);
 }
 
 TEST_F(ReadMesh, MirroredPartsStayOrientedOutwards) {
@@ -280,7 +280,7 @@ TEST_F(ReadMesh, UnitsBecomeMetres) {
                                      {LengthUnit::kCentimetre, 1e-2},
                                      {LengthUnit::kMetre, 1.0},
                                      {LengthUnit::kInch, 0.0254}}) {
-    EXPECT_NEAR(bounds(read("a.obj", kObj, unit).mesh).high.y(), 3.0 * metres, 1e-15);
+    EXPECT_NEAR(geometry::bounds(read("a.obj", kObj, unit).mesh).high.y(), 3.0 * metres, 1e-15);
   }
 }
 
@@ -628,4 +628,4 @@ TEST(DeclaredSpace, IsReadFromTheFieldDataOfAVtkFile) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

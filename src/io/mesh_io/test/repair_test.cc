@@ -16,7 +16,7 @@
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using ::testing::AllOf;
@@ -26,40 +26,44 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
-void turn(Triangle& triangle) { std::swap(triangle[0], triangle[1]); }
+void turn(geometry::Triangle& triangle) { std::swap(triangle[0], triangle[1]); }
 
-void turn_all(TriangleMesh& mesh) { std::for_each(mesh.triangles.begin(), mesh.triangles.end(), turn); }
+void turn_all(geometry::TriangleMesh& mesh) {
+  std::for_each(mesh.triangles.begin(), mesh.triangles.end(), turn);
+}
 
 /// Adds `other`, scaled about its origin and translated.
-void add(TriangleMesh& mesh, const TriangleMesh& other, const Vec3& offset, double scale = 1.0) {
+void add(geometry::TriangleMesh& mesh, const geometry::TriangleMesh& other, const Vec3& offset,
+         double scale = 1.0) {
   const auto first = static_cast<std::int32_t>(mesh.vertices.size());
   for (const Vec3& v : other.vertices) mesh.vertices.emplace_back(scale * v + offset);
   for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + first, b + first, c + first});
 }
 
-TriangleMesh ball() { return make_ball(0.02, 320); }
+geometry::TriangleMesh ball() { return geometry::make_ball(0.02, 320); }
 
-TriangleMesh box() { return make_box({0.04, 0.04, 0.04}, 0.01); }
+geometry::TriangleMesh box() { return geometry::make_box({0.04, 0.04, 0.04}, 0.01); }
 
-void expect_sound(const TriangleMesh& mesh) {
-  EXPECT_TRUE(test::is_closed(mesh));  // throws unless each edge has two half-edges of opposite directions
+void expect_sound(const geometry::TriangleMesh& mesh) {
+  EXPECT_TRUE(
+      geometry::test::is_closed(mesh));  // throws unless each edge has two half-edges of opposite directions
   EXPECT_THAT(findings_of(mesh).defects, IsEmpty());
-  EXPECT_GT(signed_volume(mesh), 0.0);
-  EXPECT_NO_THROW(SignedDistance{mesh});
+  EXPECT_GT(geometry::signed_volume(mesh), 0.0);
+  EXPECT_NO_THROW(geometry::SignedDistance{mesh});
 }
 
-void expect_same(const TriangleMesh& a, const TriangleMesh& b) {
+void expect_same(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.vertices, b.vertices);
 }
 
 /// Repairs, expects a valid surface of the given volume, and that a second repair changes nothing.
-RepairedSurface repaired(const TriangleMesh& mesh, double volume, double share = 1e-9) {
+RepairedSurface repaired(const geometry::TriangleMesh& mesh, double volume, double share = 1e-9) {
   RepairedSurface first = repair_surface(mesh);
   EXPECT_EQ(first.refusal, "");
   if (!first.refusal.empty()) return first;
   expect_sound(first.mesh);
-  EXPECT_NEAR(signed_volume(first.mesh), volume, share * volume);
+  EXPECT_NEAR(geometry::signed_volume(first.mesh), volume, share * volume);
   const RepairedSurface second = repair_surface(first.mesh);
   EXPECT_THAT(second.repairs, IsEmpty());
   EXPECT_EQ(second.refusal, "");
@@ -70,14 +74,14 @@ RepairedSurface repaired(const TriangleMesh& mesh, double volume, double share =
 class BuiltinRepair : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(BuiltinRepair, LeavesTheOrganAlone) {
-  const TriangleMesh organ = make_organ(GetParam());
+  const geometry::TriangleMesh organ = geometry::make_organ(GetParam());
   const RepairedSurface result = repair_surface(organ);
   EXPECT_EQ(result.refusal, "");
   EXPECT_THAT(result.repairs, IsEmpty());
   expect_same(result.mesh, organ);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(builtin_organ_names()),
+INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(geometry::builtin_organ_names()),
                          [](const auto& tested) {
                            std::string name = tested.param;
                            std::replace_if(
@@ -87,19 +91,19 @@ INSTANTIATE_TEST_SUITE_P(Each, BuiltinRepair, ::testing::ValuesIn(builtin_organ_
                          });
 
 TEST(Repair, OrientsASurfaceThatIsOrientedInwards) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   turn_all(mesh);
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
+  EXPECT_THAT(repaired(mesh, geometry::signed_volume(ball())).repairs,
               ElementsAre("turned all 320 triangles outwards"));
 }
 
 TEST(Repair, OrientsTheTrianglesThatAreOrientedAgainstTheRest) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   for (const std::size_t t : {3U, 77U, 78U, 200U}) turn(mesh.triangles[t]);
-  const RepairedSurface result = repaired(mesh, signed_volume(ball()));
+  const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()));
   EXPECT_THAT(result.repairs, ElementsAre("turned 4 triangles outwards"));
   expect_same(result.mesh, [] {
-    TriangleMesh want = ball();
+    geometry::TriangleMesh want = ball();
     for (const std::size_t t : {3U, 77U, 78U, 200U})  // the same triangle from another corner
       std::rotate(want.triangles[t].begin(), want.triangles[t].begin() + 1, want.triangles[t].end());
     return want;
@@ -107,22 +111,23 @@ TEST(Repair, OrientsTheTrianglesThatAreOrientedAgainstTheRest) {
 }
 
 TEST(Repair, DropsDuplicateTrianglesEitherWayRound) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   mesh.triangles.push_back(mesh.triangles[5]);
   mesh.triangles.push_back(mesh.triangles[6]);
   turn(mesh.triangles.back());
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs, ElementsAre("dropped 2 duplicate triangles"));
+  EXPECT_THAT(repaired(mesh, geometry::signed_volume(ball())).repairs,
+              ElementsAre("dropped 2 duplicate triangles"));
 }
 
 TEST(Repair, DropsTrianglesThatNameAVertexTwice) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   mesh.triangles.push_back({4, 4, 9});
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
+  EXPECT_THAT(repaired(mesh, geometry::signed_volume(ball())).repairs,
               ElementsAre("dropped 1 triangle that names a vertex twice"));
 }
 
 TEST(Repair, DropsDanglingFaces) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   const auto [a, b, c] = mesh.triangles[10];
   const Vec3 outside = 1.1 * mesh.vertices[static_cast<std::size_t>(a)];
   mesh.vertices.emplace_back(outside);
@@ -130,14 +135,14 @@ TEST(Repair, DropsDanglingFaces) {
   const auto out = static_cast<std::int32_t>(mesh.vertices.size()) - 1;
   mesh.triangles.push_back({a, b, out});
   mesh.triangles.push_back({b, out, out - 1});
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
+  EXPECT_THAT(repaired(mesh, geometry::signed_volume(ball())).repairs,
               ElementsAre("dropped 1 patch of dangling faces (2 triangles)"));
 }
 
 /// A box and its mirror image at its right side; each has that side, so the two coincide.
-TriangleMesh two_boxes_with_a_side_in_common() {
-  const TriangleMesh one = make_box({0.02, 0.02, 0.02}, 1.0);
-  TriangleMesh mesh = one;
+geometry::TriangleMesh two_boxes_with_a_side_in_common() {
+  const geometry::TriangleMesh one = geometry::make_box({0.02, 0.02, 0.02}, 1.0);
+  geometry::TriangleMesh mesh = one;
   std::vector<std::int32_t> image;
   for (const Vec3& v : one.vertices) {
     const Vec3 mirrored(0.02 - v.x(), v.y(), v.z());
@@ -160,8 +165,8 @@ TEST(Repair, DropsTheFacesBetweenTwoSolidsThatShareASide) {
 }
 
 TEST(Repair, RefusesEdgesOfThreeTrianglesWhoseFacesNeitherDangleNorLieInside) {
-  TriangleMesh mesh = two_boxes_with_a_side_in_common();
-  const auto is_in_wall = [&](const Triangle& t) {
+  geometry::TriangleMesh mesh = two_boxes_with_a_side_in_common();
+  const auto is_in_wall = [&](const geometry::Triangle& t) {
     return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
       return std::abs(mesh.vertices[static_cast<std::size_t>(v)].x() - 0.01) < 1e-9;
     });
@@ -172,61 +177,62 @@ TEST(Repair, RefusesEdgesOfThreeTrianglesWhoseFacesNeitherDangleNorLieInside) {
 }
 
 TEST(Repair, PartsSolidsThatTouchInAVertex) {
-  TriangleMesh mesh = make_ball(0.02, 20);
-  const TriangleMesh other = mesh;
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 20);
+  const geometry::TriangleMesh other = mesh;
   for (const Vec3& vertex : other.vertices) mesh.vertices.emplace_back(2.0 * other.vertices[0] - vertex);
   for (const auto& [a, b, c] : other.triangles) {
     const auto moved = [](std::int32_t v) { return v == 0 ? 0 : v + 12; };
     mesh.triangles.push_back({moved(a), moved(c), moved(b)});
   }
-  const RepairedSurface result = repaired(mesh, 2.0 * signed_volume(other));
+  const RepairedSurface result = repaired(mesh, 2.0 * geometry::signed_volume(other));
   EXPECT_THAT(result.repairs, ElementsAre("separated touching surfaces with 1 new vertex"));
   EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
 TEST(Repair, PartsSolidsThatTouchInAnEdgeWithAnyOrientation) {
-  TriangleMesh mesh;  // two tetrahedra with the common edge 0-1, volume 1/6 cm^3 each
+  geometry::TriangleMesh mesh;  // two tetrahedra with the common edge 0-1, volume 1/6 cm^3 each
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}, {0, 0, -1}};
   for (Vec3& v : mesh.vertices) v *= 0.01;
   mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 4, 1}, {0, 1, 5}, {1, 4, 5}, {0, 5, 4}};
   for (int turned = 0; turned < 256; ++turned) {
-    TriangleMesh damaged = mesh;
+    geometry::TriangleMesh damaged = mesh;
     for (std::size_t t = 0; t < 8; ++t) {
       if ((turned >> t & 1) != 0) turn(damaged.triangles[t]);
     }
     const RepairedSurface result = repair_surface(damaged);
     ASSERT_EQ(result.refusal, "") << turned;
-    ASSERT_TRUE(test::is_closed(result.mesh)) << turned;
+    ASSERT_TRUE(geometry::test::is_closed(result.mesh)) << turned;
     ASSERT_THAT(findings_of(result.mesh).defects, IsEmpty()) << turned;
   }
   EXPECT_THAT(repaired(mesh, 1e-6 / 3.0).remarks, ElementsAre("2 separate components"));
 }
 
 TEST(Repair, ClosesAMissingTriangleAsItWas) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   mesh.triangles.erase(mesh.triangles.begin() + 40);
-  const RepairedSurface result = repaired(mesh, signed_volume(ball()));
+  const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()));
   EXPECT_THAT(result.repairs, ElementsAre(StartsWith("closed 1 hole with 1 triangle (")));
 }
 
 TEST(Repair, ClosesAHoleInAFlatSideWithoutChangingTheVolume) {
   // 4 x 2 squares in the middle of a side are missing; the smallest patch is flat.
-  const TriangleMesh whole = make_box({0.04, 0.04, 0.04}, 0.0025);
-  TriangleMesh mesh = whole;
-  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+  const geometry::TriangleMesh whole = geometry::make_box({0.04, 0.04, 0.04}, 0.0025);
+  geometry::TriangleMesh mesh = whole;
+  std::erase_if(mesh.triangles, [&](const geometry::Triangle& t) {
     return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
       const Vec3 p = mesh.vertices[static_cast<std::size_t>(v)];
       return p.z() > 0.0199 && std::abs(p.x()) < 0.0051 && std::abs(p.y()) < 0.0026;
     });
   });
   ASSERT_EQ(mesh.triangles.size() + 16, whole.triangles.size());
-  (void)repaired(mesh, signed_volume(whole));
+  (void)repaired(mesh, geometry::signed_volume(whole));
 }
 
 TEST(Repair, RefusesALargeHoleAndReportsHowLargeAndWhere) {
-  TriangleMesh mesh = ball();
-  std::erase_if(mesh.triangles,
-                [&](const Triangle& t) { return mesh.vertices[static_cast<std::size_t>(t[0])].z() > 0.005; });
+  geometry::TriangleMesh mesh = ball();
+  std::erase_if(mesh.triangles, [&](const geometry::Triangle& t) {
+    return mesh.vertices[static_cast<std::size_t>(t[0])].z() > 0.005;
+  });
   const RepairedSurface result = repair_surface(mesh);
   EXPECT_THAT(result.refusal,
               AllOf(StartsWith("a hole of "), HasSubstr(" edges, "), HasSubstr(" mm across")));
@@ -234,10 +240,10 @@ TEST(Repair, RefusesALargeHoleAndReportsHowLargeAndWhere) {
 
 TEST(Repair, ClosesAHoleUpToAFifthOfTheDiagonalAndNoLarger) {
   // A ball of radius 20 mm has the diagonal 69.3 mm: 13.9 mm is the limit.
-  const TriangleMesh fine = make_ball(0.02, 20480);
+  const geometry::TriangleMesh fine = geometry::make_ball(0.02, 20480);
   const auto open_at = [&](double height) {
-    TriangleMesh mesh = fine;
-    std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    geometry::TriangleMesh mesh = fine;
+    std::erase_if(mesh.triangles, [&](const geometry::Triangle& t) {
       return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
         return mesh.vertices[static_cast<std::size_t>(v)].z() > height;
       });
@@ -249,10 +255,10 @@ TEST(Repair, ClosesAHoleUpToAFifthOfTheDiagonalAndNoLarger) {
 }
 
 TEST(Repair, JoinsBoundariesThatDifferByTheRoundingOfText) {
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> rounding(-1e-9, 1e-9);
-  for (const Triangle& t : ball().triangles) {  // each with its own three vertices, slightly moved
+  for (const geometry::Triangle& t : ball().triangles) {  // each with its own three vertices, slightly moved
     const auto first = static_cast<std::int32_t>(mesh.vertices.size());
     for (const std::int32_t v : t) {
       mesh.vertices.emplace_back(ball().vertices[static_cast<std::size_t>(v)] +
@@ -260,14 +266,14 @@ TEST(Repair, JoinsBoundariesThatDifferByTheRoundingOfText) {
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
-  const RepairedSurface result = repaired(mesh, signed_volume(ball()), 1e-6);
+  const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()), 1e-6);
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
   EXPECT_THAT(result.repairs, ElementsAre(StartsWith("joined 798 vertices at boundaries")));
 }
 
 TEST(Repair, JudgesAnOpenPatchAlikeHoweverFarOutItLies) {
   const auto patch_at = [](double x) {
-    TriangleMesh mesh;
+    geometry::TriangleMesh mesh;
     mesh.vertices = {{x, 0, 0}, {x, 1, 0}, {x, 0, 1}, {x, 1, 1e-9}, {x, 1, 1}, {x, 1e-9, 1}};
     mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
     return repair_surface(mesh);
@@ -281,7 +287,7 @@ TEST(Repair, JudgesAnOpenPatchAlikeHoweverFarOutItLies) {
 
 TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
   // A vertex in the middle of an edge, used on one side only, by a triangle without area.
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   const auto [a, b, c] = mesh.triangles[0];
   const auto middle = static_cast<std::int32_t>(mesh.vertices.size());
   const Vec3 point =
@@ -290,14 +296,14 @@ TEST(Repair, TakesOutTrianglesWithoutAreaAndStaysClosed) {
   mesh.triangles[0] = {a, middle, c};
   mesh.triangles.push_back({middle, b, c});
   mesh.triangles.push_back({a, b, middle});
-  const RepairedSurface result = repaired(mesh, signed_volume(ball()));
+  const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()));
   EXPECT_THAT(result.repairs, ElementsAre("removed 1 triangle without area"));
   EXPECT_EQ(result.mesh.triangles.size(), 322U);
 }
 
 TEST(Repair, ShrinksAnEdgeWithoutLength) {
   // The vertex exists twice, 1e-10 m apart, with two slivers between.
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   const std::int32_t v = mesh.triangles[0][0];
   const auto twin = static_cast<std::int32_t>(mesh.vertices.size());
   mesh.vertices.emplace_back(mesh.vertices[static_cast<std::size_t>(v)] + Vec3(1e-10, 0, 0));
@@ -305,27 +311,27 @@ TEST(Repair, ShrinksAnEdgeWithoutLength) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), v) > 0) around.push_back(t);
   }
-  const auto neighbours = edge_neighbours(mesh);
+  const auto neighbours = geometry::edge_neighbours(mesh);
   // Gives the second vertex to the first triangle; slivers close the two seams.
-  Triangle& moved = mesh.triangles[around[0]];
+  geometry::Triangle& moved = mesh.triangles[around[0]];
   while (moved[0] != v) std::rotate(moved.begin(), moved.begin() + 1, moved.end());
   const auto [from, p, q] = moved;
   moved[0] = twin;
   mesh.triangles.push_back({v, p, twin});
   mesh.triangles.push_back({v, twin, q});
-  ASSERT_TRUE(test::is_closed(mesh));
-  const RepairedSurface result = repaired(mesh, signed_volume(ball()), 1e-6);
+  ASSERT_TRUE(geometry::test::is_closed(mesh));
+  const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()), 1e-6);
   EXPECT_THAT(result.repairs, ElementsAre("removed 2 triangles without area"));
   EXPECT_EQ(result.mesh.vertices.size(), ball().vertices.size());
 }
 
 TEST(Repair, DropsInnerShellsWithAnyOrientation) {
   for (const bool is_turned : {false, true}) {
-    TriangleMesh inner = ball();
+    geometry::TriangleMesh inner = ball();
     if (is_turned) turn_all(inner);
-    TriangleMesh mesh = ball();
+    geometry::TriangleMesh mesh = ball();
     add(mesh, inner, {0.001, 0.0, 0.0}, 0.6);
-    const RepairedSurface result = repaired(mesh, signed_volume(ball()));
+    const RepairedSurface result = repaired(mesh, geometry::signed_volume(ball()));
     EXPECT_THAT(result.repairs,
                 ::testing::Contains("dropped 1 inner shell (320 triangles): an organ is solid"));
     EXPECT_EQ(result.mesh.triangles.size(), 320U);
@@ -333,38 +339,38 @@ TEST(Repair, DropsInnerShellsWithAnyOrientation) {
 }
 
 TEST(Repair, DropsSmallComponentsAndKeepsLargeOnesAndReportsIt) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   add(mesh, ball(), {0.05, 0.0, 0.0}, 0.1);
   add(mesh, ball(), {-0.05, 0.0, 0.0}, 0.5);
-  const RepairedSurface result = repaired(mesh, 1.125 * signed_volume(ball()));
+  const RepairedSurface result = repaired(mesh, 1.125 * geometry::signed_volume(ball()));
   EXPECT_THAT(result.repairs, ElementsAre("dropped 1 small component (320 triangles, 0.09 % of the volume)"));
   EXPECT_THAT(result.remarks, ElementsAre("2 separate components"));
 }
 
 TEST(Repair, DropsSmallOpenComponents) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   const auto first = static_cast<std::int32_t>(mesh.vertices.size());
   for (const double x : {0.0, 0.001, 0.002}) mesh.vertices.emplace_back(0.03, x, x * x);
   mesh.triangles.push_back({first, first + 1, first + 2});
-  EXPECT_THAT(repaired(mesh, signed_volume(ball())).repairs,
+  EXPECT_THAT(repaired(mesh, geometry::signed_volume(ball())).repairs,
               ElementsAre("dropped 1 small open component (1 triangle)"));
 }
 
 TEST(Repair, RefusesComponentsThatGoThroughEachOther) {
-  TriangleMesh mesh = ball();
+  geometry::TriangleMesh mesh = ball();
   add(mesh, ball(), {0.02, 0.001, 0.0005});
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("components go through each other"));
 }
 
 TEST(Repair, RefusesManyComponentsOfLikeSize) {
-  TriangleMesh mesh = make_ball(0.001, 20);
-  for (int n = 1; n < 40; ++n) add(mesh, make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
+  geometry::TriangleMesh mesh = geometry::make_ball(0.001, 20);
+  for (int n = 1; n < 40; ++n) add(mesh, geometry::make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
   EXPECT_THAT(repair_surface(mesh).refusal, HasSubstr("40 separate components"));
 }
 
 TEST(Repair, RefusesManySoundComponentsWithARemedyThatFitsThem) {
-  LoadedMesh loaded{make_ball(0.001, 20), {}};
-  for (int n = 1; n < 33; ++n) add(loaded.mesh, make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
+  LoadedMesh loaded{geometry::make_ball(0.001, 20), {}};
+  for (int n = 1; n < 33; ++n) add(loaded.mesh, geometry::make_ball(0.001, 20), {0.003 * n, 0.0, 0.0});
   EXPECT_THAT(
       [&] { (void)repair_organ(loaded, "aorta.stl"); },
       testing::ThrowsMessage<InputError>(
@@ -374,18 +380,18 @@ TEST(Repair, RefusesManySoundComponentsWithARemedyThatFitsThem) {
 
 TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
   // One vertex is moved through the inside and out again, 10 mm away.
-  TriangleMesh mesh = make_ball(0.02, 5120);
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, 5120);
   Vec3& drawn = mesh.vertices[static_cast<std::size_t>(mesh.triangles[0][0])];
   const Vec3 aside = drawn.cross(Vec3(0.3, 0.5, 0.81)).normalized();
   drawn = 0.0204 * (drawn + 0.01 * aside).normalized();
   const RepairedSurface result = repair_surface(mesh);
   EXPECT_EQ(result.refusal, "");
-  EXPECT_GT(test::crossings(mesh, mesh), 0);
+  EXPECT_GT(geometry::test::crossings(mesh, mesh), 0);
   EXPECT_THAT(result.remarks, ElementsAre(HasSubstr("of triangles that go through each other (")));
 }
 
 TEST(Repair, RefusesASurfaceWithOneSide) {
-  TriangleMesh mesh;  // a Moebius strip of 24 pieces
+  geometry::TriangleMesh mesh;  // a Moebius strip of 24 pieces
   constexpr int kPieces = 24;
   for (int n = 0; n < kPieces; ++n) {
     const double turn_at = 2.0 * 3.14159265358979 * n / kPieces;
@@ -406,7 +412,7 @@ TEST(Repair, RefusesASurfaceWithOneSide) {
 }
 
 TEST(Repair, RefusesWhatEnclosesNothing) {
-  TriangleMesh flat;
+  geometry::TriangleMesh flat;
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
   EXPECT_NE(repair_surface(flat).refusal, "");
@@ -426,7 +432,7 @@ TEST(RepairOrgan, AddsToTheFindingsAndNamesTheFileWhenItRefuses) {
               ThrowsMessage<InputError>(AllOf(StartsWith("x.stl: cannot be an organ: "), HasSubstr("hole"))));
   EXPECT_THAT(
       [&] {
-        (void)repair_organ({make_ball(40.0, 80), {}}, "x.stl");
+        (void)repair_organ({geometry::make_ball(40.0, 80), {}}, "x.stl");
       },
       ThrowsMessage<InputError>(HasSubstr("5 to 2000 mm")));
 }
@@ -434,9 +440,9 @@ TEST(RepairOrgan, AddsToTheFindingsAndNamesTheFileWhenItRefuses) {
 /// Random damage of a mesh.
 class Damage final {
  public:
-  Damage(const TriangleMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed) {}
+  Damage(const geometry::TriangleMesh& mesh, unsigned seed) : mesh_(mesh), random_(seed) {}
 
-  TriangleMesh run() {
+  geometry::TriangleMesh run() {
     const std::size_t whole = mesh_.triangles.size();
     turn_some(whole);
     if (chance()) repeat_some(whole);
@@ -447,7 +453,7 @@ class Damage final {
     if (chance()) remove_apart(whole);
     if (chance()) turn_all(mesh_);
     std::shuffle(mesh_.triangles.begin(), mesh_.triangles.end(), random_);
-    for (Triangle& t : mesh_.triangles) std::rotate(t.begin(), t.begin() + below(3), t.end());
+    for (geometry::Triangle& t : mesh_.triangles) std::rotate(t.begin(), t.begin() + below(3), t.end());
     return mesh_;
   }
 
@@ -461,28 +467,29 @@ class Damage final {
   }
   void repeat_some(std::size_t whole) {
     for (int n = 0; n < 7; ++n) {
-      const Triangle twin = mesh_.triangles[any(whole)];
+      const geometry::Triangle twin = mesh_.triangles[any(whole)];
       mesh_.triangles.push_back(twin);
       if (chance()) turn(mesh_.triangles.back());
     }
   }
   void add_fins(std::size_t whole) {
-    const double size = bounds(mesh_).size().norm();
+    const double size = geometry::bounds(mesh_).size().norm();
     for (int n = 0; n < 3; ++n) {
-      const Triangle at = mesh_.triangles[any(whole)];
+      const geometry::Triangle at = mesh_.triangles[any(whole)];
       const Vec3 p = mesh_.vertices[static_cast<std::size_t>(at[0])];
       mesh_.vertices.emplace_back(p + 0.01 * size * Vec3(1.0, 0.3, 0.5));
       mesh_.triangles.push_back({at[0], at[1], static_cast<std::int32_t>(mesh_.vertices.size()) - 1});
     }
   }
   void add_inner_shell() {
-    TriangleMesh inner = mesh_;
+    geometry::TriangleMesh inner = mesh_;
     inner.triangles = original().triangles;
     if (chance()) turn_all(inner);
     add(mesh_, inner, Vec3::Zero(), 0.3);
   }
   void add_scrap() {
-    add(mesh_, make_ball(0.02 * bounds(mesh_).size().minCoeff(), 20), bounds(mesh_).high * 3.0);
+    add(mesh_, geometry::make_ball(0.02 * geometry::bounds(mesh_).size().minCoeff(), 20),
+        geometry::bounds(mesh_).high * 3.0);
   }
 
   /// Removes triangles that share no vertex with each other or with a dangling face.
@@ -494,7 +501,7 @@ class Damage final {
     std::vector<std::size_t> going;
     for (int n = 0; n < 5; ++n) {
       const std::size_t t = any(whole);
-      const Triangle& triangle = mesh_.triangles[t];
+      const geometry::Triangle& triangle = mesh_.triangles[t];
       if (std::any_of(triangle.begin(), triangle.end(),
                       [&](std::int32_t v) { return uses[static_cast<std::size_t>(v)] != 0; }))
         continue;
@@ -506,20 +513,20 @@ class Damage final {
       mesh_.triangles.erase(mesh_.triangles.begin() + static_cast<std::ptrdiff_t>(t));
   }
 
-  [[nodiscard]] const TriangleMesh& original() const { return original_; }
+  [[nodiscard]] const geometry::TriangleMesh& original() const { return original_; }
 
-  TriangleMesh mesh_;
-  TriangleMesh original_ = mesh_;
+  geometry::TriangleMesh mesh_;
+  geometry::TriangleMesh original_ = mesh_;
   std::mt19937 random_;
 };
 
 class RepairsDamage : public ::testing::TestWithParam<unsigned> {};
 
 TEST_P(RepairsDamage, ToTheVolumeItWasAndOnce) {
-  static const std::vector<TriangleMesh> kWhole{ball(), box(), make_organ("gallbladder")};
-  for (const TriangleMesh& whole : kWhole) {
-    const TriangleMesh damaged = Damage(whole, GetParam()).run();
-    const RepairedSurface result = repaired(damaged, signed_volume(whole), 0.002);
+  static const std::vector<geometry::TriangleMesh> kWhole{ball(), box(), geometry::make_organ("gallbladder")};
+  for (const geometry::TriangleMesh& whole : kWhole) {
+    const geometry::TriangleMesh damaged = Damage(whole, GetParam()).run();
+    const RepairedSurface result = repaired(damaged, geometry::signed_volume(whole), 0.002);
     EXPECT_EQ(result.mesh.triangles.size(), whole.triangles.size());
     EXPECT_FALSE(result.repairs.empty());
   }
@@ -528,4 +535,4 @@ TEST_P(RepairsDamage, ToTheVolumeItWasAndOnce) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RepairsDamage, ::testing::Range(1U, 31U));
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -7,7 +7,7 @@
 #include "palpate/mesh.h"
 
 // Solid cells and their expected surfaces, for the tests of the readers.
-namespace palpate::geometry::test {
+namespace palpate::mesh_io::test {
 
 struct SolidCell {
   int vtk;
@@ -61,4 +61,4 @@ inline std::vector<Solid> solids() {
       {"a tetrahedron of second order", curved, {{24, 11, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}}, 4, 1.0 / 6.0}};
 }
 
-}  // namespace palpate::geometry::test
+}  // namespace palpate::mesh_io::test

@@ -14,7 +14,7 @@
 #include "palpate/mesh.h"
 #include "palpate/read_mesh.h"
 
-namespace palpate::geometry {
+namespace palpate::mesh_io {
 namespace {
 
 using testing::AllOf;
@@ -153,13 +153,13 @@ std::vector<Form> all_forms() {
   return forms;
 }
 
-std::vector<std::vector<std::int32_t>> lists(const std::vector<Triangle>& triangles) {
+std::vector<std::vector<std::int32_t>> lists(const std::vector<geometry::Triangle>& triangles) {
   std::vector<std::vector<std::int32_t>> all;
-  for (const Triangle& t : triangles) all.emplace_back(t.begin(), t.end());
+  for (const geometry::Triangle& t : triangles) all.emplace_back(t.begin(), t.end());
   return all;
 }
 
-std::string written(const TriangleMesh& mesh, const Form& form) {
+std::string written(const geometry::TriangleMesh& mesh, const Form& form) {
   Writer writer(form);
   writer.points(mesh.vertices);
   writer.cells(form.is_grid ? "CELLS" : "POLYGONS", lists(mesh.triangles));
@@ -167,10 +167,10 @@ std::string written(const TriangleMesh& mesh, const Form& form) {
   return writer.bytes();
 }
 
-TriangleMesh random_mesh(unsigned seed) {
+geometry::TriangleMesh random_mesh(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> coordinate(-100.0, 100.0);
-  TriangleMesh mesh;
+  geometry::TriangleMesh mesh;
   const std::size_t vertices = 3 + random() % 40;
   for (std::size_t n = 0; n < vertices; ++n)
     mesh.vertices.emplace_back(coordinate(random), coordinate(random), coordinate(random));
@@ -183,7 +183,7 @@ TriangleMesh random_mesh(unsigned seed) {
 
 TEST(Vtk, ReadsInEveryFormWhatWasWritten) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const TriangleMesh mesh = random_mesh(seed);
+    const geometry::TriangleMesh mesh = random_mesh(seed);
     for (const Form& form : all_forms()) {
       const ImportedMesh read_back = read(written(mesh, form));
       ASSERT_EQ(read_back.mesh.triangles, mesh.triangles);
@@ -203,12 +203,12 @@ TEST(Vtk, ReadsInEveryFormWhatWasWritten) {
 
 TEST(Vtk, IsReadByItsEndingWithItsUnit) {
   const palpate::test::TemporaryFolder folder;
-  TriangleMesh ball = make_ball(20.0, 320);
+  geometry::TriangleMesh ball = geometry::make_ball(20.0, 320);
   const LoadedMesh loaded =
       read_mesh(folder.write("ball.VTK", written(ball, {true, true, true, false})), LengthUnit::kMillimetre);
   EXPECT_TRUE(loaded.findings.closed);
   EXPECT_EQ(loaded.mesh.triangles, ball.triangles);
-  EXPECT_NEAR(bounds(loaded.mesh).high.x(), 1e-3 * bounds(ball).high.x(), 1e-15);
+  EXPECT_NEAR(geometry::bounds(loaded.mesh).high.x(), 1e-3 * geometry::bounds(ball).high.x(), 1e-15);
 }
 
 TEST(Vtk, TakesStripsApartWithEverySecondTriangleTurned) {
@@ -218,9 +218,11 @@ TEST(Vtk, TakesStripsApartWithEverySecondTriangleTurned) {
     writer.cells(form.is_grid ? "CELLS" : "TRIANGLE_STRIPS", {{0, 1, 2, 3, 4}});
     if (form.is_grid) writer.cell_types({6});
     const ImportedMesh strip = read(writer.bytes());
-    EXPECT_THAT(strip.mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}, Triangle{2, 3, 4}));
+    EXPECT_THAT(strip.mesh.triangles, ElementsAre(geometry::Triangle{0, 1, 2}, geometry::Triangle{1, 3, 2},
+                                                  geometry::Triangle{2, 3, 4}));
     EXPECT_THAT(strip.repairs, ElementsAre("took 1 triangle strip apart"));
-    for (const Triangle& t : strip.mesh.triangles) EXPECT_GT(area_vector_doubled(strip.mesh, t).z(), 0.0);
+    for (const geometry::Triangle& t : strip.mesh.triangles)
+      EXPECT_GT(geometry::area_vector_doubled(strip.mesh, t).z(), 0.0);
   }
 }
 
@@ -234,9 +236,9 @@ TEST(Vtk, CutsPolygonsUpWhateverTheirShape) {
     const ImportedMesh cut = read(writer.bytes());
     ASSERT_EQ(cut.mesh.triangles.size(), 4U);
     double area = 0.0;
-    for (const Triangle& t : cut.mesh.triangles) {
-      EXPECT_GT(area_vector_doubled(cut.mesh, t).z(), 0.0);
-      area += 0.5 * area_vector_doubled(cut.mesh, t).norm();
+    for (const geometry::Triangle& t : cut.mesh.triangles) {
+      EXPECT_GT(geometry::area_vector_doubled(cut.mesh, t).z(), 0.0);
+      area += 0.5 * geometry::area_vector_doubled(cut.mesh, t).norm();
     }
     EXPECT_NEAR(area, 3.0, 1e-12);
     EXPECT_THAT(cut.repairs, ElementsAre("cut 1 polygon into triangles"));
@@ -250,8 +252,8 @@ TEST(Vtk, ReadsPixelsAsTheSquaresTheyAre) {
   writer.cell_types({8, 9});
   const ImportedMesh squares = read(writer.bytes());
   ASSERT_EQ(squares.mesh.triangles.size(), 4U);
-  for (const Triangle& t : squares.mesh.triangles)
-    EXPECT_NEAR(area_vector_doubled(squares.mesh, t).z(), 1.0, 1e-12);
+  for (const geometry::Triangle& t : squares.mesh.triangles)
+    EXPECT_NEAR(geometry::area_vector_doubled(squares.mesh, t).z(), 1.0, 1e-12);
 }
 
 TEST(Vtk, TakesTheSurfaceOfSolidCellsOrientedOutwards) {
@@ -271,7 +273,7 @@ TEST(Vtk, TakesTheSurfaceOfSolidCellsOrientedOutwards) {
       writer.cell_types(types);
       const ImportedMesh surface = read(writer.bytes());
       EXPECT_EQ(surface.mesh.triangles.size(), solid.triangles);
-      EXPECT_NEAR(signed_volume(surface.mesh), solid.volume, 1e-12);
+      EXPECT_NEAR(geometry::signed_volume(surface.mesh), solid.volume, 1e-12);
       EXPECT_TRUE(findings_of(surface.mesh).closed && findings_of(surface.mesh).manifold);
     }
   }
@@ -308,7 +310,7 @@ TEST(Vtk, PassesOverAllThatIsNothingToASurface) {
     writer.cells("POLYGONS", {{0, 1, 2}});
     writer.text("CELL_DATA 1\nSCALARS x float\nLOOKUP_TABLE default\nanything at all");
     const ImportedMesh one = read(writer.bytes());
-    EXPECT_THAT(one.mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+    EXPECT_THAT(one.mesh.triangles, ElementsAre(geometry::Triangle{0, 1, 2}));
     EXPECT_THAT(one.repairs, ElementsAre("dropped 3 lines or points"));
   }
 }
@@ -353,7 +355,7 @@ TEST(Vtk, SkipsStringsAndBitsOfFieldDataWhereverTheyStand) {
     field(writer);
     writer.text("CELL_DATA 1\n");
     field(writer);
-    EXPECT_THAT(read(writer.bytes()).mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+    EXPECT_THAT(read(writer.bytes()).mesh.triangles, ElementsAre(geometry::Triangle{0, 1, 2}));
   }
 }
 
@@ -385,7 +387,7 @@ TEST(Vtk, BeginsWithAByteOrderMark) {
 }
 
 TEST(Vtk, IsRefusedOrReadWhereverItIsCutOff) {
-  const TriangleMesh mesh = random_mesh(7);
+  const geometry::TriangleMesh mesh = random_mesh(7);
   for (const Form& form : all_forms()) {
     const std::string whole = written(mesh, form);
     std::size_t read_ones = 0;
@@ -404,7 +406,7 @@ TEST(Vtk, IsRefusedOrReadWhereverItIsCutOff) {
 
 TEST(Vtk, IsRefusedOrReadWhicheverByteIsChanged) {
   std::mt19937 random(5);
-  const TriangleMesh mesh = random_mesh(11);
+  const geometry::TriangleMesh mesh = random_mesh(11);
   for (const Form& form : all_forms()) {
     const std::string whole = written(mesh, form);
     for (int n = 0; n < 500; ++n) {
@@ -412,7 +414,7 @@ TEST(Vtk, IsRefusedOrReadWhicheverByteIsChanged) {
       for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
       try {
         const ImportedMesh some = read(damaged);
-        for (const Triangle& t : some.mesh.triangles) {
+        for (const geometry::Triangle& t : some.mesh.triangles) {
           for (const std::int32_t v : t) ASSERT_LT(static_cast<std::size_t>(v), some.mesh.vertices.size());
         }
       } catch (const InputError& error) {
@@ -506,4 +508,4 @@ TEST(Vtk, RefusesPolygonsThatWouldTakeTooLong) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate::mesh_io

@@ -95,7 +95,7 @@ TEST_P(FineOrgan, IsOneClosedShellOfItsCountOrientedOutwardsWithEvenTriangles) {
 }
 
 TEST_P(FineOrgan, HasNoTriangleThatGoesThroughAnother) {
-  EXPECT_EQ(find_crossings(organ(GetParam() + "-30k")).pairs.size(), 0U);
+  EXPECT_EQ(mesh_io::find_crossings(organ(GetParam() + "-30k")).pairs.size(), 0U);
 }
 
 // Meshes with the paper's counts lack the duct's lumen and the smaller coronary vessels, and their coarse
@@ -144,9 +144,11 @@ TriangleMesh assembled(const Tool& tool, double gripper) {
 TEST(FineTool, NoTriangleOfAPartGoesThroughOneOfItsOwnOrAnotherPart) {
   for (const char* name : {"curved-forceps-30k", "straight-forceps-30k"}) {
     for (const double gripper : {0.0, 0.1, 0.3, 0.6, 1.0}) {
-      EXPECT_EQ(find_crossings(assembled(tool(name), gripper)).pairs.size(), 0U) << name << " " << gripper;
+      EXPECT_EQ(mesh_io::find_crossings(assembled(tool(name), gripper)).pairs.size(), 0U)
+          << name << " " << gripper;
     }
-    EXPECT_GT(find_crossings(assembled(tool(name), -0.5)).pairs.size(), 0U) << name << ": closed too far";
+    EXPECT_GT(mesh_io::find_crossings(assembled(tool(name), -0.5)).pairs.size(), 0U)
+        << name << ": closed too far";
   }
 }
 

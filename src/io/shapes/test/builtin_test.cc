@@ -106,7 +106,7 @@ TEST(BuiltinOrgan, NoTriangleGoesThroughAnother) {
 
 TEST(BuiltinOrgan, NoFoldAtACommonCornerEither) {  // which the test above does not count
   for (const std::string& name : kOrgans)
-    EXPECT_EQ(find_crossings(make_organ(name)).pairs.size(), 0U) << name;
+    EXPECT_EQ(mesh_io::find_crossings(make_organ(name)).pairs.size(), 0U) << name;
 }
 
 TEST(BuiltinOrgan, SizesAndVolumesAreThoseOfTheBody) {
