@@ -137,9 +137,11 @@ std::uint32_t update_press(const World::Data& world, const ToolTissue& tissue, c
   for (Proxy& contact : part.active()) {
     contact.walk(world.surface, points, part.distances, reference_radius, world.period);
   }
-  remove_ended(part);
-  Proxy::update_phases(reference_radius, world.period, part.active());
-  remove_ended(part);
+  if (before > 0) {
+    remove_ended(part);
+    Proxy::update_phases(reference_radius, world.period, part.active());
+    remove_ended(part);
+  }
   if (before > 0 && part.contact_count == 0) {
     part.distances.find_nearest();
     if (part.distances.nearest().distance < kDeepInside) part.may_start_contacts = false;
