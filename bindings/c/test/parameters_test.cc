@@ -129,7 +129,7 @@ TEST(Parameters, HaveANameForEveryNumberOfTheTissueWhichCanBeReadAndSet) {
     EXPECT_EQ(palpate_set_tissue_value(session.get(), name, value_of(session, name)), PALPATE_OK)
         << palpate_last_error();
   }
-  EXPECT_EQ(names.size(), 18U);
+  EXPECT_EQ(names.size(), 20U);
   EXPECT_EQ(names.count("max_length_mm"), 1U);
   EXPECT_EQ(names.count("reach.bar_ratio"), 1U);
   EXPECT_EQ(names.count("contact.grip_limit_N"), 1U);

@@ -87,9 +87,9 @@ struct IntegerFormat {
 };
 
 constexpr std::array<IntegerFormat, 4> kComponents = {{{5120, 1, dequantized<std::int8_t>},
-                                                   {5121, 1, dequantized<std::uint8_t>},
-                                                   {5122, 2, dequantized<std::int16_t>},
-                                                   {5123, 2, dequantized<std::uint16_t>}}};
+                                                       {5121, 1, dequantized<std::uint8_t>},
+                                                       {5122, 2, dequantized<std::int16_t>},
+                                                       {5123, 2, dequantized<std::uint16_t>}}};
 
 class FloatPositions final {
  public:
@@ -160,8 +160,9 @@ class FloatPositions final {
 
   void convert(std::size_t index, const json& accessor) {
     const std::uint64_t type = whole(accessor, "componentType", 0, index);
-    const auto* const component = std::find_if(kComponents.begin(), kComponents.end(),
-                                               [&](const IntegerFormat& known) { return known.gltf == type; });
+    const auto* const component =
+        std::find_if(kComponents.begin(), kComponents.end(),
+                     [&](const IntegerFormat& known) { return known.gltf == type; });
     if (component == kComponents.end()) {
       refuse(index, fmt::format("componentType {}: must be 5120, 5121, 5122, 5123 or 5126", type));
     }

@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/mesh_io/mesh_file.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -592,39 +591,6 @@ TEST_F(ReadMesh, RefusesGltfThatWouldTakeTheStackOrTheMemory) {
   for (int n = 0; n < 4'000'000; ++n) values += ",0";
   expect_refused("f.gltf", values + "]", "its JSON: has more than 4000000 values");
   expect_refused("e.gltf", repeated, "declare more than 20000000 indices and vertices");
-}
-
-TEST_F(ReadMesh, NamesTheSpaceThatAHeaderDeclaresAs3DSlicerWritesIt) {
-  const std::string title = "Visualization Toolkit generated SLA File. SPACE=LPS";
-  EXPECT_EQ(read("a.stl", binary_stl(kTriangles, title)).space, "LPS");
-  EXPECT_EQ(read("a.stl", binary_stl(kTriangles, title + std::string(29, '\0'))).space, "LPS");
-  std::string text = ascii_stl();
-  text.replace(text.find("solid test"), 10, "solid " + title);
-  EXPECT_EQ(read("a.stl", text).space, "LPS");
-  EXPECT_EQ(read("a.obj", "# 3D Slicer output. SPACE=RAS\n" + kObj).space, "RAS");
-  std::string ply = kPly;
-  ply.insert(ply.find("element vertex"), "comment SPACE=lps\n");
-  EXPECT_EQ(read("a.ply", ply).space, "LPS");
-  EXPECT_EQ(
-      read(
-          "a.vtk",
-          "# vtk DataFile Version 4.2\n3D Slicer output. SPACE=LPS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
-          "0 0 0\n1 0 0\n0 1 0\nPOLYGONS 1 4\n3 0 1 2\n")
-          .space,
-      "LPS");
-  for (const std::string& plain : {binary_stl(kTriangles), ascii_stl()})
-    EXPECT_EQ(read("a.stl", plain).space, "");
-  EXPECT_EQ(read("a.obj", kObj + "# SPACE=LPS\n").space, "") << "behind the coordinates";
-}
-
-TEST(DeclaredSpace, IsReadFromTheFieldDataOfAVtkFile) {
-  const std::string head = "# vtk DataFile Version 5.1\nvtk output\n";
-  const std::string data = "\nDATASET POLYDATA\nFIELD FieldData 1\nSPACE 1 1 string\n";
-  EXPECT_EQ(declared_space({"a.vtk", MeshFormat::kVtk, head + "ASCII" + data + "LPS\nPOINTS 0 float\n"}),
-            "LPS");
-  EXPECT_EQ(declared_space({"a.vtk", MeshFormat::kVtk, head + "BINARY" + data + "\xC3RAS\nPOINTS 0 float\n"}),
-            "RAS");
-  EXPECT_EQ(declared_space({"a.vtk", MeshFormat::kVtk, head + "ASCII" + data}), "");
 }
 
 }  // namespace

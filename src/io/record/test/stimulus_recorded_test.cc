@@ -130,11 +130,12 @@ TEST(StimulusRecorded, ExportNamesItAndGivesForceRampAndInterval) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 7U);
-  EXPECT_THAT(lines[0], testing::HasSubstr(",stimulus_force_N,stimulus_ramp_s,stimulus_interval,tissue"));
+  EXPECT_THAT(lines[0], testing::HasSubstr(
+                            ",stimulus_force_N,stimulus_ramp_s,stimulus_interval,source_radius_m,tissue"));
   EXPECT_THAT(lines[1], testing::StartsWith("99,1,noise,"));
   EXPECT_THAT(lines[4], testing::StartsWith("450,4,stimulus,"));
-  EXPECT_THAT(lines[4], testing::EndsWith(",0.0125,0.04,2,\"gallbladder\""));
-  EXPECT_THAT(lines[6], testing::EndsWith(",0,0,0,\"liver\""));
+  EXPECT_THAT(lines[4], testing::EndsWith(",0.0125,0.04,2,0,\"gallbladder\""));
+  EXPECT_THAT(lines[6], testing::EndsWith(",0,0,0,0,\"liver\""));
 }
 
 /// Rewrites the rows without the column of the commanded force, as older recordings have them.

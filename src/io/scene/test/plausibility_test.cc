@@ -69,7 +69,7 @@ class Plausibility : public testing::Test {
 
 TEST_F(Plausibility, AnInstrumentInMetresThatIsTakenAsMillimetresIsRefused) {
   const std::string why = error_of([&] { (void)load(with_tool(0.006)); });
-  EXPECT_THAT(why, AllOf(HasSubstr("--tool = "), HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm"),
+  EXPECT_THAT(why, AllOf(HasSubstr("--tool: "), HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm"),
                          HasSubstr("is its unit right? (1000 times larger it would be 12 mm)")));
   EXPECT_THAT(error_of([&] { (void)load(with_tool(6000.0)); }),
               HasSubstr("1000 times smaller it would be 12 mm"));
