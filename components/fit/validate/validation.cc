@@ -12,6 +12,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "io/system/clock.h"
+#include "io/system/plausible.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
 #include "palpate/units.h"
@@ -111,6 +112,11 @@ double Law::depth_under(double force) const {
       throw InputError(fmt::format(
           "a force of {} N: must be at most {} N, the largest that the layers of tissue {} can take",
           shortest(force), shortest(springs.max_force()), tissue.name));
+    }
+    if (state.depth > kDepthRange.possible.high) {
+      throw InputError(fmt::format(
+          "a force of {} N presses tissue {} by {}, must be at most {}: is it in mN?", shortest(force),
+          tissue.name, in_unit(kDepthRange, state.depth), in_unit(kDepthRange, kDepthRange.possible.high)));
     }
     return state.depth;
   });
