@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstddef>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -19,19 +20,6 @@ void add_undetermined(const std::vector<Identifiability>& determined, const Spec
   for (std::size_t i = 0; i < determined.size(); ++i) {
     if (determined[i] == Identifiability::kIdentifiable) continue;
     out.push_back(undetermined_warning(determined[i], names[i], fit.estimates[i].interval));
-  }
-}
-
-void add_correlated(const std::vector<std::vector<double>>& all, const SpecimenFit& fit,
-                    std::vector<std::string>& out) {
-  constexpr double kReportedFrom = 0.99;
-  const std::vector<ParameterLabel> names = labels(fit.terms);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    for (std::size_t k = i + 1; k < all.size(); ++k) {
-      if (!(std::abs(all[i][k]) > kReportedFrom)) continue;
-      out.push_back(fmt::format("{} and {} are only determined together (correlation {}): read neither alone",
-                                names[i].name, names[k].name, brief(all[i][k], 3)));
-    }
   }
 }
 
@@ -75,8 +63,7 @@ void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std
   if (!(open > kOpen)) return;
   out.push_back(
       fmt::format("the noise of the first rows leaves first contact open by {} mm, and so the force at {} mm "
-                  "of depth by {}: "
-                  "measure with less noise, or more rows around first contact",
+                  "of depth by {}: measure with less noise, or more rows around first contact",
                   brief(error / kMillimetre, 2), brief(deepest / kMillimetre, 3), percent(open, 0)));
 }
 
@@ -139,6 +126,33 @@ std::string undetermined_warning(Identifiability how, const ParameterLabel& labe
                                                                : ", ends at a bound of the search");
 }
 
+std::vector<std::string> correlated_warnings(const std::vector<std::vector<double>>& correlations,
+                                             const std::vector<ParameterLabel>& names) {
+  constexpr double kReportedFrom = 0.99;
+  std::vector<std::size_t> set_of(correlations.size());  // of each parameter
+  for (std::size_t i = 0; i < set_of.size(); ++i) {
+    set_of[i] = i;
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!(std::abs(correlations[k][i]) > kReportedFrom)) continue;
+      const std::size_t joining = set_of[k];
+      std::replace(set_of.begin(), set_of.begin() + static_cast<std::ptrdiff_t>(i), joining, i);
+    }
+  }
+  std::vector<std::string> out;
+  for (std::size_t set = 0; set < set_of.size(); ++set) {
+    std::vector<std::string> members;
+    for (std::size_t i = 0; i < set_of.size(); ++i) {
+      if (set_of[i] == set) members.push_back(names[i].name);
+    }
+    if (members.size() < 2) continue;
+    const std::string last = std::move(members.back());
+    members.pop_back();
+    out.push_back(fmt::format("{} and {} are only determined together (correlation over {}): read none alone",
+                              palpate::joined(members), last, kReportedFrom));
+  }
+  return out;
+}
+
 std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const std::vector<Point>& points) {
   const Bounds& bounds = optima.problem.bounds;
   std::vector<Identifiability> determined;
@@ -153,11 +167,13 @@ std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const
 std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
                                      const Curvature& curvature, const SpecimenFit& fit) {
   std::vector<std::string> out;
-  add_undetermined(identifiability_of(optima, points), fit, out);
-  add_correlated(curvature.correlations, fit, out);
-  add_wide_law(fit, optima.problem.parts.front(), out);
-  add_contact(optima.problem, fit, out);
   add_data(optima, fit, out);
+  add_contact(optima.problem, fit, out);
+  add_undetermined(identifiability_of(optima, points), fit, out);
+  for (std::string& warning : correlated_warnings(curvature.correlations, labels(fit.terms))) {
+    out.push_back(std::move(warning));
+  }
+  add_wide_law(fit, optima.problem.parts.front(), out);
   return out;
 }
 

@@ -22,6 +22,11 @@ enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
 [[nodiscard]] std::vector<Identifiability> identifiability_of(const LocalOptima& optima,
                                                               const std::vector<Point>& points);
 
+/// [setup] One sentence for each set of parameters that are determined together, as chains of correlated
+/// pairs.
+[[nodiscard]] std::vector<std::string> correlated_warnings(
+    const std::vector<std::vector<double>>& correlations, const std::vector<ParameterLabel>& names);
+
 /// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
 /// rows, layers not reached, hysteresis.
 [[nodiscard]] std::vector<std::string> warnings_of(const LocalOptima& optima,

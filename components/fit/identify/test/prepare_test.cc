@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -13,6 +14,7 @@
 #include "palpate/spring_law.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/warnings.h"
 
 namespace palpate::identify {
 namespace {
@@ -167,6 +169,25 @@ TEST(Prepared, ALoopWithoutAWholeLoadingIsSaid) {
   std::reverse(specimen.displacement.begin(), specimen.displacement.begin() + 121);  // unloaded twice
   std::reverse(specimen.force.begin(), specimen.force.begin() + 121);
   EXPECT_THAT(prepared(specimen, smooth()).preparation.notes, Contains(HasSubstr("fitted as one curve")));
+}
+
+TEST(FitSpecimen, SaysFirstWhatIsWrongWithTheData) {
+  const SpecimenFit fit = fit_specimen(pressed({0.0, 20.68, 0.0}), smooth(), 0, {});
+  ASSERT_THAT(fit.warnings, testing::SizeIs(testing::Gt(1U)));
+  EXPECT_THAT(fit.warnings.front(), HasSubstr("start 1 mm above the tissue"));
+}
+
+TEST(CorrelatedWarnings, NameEachSetOfParametersOnce) {
+  const std::vector<ParameterLabel> names{{"a", 1.0}, {"b", 1.0}, {"c", 1.0}, {"d", 1.0}, {"e", 1.0}};
+  std::vector<std::vector<double>> correlations(5, std::vector<double>(5, 0.5));
+  EXPECT_THAT(correlated_warnings(correlations, names), IsEmpty());
+  for (const auto& [i, k, r] : {std::tuple{0U, 3U, -0.995}, {1U, 4U, 0.999}, {2U, 3U, 0.991}}) {
+    correlations[i][k] = correlations[k][i] = r;
+  }
+  EXPECT_THAT(
+      correlated_warnings(correlations, names),
+      testing::ElementsAre("a, c and d are only determined together (correlation over 0.99): read none alone",
+                           "b and e are only determined together (correlation over 0.99): read none alone"));
 }
 
 TEST(FitPooled, RefusesAFitThatLeavesMoreThanTheForceRange) {
