@@ -43,9 +43,9 @@ class LayeredSpringLaw final {
   /// Continuation of a law by its tangent past D_m, the tissue's `max_depth`: F = F(D_m) + K(D_m) (D - D_m).
   /// A tissue without `max_depth` has an infinite D_m.
   struct Continuation {
-    double depth = std::numeric_limits<double>::infinity();                // D_m [m]
-    ContactResponse at{.force = std::numeric_limits<double>::infinity()};  // at D_m
-    double energy = 0.0;                                                   // at D_m [J]
+    double depth = std::numeric_limits<double>::infinity();  // D_m [m]
+    LayerState at{};                                         // at D_m
+    double energy = 0.0;                                     // at D_m [J]
 
     /// [any] Whether the force rises past D_m: it does not where the law is saturated there.
     [[nodiscard]] bool rises() const noexcept {
@@ -63,8 +63,9 @@ class LayeredSpringLaw final {
     [[nodiscard]] double depth_under(double force) const noexcept {
       return depth + (force - at.force) / at.stiffness;
     }
-    /// [rt] State at a depth [m] > D_m: the cut-off layer deforms on, past its limit. @param state at D_m
-    [[nodiscard]] LayerState state_at(double deeper, LayerState state) const noexcept {
+    /// [rt] State at a depth [m] > D_m: the cut-off layer deforms on, past its limit.
+    [[nodiscard]] LayerState state_at(double deeper) const noexcept {
+      LayerState state = at;
       state.depth = deeper;
       state.force = response_at(deeper).force;
       state.extrapolated = true;

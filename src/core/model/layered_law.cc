@@ -52,7 +52,7 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
   }
   if (tissue.max_depth) {
     const double deepest = *tissue.max_depth;
-    continuation_ = {deepest, force_at(deepest), energy_at(deepest)};
+    continuation_ = {deepest, deformation_at(deepest), energy_at(deepest)};
   }
 }
 
@@ -98,7 +98,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
   const auto layers = static_cast<std::size_t>(layers_);
   if (force <= 0.0) return layer_state(1, 0.0);
   if (continuation_.rises() && force > continuation_.at.force) {
-    LayerState state = deformation_at(continuation_.depth_under(force));
+    LayerState state = continuation_.state_at(continuation_.depth_under(force));
     state.force = force;
     return state;
   }
@@ -120,9 +120,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
 }
 
 LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_at(double depth) const noexcept {
-  if (continuation_.rises() && depth > continuation_.depth) {
-    return continuation_.state_at(depth, deformation_at(continuation_.depth));
-  }
+  if (continuation_.rises() && depth > continuation_.depth) return continuation_.state_at(depth);
   const ContactResponse response = force_at(depth);
   const auto cutoff = static_cast<std::size_t>(response.cutoff_layer);
   const double reached = std::clamp(depth, 0.0, start_depth_[cutoff]);

@@ -47,7 +47,7 @@ SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direc
   }
   if (tissue.max_depth) {
     const double deepest = *tissue.max_depth;
-    continuation_ = {deepest, force_at(deepest), energy_at(deepest)};
+    continuation_ = {deepest, deformation_at(deepest), energy_at(deepest)};
   }
 }
 
@@ -95,9 +95,7 @@ ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
 }
 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const noexcept {
-  if (continuation_.rises() && depth > continuation_.depth) {
-    return continuation_.state_at(depth, deformation_at(continuation_.depth));
-  }
+  if (continuation_.rises() && depth > continuation_.depth) return continuation_.state_at(depth);
   LayerState state = layers_.deformation_at(depth);
   const ContactResponse response = force_at(depth);
   state.force = response.force;
@@ -109,7 +107,7 @@ SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_under(double force) const noexcept {
   if (force <= 0.0) return deformation_at(0.0);
   if (continuation_.rises() && force > continuation_.at.force) {
-    LayerState state = deformation_at(continuation_.depth_under(force));
+    LayerState state = continuation_.state_at(continuation_.depth_under(force));
     state.force = force;
     return state;
   }
