@@ -324,7 +324,7 @@ int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, 
   const palpate::geometry::TriangleMesh& organ = view->simulation.scene().organ;
   double nearest = std::numeric_limits<double>::infinity();
   for (const palpate::geometry::Triangle& triangle : organ.triangles) {
-    const auto corner = [&](int i) { return organ.vertices[static_cast<std::size_t>(triangle[i])]; };
+    const auto corner = [&](std::size_t i) { return organ.vertices[static_cast<std::size_t>(triangle[i])]; };
     nearest = std::min(nearest, distance_to(ray_S, corner(0), corner(1), corner(2)));
   }
   if (!std::isfinite(nearest)) return 0;
