@@ -39,7 +39,9 @@ double thousand(Work work) {
 }
 
 void count_law_and_noise() {
-  const model::LayeredSpringLaw law(model::tissue_preset("gallbladder"), model::Direction::kPress, 1e-3);
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  tissue.max_depth.reset();  // count all layers
+  const model::LayeredSpringLaw law(tissue, model::Direction::kPress, 1e-3);
   constexpr double kDeepest = 20e-3;  // m
   const double largest = law.force_at(kDeepest).force;
   volatile double kept =

@@ -115,6 +115,8 @@ class LayeredSpringLaw final {
   [[nodiscard]] LayerState layer_state(std::size_t cutoff, double in_cutoff) const noexcept;
 
   int layers_ = 1;
+  int reached_ = 1;  // layers up to the continuation
+  Continuation continuation_;
   std::array<double, kMaxLayers + 1> start_depth_{};   // depth at which layer i+1 starts [m]
   std::array<double, kMaxLayers + 1> start_force_{};   // force at which layer i+1 starts [N]
   std::array<double, kMaxLayers + 1> start_energy_{};  // energy at which layer i+1 starts [J]
@@ -124,7 +126,6 @@ class LayeredSpringLaw final {
   std::array<double, kMaxLayers> slope_{};  // P_i k_i [N/m]
   std::array<double, kMaxLayers> limit_{};  // L_i [m]
   std::array<std::array<double, kMaxLayers>, kMaxLayers> filled_{};  // deformations while layer i+1 fills [m]
-  Continuation continuation_;
 };
 
 /// The layered law without steps in the tangent stiffness K = dF/dD (docs/model.md, "Beyond the paper").

@@ -50,16 +50,18 @@ LayeredSpringLaw::LayeredSpringLaw(const TissueParameters& tissue, Direction dir
     filled_[below] = filled_[below - 1];
     filled_[below][below - 1] = limit_[below - 1];
   }
+  reached_ = layers_;
   if (tissue.max_depth) {
     const double deepest = *tissue.max_depth;
     continuation_ = {deepest, deformation_at(deepest), energy_at(deepest)};
+    if (!continuation_.at.saturated) reached_ = continuation_.at.cutoff_layer;
   }
 }
 
 ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
   if (depth <= 0.0) return {0.0, slope_[0], 1, false};
   if (depth > continuation_.depth) return continuation_.response_at(depth);
-  const auto layers = static_cast<std::size_t>(layers_);
+  const auto layers = static_cast<std::size_t>(reached_);
   // 1-based number of the cut-off layer, which ends at start_depth_[end]. Counted without branches, which
   // changing depths would mispredict.
   std::size_t end = 1;
@@ -74,7 +76,7 @@ ContactResponse LayeredSpringLaw::force_at(double depth) const noexcept {
 double LayeredSpringLaw::energy_at(double depth) const noexcept {
   if (depth <= 0.0) return 0.0;
   if (depth > continuation_.depth) return continuation_.energy_at(depth);
-  const auto layers = static_cast<std::size_t>(layers_);
+  const auto layers = static_cast<std::size_t>(reached_);
   std::size_t end = 1;
   for (std::size_t i = 1; i < layers; ++i) end += depth > past_depth_[i] ? 1 : 0;
   if (depth > past_depth_[end]) {
@@ -120,7 +122,7 @@ LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_under(double force) c
 }
 
 LayeredSpringLaw::LayerState LayeredSpringLaw::deformation_at(double depth) const noexcept {
-  if (continuation_.rises() && depth > continuation_.depth) return continuation_.state_at(depth);
+  if (depth > continuation_.depth && !continuation_.at.saturated) return continuation_.state_at(depth);
   const ContactResponse response = force_at(depth);
   const auto cutoff = static_cast<std::size_t>(response.cutoff_layer);
   const double reached = std::clamp(depth, 0.0, start_depth_[cutoff]);

@@ -95,7 +95,7 @@ ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
 }
 
 SmoothSpringLaw::LayerState SmoothSpringLaw::deformation_at(double depth) const noexcept {
-  if (continuation_.rises() && depth > continuation_.depth) return continuation_.state_at(depth);
+  if (depth > continuation_.depth && !continuation_.at.saturated) return continuation_.state_at(depth);
   LayerState state = layers_.deformation_at(depth);
   const ContactResponse response = force_at(depth);
   state.force = response.force;

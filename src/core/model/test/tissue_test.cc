@@ -200,8 +200,12 @@ TEST(TissuePreset, OnlyAMeasuredOneHasASource) {
 
 TEST(TissuePreset, LiverExVivoIsWithinFivePercentOfTheRangeOfTheMeasuredMedians) {
   const SpringLaw law(tissue_preset("liver-ex-vivo"), Direction::kPress, 1e-3);
-  const std::vector<std::pair<double, double>> medians{
-      {0.5e-3, 0.044}, {1e-3, 0.110}, {1.5e-3, 0.224}, {2e-3, 0.417}, {2.5e-3, 0.698}};
+  const std::vector<std::pair<double, double>> medians{// of the three places' medians, docs/tissues.md
+                                                       {0.5e-3, 0.044},
+                                                       {1e-3, 0.110},
+                                                       {1.5e-3, 0.224},
+                                                       {2e-3, 0.417},
+                                                       {2.5e-3, 0.698}};
   for (const auto& [depth, force] : medians)
     EXPECT_NEAR(law.force_at(depth).force, force, 0.05 * 0.698) << depth;
 }
