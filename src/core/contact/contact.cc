@@ -120,8 +120,7 @@ void add_view(const ContactView& view, ToolResult& result) noexcept {
   if (result.view_count < kMaxViews) result.views[static_cast<std::size_t>(result.view_count++)] = view;
 }
 
-void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, WrenchSum& sums,
-               ToolResult& result) noexcept {
+void add_press(const Pose& organ_W, ToolState& tool, WrenchSum& sums, ToolResult& result) noexcept {
   double largest = -1.0;
   bool extrapolated = false;  // of the contact with the largest force
   for (PartState& part : tool.parts) {
@@ -139,7 +138,7 @@ void add_press(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, Wre
                result);
       if (counts * force.normal <= largest) continue;
       largest = counts * force.normal;
-      const model::ContactResponse response = laws.press.force_at(contact.depth());
+      const model::ContactResponse& response = contact.response();
       result.depth = contact.depth();
       result.cutoff_layer = response.cutoff_layer;
       result.saturated = response.saturated;
@@ -207,12 +206,11 @@ void clear(ToolResult& result) noexcept {
   result.view_count = 0;
 }
 
-void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std::uint32_t status,
-               ToolResult& result) noexcept {
+void summarize(const Pose& organ_W, ToolState& tool, std::uint32_t status, ToolResult& result) noexcept {
   clear(result);
   WrenchSum sums;
   result.status = status;
-  add_press(laws, organ_W, tool, sums, result);
+  add_press(organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
   if (result.phase == Phase::kApproach) {
     add_nearest(organ_W, tool, result);
@@ -224,6 +222,12 @@ void summarize(const TissueLaws& laws, const Pose& organ_W, ToolState& tool, std
   result.force_W = organ_W.rotation * sums.force;
   result.torque_W = organ_W.rotation * sums.torque;
   result.friction = sums.friction.norm();
+}
+
+void set_size_factors(const World::Data& world, const TissueLaws& laws, State::Data& state) noexcept {
+  for (std::size_t t = 0; t < state.tools.size(); ++t) {
+    state.tools[t].size_factor = laws.size_factor(world.tools[t].tip_radius);
+  }
 }
 
 }  // namespace
@@ -264,6 +268,7 @@ State::State(const World& world) : data_(std::make_unique<Data>()) {
     for (const PartPoints& part : points.parts) tool.parts.emplace_back(world.data().surface, part);
     data_->tools.push_back(std::move(tool));
   }
+  set_size_factors(world.data(), world.data().laws, *data_);
 }
 State::~State() = default;
 State::State(const State& other) : data_(std::make_unique<Data>(*other.data_)) {}
@@ -276,6 +281,7 @@ State& State::operator=(State&&) noexcept = default;
 
 void change_tissue(const World& world, State& state, const TissueLaws& laws) noexcept {
   State::Data& now = state.data();
+  set_size_factors(world.data(), laws, now);
   const model::Relaxation before = now.laws(world.data()).relaxation;
   for (ToolState& tool : now.tools) {
     for (PartState& part : tool.parts) {
@@ -305,7 +311,8 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   std::array<Load*, kMaxContacts> all;  // the first `count` are used
   std::size_t count = 0;
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    const ToolTissue tissue{laws, now.inclusions.now(), data.map, data.tools[t].tip_radius};
+    const ToolTissue tissue{laws, now.inclusions.now(), data.map, data.tools[t].tip_radius,
+                            now.tools[t].size_factor};
     status[t] = update_tool(data, data.tools[t], organ_W, tissue, inputs[t], now.tools[t]);
     for (PartState& part : now.tools[t].parts) {
       for (Proxy& contact : part.active()) all[count++] = &contact.load();
@@ -313,7 +320,7 @@ void advance(const World& world, const Pose& organ_W, std::span<const ToolInput>
   }
   share_load(data.tissue.contact.reference_radius, std::span(all).first(count));
   for (std::size_t t = 0; t < data.tools.size(); ++t) {
-    summarize(laws, organ_W, now.tools[t], status[t], results[t]);
+    summarize(organ_W, now.tools[t], status[t], results[t]);
   }
 }
 

@@ -209,6 +209,19 @@ void DistanceCache::query_cluster(std::size_t c) noexcept {
   bound_cluster(c);
 }
 
+namespace {
+
+/// Whether a point is within `reach` [m] of a centre. A loop: g++ 12 makes seven copies of std::any_of's
+/// test.
+bool any_within(std::span<const Vec3> points, const Vec3& centre, double reach) noexcept {
+  for (const Vec3& point : points) {
+    if ((point - centre).squaredNorm() <= reach * reach) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reach) noexcept {
   const double now = odometer_ + kBoundSlack;
   if (next_crossing_ > now) return;
@@ -225,9 +238,7 @@ void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reac
     const PartPoints::Cluster& cluster = points_->clusters[c];
     const double nearest = reach - cluster.radius;
     if (nearest > 0.0 &&
-        std::any_of(contacts_P.begin(), contacts_P.begin() + contacts_S.size(), [&](const Vec3& at_P) {
-          return (at_P - cluster.centre).squaredNorm() <= nearest * nearest;
-        })) {
+        any_within(std::span(contacts_P).first(contacts_S.size()), cluster.centre, nearest)) {
       bound.deferred = true;
       next = odometer_;
       continue;

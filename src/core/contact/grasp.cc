@@ -81,9 +81,15 @@ bool Grasp::pull(const ToolTissue& tissue, const Pose& tool_S) noexcept {
   const TissueLaws& laws = tissue.laws;
   stretch_ = tool_S * anchor_T_ - anchor_.point;
   const double length = stretch_.norm();
-  model::ContactResponse response = laws.pull.force_at(length);
-  response.force = tissue.uniform() ? tissue.size_factor * response.force
-                                    : TissueAt(tissue, anchor_).force_at(laws.pull, length).normal;
+  model::ContactResponse response;
+  if (tissue.uniform()) {
+    response = laws.pull.force_at(length);
+    response.force *= tissue.size_factor;
+  } else {
+    const TissueAt::Force here = TissueAt(tissue, anchor_).force_at(laws.pull, length);
+    response = here.uniform;
+    response.force = here.normal;
+  }
   Vec3 force = length > 0.0 ? Vec3(-(response.force / length) * stretch_) : Vec3(Vec3::Zero());
   if (laws.relaxation.count() > 0) {
     // Relax each component. Relaxation is linear in the force, and it stays passive for a force that is the

@@ -31,8 +31,12 @@ namespace {
 
 void remove_ended(PartState& part) noexcept {
   const std::span<Proxy> all = part.active();
-  const auto end = std::remove_if(all.begin(), all.end(), [](const Proxy& one) { return one.has_ended(); });
-  part.contact_count = static_cast<int>(end - all.begin());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all[i].has_ended()) continue;  // usual, and std::remove_if costs 30 instructions for it
+    const auto ended = [](const Proxy& one) { return one.has_ended(); };
+    part.contact_count = static_cast<int>(std::remove_if(all.begin(), all.end(), ended) - all.begin());
+    return;
+  }
 }
 
 bool near_a_contact(double reference_radius, PartState& part, const Vec3& point) noexcept {

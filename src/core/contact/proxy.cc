@@ -156,11 +156,11 @@ void Proxy::walk(const OrganSurface& surface, const PartPoints& points, const Di
 }
 
 bool Proxy::is_lost(double reference_radius, std::span<const Proxy> others) const noexcept {
-  const Vec3 away = tangential_offset();
   const double farthest = kLost * reference_radius;
-  if (away.squaredNorm() <= farthest * farthest) return false;
   return std::any_of(others.begin(), others.end(), [&](const Proxy& other) {
-    return other.phase_ != ContactPhase::kMerged && other.patch_.depth > patch_.depth &&
+    if (other.phase_ == ContactPhase::kMerged || !(other.patch_.depth > patch_.depth)) return false;
+    const Vec3 away = tangential_offset();
+    return away.squaredNorm() > farthest * farthest &&
            (other.load_.at.point - load_.at.point).dot(away) > 0.0;
   });
 }
@@ -173,7 +173,9 @@ void Proxy::update_phases(double reference_radius, double period, std::span<Prox
   for (Proxy& one : all) {
     if (one.phase_ != kMerged) {
       const bool whole = one.held_back_.depth == 0.0 && one.load_.fade_weight == 1.0;
-      one.phase_ = one.is_lost(reference_radius, all) ? kLost : whole ? kPressing : kEntering;
+      one.phase_ = all.size() > 1 && one.is_lost(reference_radius, all) ? kLost
+                   : whole                                              ? kPressing
+                                                                        : kEntering;
     }
     one.fade(period);
   }
@@ -229,6 +231,7 @@ double Proxy::press_at_place(const ToolTissue& tissue) noexcept {
   const model::Relaxation& relaxation = tissue.laws.relaxation;
   const TissueAt place(tissue, load_.at);
   const TissueAt::Force now = place.force_at(law, depth_);
+  response_ = now.uniform;
   Vec3 lateral = now.lateral_S;
   for (std::size_t i = 0; i < relaxation.count(); ++i) {
     const double relaxed = relaxation.relaxed_after(load_.memory, i, now.normal);
@@ -244,8 +247,8 @@ void Proxy::press(const ToolTissue& tissue, const DistanceCache& distances, doub
   follow_patch(distances, period);
   held_back_.depth = std::max(0.0, held_back_.depth - held_back_.admitted);
   depth_ = std::max(0.0, patch_.depth - held_back_.depth);
-  const double elastic =
-      tissue.uniform() ? tissue.size_factor * laws.press.force_at(depth_).force : press_at_place(tissue);
+  if (tissue.uniform()) response_ = laws.press.force_at(depth_);
+  const double elastic = tissue.uniform() ? tissue.size_factor * response_.force : press_at_place(tissue);
   const double relaxed = laws.relaxation.count() == 0 ? elastic : laws.relaxation.next(load_.memory, elastic);
   // The rate of depth is the speed of the tool at the point of application: equal in the limit, without the
   // steps of the walk.

@@ -115,6 +115,8 @@ class Proxy final {
   /// D minus the held-back depth [m].
   [[nodiscard]] double depth() const noexcept { return depth_; }
   [[nodiscard]] const PressForce& force() const noexcept { return force_; }
+  /// Of the law at depth(), without stiffness map, inclusions and size of the tool.
+  [[nodiscard]] const model::ContactResponse& response() const noexcept { return response_; }
   /// Point of application of the force.
   [[nodiscard]] const Vec3& application_point() const noexcept { return application_point_; }
 
@@ -145,6 +147,7 @@ class Proxy final {
   Walk walk_;
   ContactPatch patch_;  // in S
   double depth_ = 0.0;
+  model::ContactResponse response_;
   Vec3 application_point_ = Vec3::Zero();
   FrictionSpring spring_;
   std::array<double, model::kMaxRelaxationTerms> relaxed_depth_{};  // of the tissue that is not uniform [m]

@@ -57,7 +57,8 @@ struct PartState {
 
 /// State of one tool.
 struct ToolState {
-  Pose pose_S;  // the handle in the organ's frame, in this tick
+  double size_factor = 1.0;  // of the forces of the laws, for this tool's tip radius
+  Pose pose_S;               // the handle in the organ's frame, in this tick
   std::vector<PartState> parts;
   std::size_t nearest_part = 0;  // part nearest to the organ at the last search
   Grasp grip;

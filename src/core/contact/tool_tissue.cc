@@ -41,7 +41,7 @@ TissueAt::Force TissueAt::force_at(const model::SpringLaw& law, double depth) co
   const double uniform_energy = law.energy_at(depth);
   return {factor_.value * energy * (uniform.force + uniform_energy * by_depth),
           -uniform_energy * energy * (factor_.value * by_place + factor_.gradient_S),
-          factor_.value * energy * (uniform.stiffness + 2.0 * uniform.force * by_depth)};
+          factor_.value * energy * (uniform.stiffness + 2.0 * uniform.force * by_depth), uniform};
 }
 
 Vec3 TissueAt::follow(const model::SpringLaw& law, double normal, double& depth) const noexcept {

@@ -16,8 +16,8 @@ struct ToolTissue {
   const TissueLaws& laws;
   std::span<const InclusionNow> inclusions;  // at most model::kMaxInclusions
   const StiffnessMap& map;
-  double tip_radius;  // of the tool [m]
-  double size_factor = laws.size_factor(tip_radius);
+  double tip_radius;   // of the tool [m]
+  double size_factor;  // laws.size_factor(tip_radius)
 
   [[nodiscard]] bool uniform() const noexcept { return inclusions.empty() && map.empty(); }
 };
@@ -34,9 +34,10 @@ class TissueAt final {
   TissueAt(const ToolTissue& tissue, const SurfacePoint& place) noexcept;
 
   struct Force {
-    double normal = 0.0;            // dU/dD [N]
-    Vec3 lateral_S = Vec3::Zero();  // -dU/dc [N]; the component along the normal has no meaning
-    double slope = 0.0;             // about d(normal)/dD [N/m]
+    double normal = 0.0;             // dU/dD [N]
+    Vec3 lateral_S = Vec3::Zero();   // -dU/dc [N]; the component along the normal has no meaning
+    double slope = 0.0;              // about d(normal)/dD [N/m]
+    model::ContactResponse uniform;  // of the law alone
   };
   /// [rt] The elastic force at a depth D [m] >= 0. @param law of this tissue, press or pull
   [[nodiscard]] Force force_at(const model::SpringLaw& law, double depth) const noexcept;
