@@ -98,23 +98,8 @@ CsvTable::CsvTable(const std::filesystem::path& file, std::vector<CsvColumn> col
 }
 
 bool CsvTable::next_row() {
-  if (!next_line()) {
-    if (!has_rows_) throw InputError(file_ + ": has no rows after the header");
-    if (!undecided_.empty() && !decimal_mark_known_) throw InputError(undecided_);
-    return false;
-  }
-  split();
-  drop_unnamed_cells();
-  if (cells_.size() != header_cells_) {
-    const bool decimal_comma = separator_ == ',' && cells_.size() == 2 * header_cells_;
-    fail("the row has " + std::to_string(cells_.size()) + " values, must have " +
-         std::to_string(header_cells_) + " as the header" +
-         (decimal_comma ? "; a decimal comma must be a point" : ""));
-  }
-  if (!std::exchange(has_rows_, true) && is_row_of_units()) {
-    has_rows_ = false;
-    return next_row();
-  }
+  if (!next_cells() || (!has_rows_ && is_row_of_units() && !next_cells())) return false;
+  has_rows_ = true;
   for (std::size_t column = 0; column < columns_.size(); ++column) {
     if (!has(column)) continue;
     if (!columns_[column].is_text) {
@@ -126,23 +111,45 @@ bool CsvTable::next_row() {
   return true;
 }
 
-/// Drops the cells of a row that the header does not name: one of R's row names, and nothing behind a
-/// separator at the end.
-void CsvTable::drop_unnamed_cells() {
+/// Reads the cells of the next row, one for each of the header. The first row shows whether rows have names;
+/// between commas, some number must then have a decimal point, as a decimal comma makes a further cell, too.
+/// @return false at the end of the file
+bool CsvTable::next_cells() {
+  if (!next_line()) {
+    if (!has_rows_) throw InputError(file_ + ": has no rows after the header");
+    if (!undecided_.empty() && !decimal_mark_known_) throw InputError(undecided_);
+    return false;
+  }
+  split();
   if (ends_in_separator_ && cells_.size() > header_cells_ && cells_.back().empty()) cells_.pop_back();
-  if (cells_.size() != header_cells_ + 1 || (has_rows_ && !has_row_names_) || !begins_with_row_name()) return;
-  has_row_names_ = true;
-  cells_.erase(cells_.begin());
+  const bool has_name = cells_.size() == header_cells_ + 1 && begins_with_row_name();
+  const auto wrong_length = [&] {
+    return "the row has " + std::to_string(cells_.size()) + " values, must have " +
+           std::to_string(header_cells_) + " as the header";
+  };
+  if (!has_rows_ && has_name && separator_ == ',') {
+    decimal_mark_ = '.';
+    undecided_ = file_ + ":" + std::to_string(line_number_) + ": " + wrong_length() +
+                 ": the first may be a row name, or a comma a decimal one, and no number has a decimal point";
+  }
+  has_row_names_ = has_row_names_ || (!has_rows_ && has_name);
+  if (has_row_names_ ? !has_name : cells_.size() != header_cells_) {
+    const bool decimal_comma = separator_ == ',' && cells_.size() == 2 * header_cells_;
+    fail(wrong_length() + (has_row_names_ ? ", behind a row name" : "") +
+         (decimal_comma ? "; a decimal comma must be a point" : ""));
+  }
+  if (has_name) cells_.erase(cells_.begin());
+  return true;
 }
 
-/// Whether a row's first cell is a name of the row and cannot be a value: a text before a number, or in
-/// quotation marks before a cell without them.
+/// Whether a row's first cell is a name of the row, before a number: no number itself, or in quotation marks
+/// before a cell without them.
 bool CsvTable::begins_with_row_name() const {
-  if (in_quotes_[0] && !in_quotes_[1]) return true;
   const auto first = static_cast<std::size_t>(std::find(cell_of_.begin(), cell_of_.end(), std::size_t{0}) -
                                               cell_of_.begin());
-  return first < columns_.size() && !columns_[first].is_text && !cells_[0].empty() &&
-         cells_[0].find(',') == std::string_view::npos && !parse_number(cells_[0]);
+  const bool may_be = first < columns_.size() && !columns_[first].is_text && !cells_[0].empty() &&
+                      cells_[0].find(',') == std::string_view::npos;
+  return may_be && ((in_quotes_[0] && !in_quotes_[1]) || !parse_number(cells_[0]));
 }
 
 /// Whether each cell of a number's column has the column's unit. @throws InputError for another unit

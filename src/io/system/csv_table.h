@@ -30,7 +30,7 @@ struct CsvColumn {
 /// separate the cells: those by which the header names the most columns. Cells may be in quotation marks (RFC
 /// 4180, within a line). A number between semicolons or tabs, or in quotation marks, may have a decimal
 /// comma; the file has one decimal mark, and some number must show that it is none of thousands (0,5 does,
-/// 1,234 does not). Ignored are blank lines, lines that begin with #, a row of the columns' units below the
+/// 1,234 does not). Ignored are blank lines, lines that begin with #, one row of the columns' units below the
 /// header, a first column without a name or named by R or pandas (row names), and a separator at the end of
 /// all lines. The text is UTF-8, or UTF-16 with a byte order mark. Every error is one line, FILE:LINE: COLUMN
 /// = VALUE: what would be right. A line has at most 64 KiB.
@@ -73,7 +73,7 @@ class CsvTable final {
   [[nodiscard]] std::string_view take_quoted(std::string_view& rest);
   void choose_separator();
   void read_header();
-  void drop_unnamed_cells();
+  [[nodiscard]] bool next_cells();
   [[nodiscard]] bool begins_with_row_name() const;
   [[nodiscard]] bool is_row_of_units() const;
   void require_decimal_mark(std::size_t column);

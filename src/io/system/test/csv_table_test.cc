@@ -160,7 +160,35 @@ TEST(CsvTable, RefusesAFurtherValueThatMayBeNoRowName) {
   EXPECT_THAT(error_in("time_s\tdepth_mm\n1\t0\t0.5\n"), HasSubstr("the row has 3 values"));
   EXPECT_THAT(error_in(kHeader + "\"0\",\"1\",\"2\"\n"), HasSubstr("the row has 3 values"));
   EXPECT_THAT(error_in(kHeader + "0,1\n\"2\",1,2\n"), HasSubstr("a.csv:3: the row has 3 values"));
-  EXPECT_THAT(error_in(kHeader + "\"1\",0,1\n1,2\n2,3,4\n"), HasSubstr("a.csv:4: the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "\"1\",0,1.5\n2,3,4\n"), HasSubstr("a.csv:3: the row has 3 values"));
+}
+
+TEST(CsvTable, RefusesARowWithoutANameInAFileWithRowNames) {
+  EXPECT_EQ(error_in(kHeader + "\"1\",0,1.5\n\"2\",3\n"),
+            "a.csv:3: the row has 2 values, must have 2 as the header, behind a row name");
+}
+
+TEST(CsvTable, TakesNoTextOfTheFirstColumnAsARowName) {
+  const std::string header = "specimen,time_s,depth_mm\n";
+  EXPECT_EQ(error_in(header + "\"liver\",1,2,5\n"),
+            "a.csv:2: the row has 4 values, must have 3 as the header");
+  EXPECT_THAT(error_in("specimen\tdepth_mm\n\"liver\"\t1\t2\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in("\"\",depth_mm\n\"1\",0,5\n"), HasSubstr("the row has 3 values, must have 2"));
+}
+
+TEST(CsvTable, RefusesARowNameWhereADecimalCommaCouldMakeAFurtherCell) {
+  const std::string doubt =
+      "a.csv:2: the row has 3 values, must have 2 as the header: the first may be a row name, or a comma a "
+      "decimal one, and no number has a decimal point";
+  EXPECT_EQ(error_in(kHeader + "NA,7,5\n"), doubt);
+  EXPECT_EQ(error_in(kHeader + "\"1\",7,5\n\"2\",8,5\n"), doubt);
+  EXPECT_EQ(error_in(kHeader + "NA,7,5e-3\n"), doubt);
+  EXPECT_THAT(error_in("depth_mm\n-,5\n"), HasSubstr("a.csv:2: the row has 2 values, must have 1"));
+  EXPECT_THAT(error_in("depth_mm\n1 000,5\n"), HasSubstr("a.csv:2: the row has 2 values, must have 1"));
+  EXPECT_THAT(error_in(kHeader + "\"0,5\",1,2\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "\"\",7,5\n"), HasSubstr("the row has 3 values"));
+  EXPECT_THAT(error_in(kHeader + "NA,7,5\nNA,\"0,5\",1\n"), HasSubstr("the numbers before it, a point"));
+  EXPECT_EQ(depths_in(kHeader + "\"1\",0,0\n\"2\",8,1.5\n"), (std::vector<double>{0.0, 1.5}));
 }
 
 TEST(CsvTable, IgnoresASeparatorAtTheEndOfLines) {
@@ -177,6 +205,8 @@ TEST(CsvTable, IgnoresARowOfTheColumnsUnitsAndNoOther) {
   EXPECT_THAT(error_in(kHeader + "a,b\n0,1\n"), HasSubstr("a.csv:2: time_s = a: must be a finite number"));
   EXPECT_THAT(error_in(kHeader + "0,1\ns,mm\n"), HasSubstr("a.csv:3: time_s = s: must be a finite number"));
   EXPECT_EQ(error_in(kHeader + "s,mm\n"), "a.csv: has no rows after the header");
+  EXPECT_THAT(error_in(kHeader + "s,mm\ns,mm\n0,1\n"),
+              HasSubstr("a.csv:3: time_s = s: must be a finite number"));
 }
 
 std::string utf16(const std::string& ascii, bool is_big) {
@@ -207,7 +237,7 @@ TEST(CsvTable, ReadsNamesInUtf16OfEveryLength) {
             "a");
 }
 
-TEST(CsvTable, TellsLinesThatEndInCarriageReturnsAlone) {
+TEST(CsvTable, RefusesLinesThatEndInCarriageReturnsAlone) {
   EXPECT_EQ(error_in("depth_mm\r1\r2\r"), "a.csv:1: lines end in CR alone, must end in LF or CR LF");
 }
 
@@ -220,7 +250,7 @@ TEST(CsvTable, ReadsColumnsBetweenBlanks) {
   EXPECT_THAT(error_in("time depth\n1 2\n"), HasSubstr("depth_mm: missing"));
 }
 
-TEST(CsvTable, TellsATableOfAnotherKindAndWhatReadsIt) {
+TEST(CsvTable, NamesATableOfAnotherKindAndWhatReadsIt) {
   EXPECT_THAT(error_in("displacement_mm,force_N\n0,1\n"),
               HasSubstr("the file is a measured curve (CSV): palpate fit and validate read it"));
   EXPECT_THAT(error_in("[scene]\nname = \"a\"\n"),
