@@ -15,6 +15,7 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/formats/scan.h"
+#include "io/system/input_file.h"
 #include "io/system/json_text.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
@@ -224,14 +225,23 @@ class GltfCheck final {
     return error || inside.empty() || *inside.begin() == "..";
   }
 
-  /// A buffer in its own file must be in or below the mesh file's folder; no other file is opened.
+  /// A buffer in its own file must be in or below the mesh file's folder; no other file is opened. Readers
+  /// keep all buffers at once, a file for each buffer that names it.
   void check_buffers() const {
+    std::uintmax_t bytes = 0;
     for (const std::string& name : buffer_names()) {
       const std::filesystem::path path = to_path(name).lexically_normal();
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
                           name.find(':') != std::string::npos || hides_a_path(name) || leads_out(path);
       if (leaves) {
         refuse("buffer \"" + excerpt(name) + "\": must be a file in the folder of the mesh");
+      }
+      std::error_code error;
+      const std::uintmax_t size = std::filesystem::file_size(file_.path.parent_path() / path, error);
+      if (!error) bytes += size;  // the importer reports a missing file
+      if (bytes > kMeshInput.max_bytes) {
+        refuse(fmt::format("buffer \"{}\": its buffers have more than {} MiB in all", excerpt(name),
+                           kMeshInput.max_bytes >> 20U));
       }
     }
   }

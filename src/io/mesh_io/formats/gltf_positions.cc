@@ -177,10 +177,10 @@ class FloatPositions final {
     const std::uint64_t size = 3 * component->bytes;
     const std::uint64_t stride = whole(view, "byteStride", size, index);
     const std::uint64_t count = whole(accessor, "count", 0, index);
-    vertices_ += count;
-    if (count == 0 || vertices_ > kMaxQuantized) {
+    if (count == 0 || count > kMaxQuantized - vertices_) {
       refuse(index, fmt::format("count {}: must be 1 to {} in all", count, kMaxQuantized));
     }
+    vertices_ += count;
     const std::string_view bytes = view_bytes(view, index);
     const std::uint64_t begin = whole(accessor, "byteOffset", 0, index);
     const bool fits = stride >= size && stride <= 252 && begin <= bytes.size() &&
@@ -212,12 +212,11 @@ class FloatPositions final {
   std::string_view buffer_bytes(std::uint64_t buffer, std::size_t accessor) {
     if (const auto known = buffers_.find(buffer); known != buffers_.end()) return known->second;
     const json& owner = list("buffers")[buffer];
-    const json uri = owner.is_object() ? owner.value("uri", json()) : json();
-    if (!uri.is_string()) {
+    if (!owner.is_object() || !owner.contains("uri") || !owner["uri"].is_string()) {
       if (buffer != 0 || file_.format != MeshFormat::kGlb) refuse(accessor, "its buffer has no uri");
       return second_chunk();
     }
-    const std::string name = uri.get<std::string>();
+    const auto& name = owner["uri"].get_ref<const std::string&>();
     std::string& bytes = buffers_[buffer];
     if (!name.starts_with("data:")) {
       bytes = InputFile(file_.path.parent_path() / to_path(name), kMeshInput).read_rest();

@@ -1,7 +1,6 @@
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/text.h"
+#include "io/mesh_io/test/tetrahedron.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
@@ -21,20 +21,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-template <typename T>
-std::string little_endian(T value) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return bytes;
-}
-
-// A tetrahedron with a different length on each axis. Volume 2 x 3 x 4 / 6 = 4.
-const std::vector<std::array<float, 3>> kPlaces{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}};
-
 std::string corners_of_tetrahedron() {
   std::string bytes;
-  for (const int corner : {0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2}) {
-    bytes += little_endian(static_cast<std::uint16_t>(corner));
+  for (const auto& triangle : kTriangles) {
+    for (const int corner : triangle) bytes += bytes_of(static_cast<std::uint16_t>(corner));
   }
   return bytes;  // 24
 }
@@ -57,9 +47,9 @@ class Gltf : public testing::Test {
 template <typename T>
 std::string quantized_positions(double unit, std::size_t stride) {
   std::string bytes;
-  for (const auto& vertex : kPlaces) {
+  for (const auto& vertex : kVertices) {
     std::string one;
-    for (const float x : vertex) one += little_endian(static_cast<T>(unit * static_cast<double>(x)));
+    for (const float x : vertex) one += bytes_of(static_cast<T>(unit * static_cast<double>(x)));
     one.resize(stride, '?');
     bytes += one;
   }
@@ -117,12 +107,12 @@ TEST_F(Gltf, ReadsQuantizedPositionsOfEveryType) {
     std::string json = quantized_json(form.type, form.normalized, form.stride, form.scale, "");
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const std::string binary = form.positions + corners;
-    const std::string body = little_endian(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
-                             little_endian(static_cast<std::uint32_t>(binary.size())) +
-                             std::string("BIN\0", 4) + binary;
+    const std::string body = bytes_of(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
+                             bytes_of(static_cast<std::uint32_t>(binary.size())) + std::string("BIN\0", 4) +
+                             binary;
     const LoadedMesh packed =
-        read("a.glb", "glTF" + little_endian(std::uint32_t{2}) +
-                          little_endian(static_cast<std::uint32_t>(12 + body.size())) + body);
+        read("a.glb", "glTF" + bytes_of(std::uint32_t{2}) +
+                          bytes_of(static_cast<std::uint32_t>(12 + body.size())) + body);
     EXPECT_EQ(packed.mesh.vertices, beside.mesh.vertices);
     EXPECT_EQ(packed.mesh.triangles, beside.mesh.triangles);
   }
@@ -153,6 +143,14 @@ TEST_F(Gltf, RefusesQuantizedPositionsThatTheBufferDoesNotHold) {
   refuses(json, R"(5121)", "5125", "componentType 5125: must be 5120, 5121, 5122, 5123 or 5126");
   refuses(json, R"(VEC3)", "VEC2", "its type must be VEC3");
   refuses(json, R"("byteLength":16)", R"("byteLength":60)", "its buffer is truncated: has 40 bytes");
+}
+
+TEST_F(Gltf, RefusesBuffersThatExceedAMeshFilesLargestSizeTogether) {
+  std::filesystem::resize_file(folder_.write("a.bin", ""), std::uintmax_t{300} << 20U);
+  std::string json = quantized_json(5121, false, 4, 1.0, R"("uri":"a.bin",)");
+  const std::string buffers = R"("buffers":[)";
+  json.insert(json.find(buffers) + buffers.size(), R"({"uri":"a.bin","byteLength":40},)");
+  expect_refused("a.gltf", json, "buffer \"a.bin\": its buffers have more than 512 MiB in all");
 }
 
 TEST_F(Gltf, RefusesExtensionsByNameThatChangeItsVertices) {

@@ -4,11 +4,11 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/mesh_io/test/tetrahedron.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -26,23 +26,11 @@ using testing::IsEmpty;
 using testing::ThrowsMessage;
 
 template <typename T>
-std::string bytes_of(T value) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return bytes;
-}
-
-template <typename T>
 std::string big_endian(T value) {
   std::string bytes = bytes_of(value);
   std::reverse(bytes.begin(), bytes.end());
   return bytes;
 }
-
-// A tetrahedron with a different length on each axis, so that swapped axes are detected. Volume 2 x 3 x 4 / 6
-// = 4.
-const std::vector<std::array<float, 3>> kVertices{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}};
-const std::vector<std::array<int, 3>> kTriangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
 std::string binary_stl(const std::vector<std::array<int, 3>>& triangles, const std::string& title = "test") {
   std::string bytes = title;
@@ -196,7 +184,7 @@ TEST_F(ReadMesh, AsciiStlBehindByteOrderMarkBlanksAndComments) {
   expect_tetrahedron(read("a.stl", dos));
   expect_tetrahedron(read("b.stl", "\xEF\xBB\xBF" + ascii_stl()));
 }
-TEST_F(ReadMesh, StlMessagesTellTextFromBinary) {
+TEST_F(ReadMesh, StlMessagesDistinguishTextFromBinary) {
   std::string text = ascii_stl();
   text.erase(text.find("vertex"), std::string("vertex").size());
   expect_refused("a.stl", text, "a text STL of 4 facets has 11 vertices: must be three each");
