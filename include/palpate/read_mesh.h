@@ -24,8 +24,7 @@ struct MeshFindings {
 struct LoadedMesh {
   geometry::TriangleMesh mesh;  // metres
   MeshFindings findings;
-  std::string
-      space{};  // axes that the file's header declares, as "LPS" in SPACE=LPS of 3D Slicer; empty: none
+  std::string space{};  // axes that the file's header declares: "LPS" of SPACE=LPS (3D Slicer); empty: none
 };
 
 /// [setup] File name extensions of the meshes that read_mesh() reads: ".stl", ".obj", ...

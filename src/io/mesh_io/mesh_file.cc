@@ -34,12 +34,13 @@ constexpr std::array<Reader, 9> kReaders{{{".stl", MeshFormat::kStl, read_stl},
                                           {".vtk", MeshFormat::kVtk, read_vtk},
                                           {".msh", MeshFormat::kMsh, read_msh}}};
 
-/// @throws InputError for UTF-16, and for a mesh of another format than its name's extension says
+/// @throws InputError for UTF-16, another content, and a mesh of another format than its name's extension
+/// says
 void refuse_other_format(const MeshFile& file) {
+  const ContentFacts found = refuse_other_content(file.path, FileContent::kMesh, "a mesh file");
   if (file.bytes.starts_with("\xFF\xFE") || file.bytes.starts_with("\xFE\xFF")) {
     throw InputError(to_text(file.path) + ": is UTF-16, must be binary or UTF-8");
   }
-  const ContentFacts found = find_content(file.path);
   if (found.content != FileContent::kMesh || mesh_format("a" + found.extension) == file.format) return;
   throw InputError(
       fmt::format("{}: is {}: its name must end in {}", to_text(file.path), found.name, found.extension));
@@ -130,7 +131,6 @@ ImportedMesh import_mesh(const MeshFile& file) {
   try {
     return reader->read(file);
   } catch (const InputError&) {
-    refuse_other_content(file.path, FileContent::kMesh, "a mesh file");
     refuse_other_format(file);
     throw;
   }

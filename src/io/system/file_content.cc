@@ -21,12 +21,17 @@ constexpr std::size_t kRead = std::size_t{64} << 10U;  // bytes
 constexpr InputKind kReadableFile{"a file", std::uint64_t{1} << 40U};
 constexpr const char* kMeshUse = "palpate inspect, --organ and --tool read it";
 constexpr const char* kSceneUse = "palpate run, serve and sweep read it";
+constexpr const char* kVolumeUse = "segment it, in 3D Slicer for example, and save the surface as STL";
 
 ContentFacts mesh(const char* format, const char* extension) {
   return {FileContent::kMesh, std::string("a mesh (") + format + ")", kMeshUse, extension};
 }
 
 ContentFacts other(const char* name, const char* use) { return {FileContent::kOther, name, use, ""}; }
+
+ContentFacts vtk_xml() {
+  return other("an XML file of VTK", "save it as legacy VTK (.vtk) or STL; palpate inspect reads that");
+}
 
 /// A file whose first bytes name its format.
 struct Signature {
@@ -36,19 +41,19 @@ struct Signature {
 
 const std::vector<Signature>& signatures() {
   constexpr const char* kImageUse = "palpate validate reads photographs (docs/photographs.md)";
-  constexpr const char* kVolumeUse = "segment it, in 3D Slicer for example, and save the surface as STL";
   static const std::vector<Signature> kAll = {
       {"\x89HDF\r\n\x1a\n",
        {FileContent::kRecording, "a recording (HDF5)",
         "palpate view, replay, export, score and --device replay:FILE read it", ""}},
       {"\x89PNG", other("a PNG picture", kImageUse)},
       {"\xff\xd8\xff", other("a JPEG picture", kImageUse)},
+      {{"II*\0", 4}, other("a TIFF picture", "save it as PNG; palpate validate reads that")},
+      {{"MM\0*", 4}, other("a TIFF picture", "save it as PNG; palpate validate reads that")},
       {"%PDF", other("a PDF document", "palpate reads none")},
       {"PK\x03\x04", other("a ZIP archive or an Office document", "unpack it, or save a sheet as CSV")},
       {"\x1f\x8b", other("a file compressed by gzip", "unpack it first")},
       {"NRRD", other("an image volume (NRRD)", kVolumeUse)},
-      {"<VTKFile",
-       other("an XML file of VTK", "save it as legacy VTK (.vtk) or STL; palpate inspect reads that")},
+      {"<VTKFile", vtk_xml()},
       {"glTF", mesh("binary glTF", ".glb")},
       {"ply\n", mesh("PLY", ".ply")},
       {"ply\r", mesh("PLY", ".ply")},
@@ -141,7 +146,7 @@ ContentFacts text_of(std::string_view text, bool is_whole) {
     return other("an HTML page, such as a report", "open it in a browser");
   }
   if (first.starts_with("<?xml") || first.starts_with("<svg")) {
-    if (contains(text, "<VTKFile")) return signatures()[7].facts;
+    if (contains(text, "<VTKFile")) return vtk_xml();
     return other("an XML file", "palpate reads none");
   }
   if (first.starts_with("solid") && contains(lower(text.substr(0, 4096)), "facet")) {
@@ -170,7 +175,7 @@ ContentFacts facts_of(std::string_view start, std::uint64_t size) {
   }
   if (is_binary_stl(start, size)) return mesh("binary STL", ".stl");
   if (start.size() > 132 && start.substr(128, 4) == "DICM") {
-    return other("a DICOM image", "segment it, in 3D Slicer for example, and save the surface as STL");
+    return other("a DICOM image", kVolumeUse);
   }
   if (start.starts_with("MM") && start.size() >= 6) {
     std::uint32_t length = 0;
@@ -241,9 +246,10 @@ ContentFacts table_of(std::span<const std::string> columns) {
   return {};
 }
 
-void refuse_other_content(const std::filesystem::path& file, FileContent wanted, std::string_view must_be) {
-  const ContentFacts found = find_content(file);
-  if (found.content == FileContent::kUnknown || found.content == wanted) return;
+ContentFacts refuse_other_content(const std::filesystem::path& file, FileContent wanted,
+                                  std::string_view must_be) {
+  ContentFacts found = find_content(file);
+  if (found.content == FileContent::kUnknown || found.content == wanted) return found;
   throw InputError(to_text(file) + ": is " + found.name + ", must be " + std::string(must_be) + "; " +
                    found.use);
 }

@@ -12,7 +12,7 @@ enum class FileContent { kUnknown, kMesh, kRecording, kTable, kTissue, kScene, k
 /// The content of a file, as its first 64 KiB show it, whatever the file's name.
 struct ContentFacts {
   FileContent content = FileContent::kUnknown;
-  std::string name;       // "an STL mesh"
+  std::string name;       // "a mesh (binary STL)"
   std::string use;        // what reads it: "palpate inspect, --organ and --tool read it"
   std::string extension;  // of a mesh: ".stl"
 };
@@ -24,8 +24,9 @@ struct ContentFacts {
 [[nodiscard]] ContentFacts table_of(std::span<const std::string> columns);
 
 /// [setup] For a reader that has failed: rejects a file whose content is known and another than `wanted`.
-/// Returns for all other files. @param must_be for the message: "a mesh file" @throws InputError "FILE: is a
-/// recording (HDF5), must be a mesh file; palpate view, ... read it"
-void refuse_other_content(const std::filesystem::path& file, FileContent wanted, std::string_view must_be);
+/// @param must_be for the message: "a mesh file" @return the content of any other file @throws InputError
+/// "FILE: is a recording (HDF5), must be a mesh file; palpate view, ... read it"
+ContentFacts refuse_other_content(const std::filesystem::path& file, FileContent wanted,
+                                  std::string_view must_be);
 
 }  // namespace palpate
