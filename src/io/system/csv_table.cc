@@ -129,8 +129,9 @@ bool CsvTable::next_cells() {
   };
   if (!has_rows_ && has_name && separator_ == ',') {
     decimal_mark_ = '.';
-    undecided_ = file_ + ":" + std::to_string(line_number_) + ": " + wrong_length() +
-                 ": the first may be a row name, or a comma a decimal one, and no number has a decimal point";
+    undecided_ =
+        in_line(wrong_length() +
+                ": the first may be a row name, or a comma a decimal one, and no number has a decimal point");
   }
   has_row_names_ = has_row_names_ || (!has_rows_ && has_name);
   if (has_row_names_ ? !has_name : cells_.size() != header_cells_) {
@@ -172,9 +173,11 @@ bool CsvTable::is_row_of_units() const {
   return any;
 }
 
-void CsvTable::fail(const std::string& what) const {
-  throw InputError(file_ + ":" + std::to_string(line_number_) + ": " + what);
+std::string CsvTable::in_line(const std::string& what) const {
+  return file_ + ":" + std::to_string(line_number_) + ": " + what;
 }
+
+void CsvTable::fail(const std::string& what) const { throw InputError(in_line(what)); }
 
 void CsvTable::fail(std::size_t column, const std::string& want) const {
   fail(columns_[column].name + " = " + shortest(number(column)) + ": " + want);
@@ -407,10 +410,9 @@ void CsvTable::require_decimal_mark(std::size_t column) {
   if (is_plain || !may_be_thousands(cell, mark)) {
     decimal_mark_known_ = true;
   } else if (undecided_.empty()) {
-    undecided_ = file_ + ":" + std::to_string(line_number_) + ": " +
-                 refusal(
-                     "its mark may be a decimal one or one of thousands, and no other number shows which: "
-                     "must be a decimal point, with commas between the columns");
+    undecided_ = in_line(refusal(
+        "its mark may be a decimal one or one of thousands, and no other number shows which: must be a "
+        "decimal point, with commas between the columns"));
   }
 }
 

@@ -66,6 +66,7 @@ class CsvTable final {
  private:
   static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
 
+  [[nodiscard]] std::string in_line(const std::string& what) const;
   [[nodiscard]] bool next_line();
   [[nodiscard]] std::size_t read_text(std::span<char> to);
   void find_encoding();

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/text.h"
@@ -33,15 +34,10 @@ ContentFacts vtk_xml() {
   return other("an XML file of VTK", "save it as legacy VTK (.vtk) or STL; palpate inspect reads that");
 }
 
-/// A file whose first bytes name its format.
-struct Signature {
-  std::string_view start;
-  ContentFacts facts;
-};
-
-const std::vector<Signature>& signatures() {
+/// Contents by the first bytes of a file.
+const std::vector<std::pair<std::string_view, ContentFacts>>& signatures() {
   constexpr const char* kImageUse = "palpate validate reads photographs (docs/photographs.md)";
-  static const std::vector<Signature> kAll = {
+  static const std::vector<std::pair<std::string_view, ContentFacts>> kAll = {
       {"\x89HDF\r\n\x1a\n",
        {FileContent::kRecording, "a recording (HDF5)",
         "palpate view, replay, export, score and --device replay:FILE read it", ""}},
@@ -131,11 +127,6 @@ bool is_obj(const std::vector<std::string_view>& lines) {
   return has_vertex;
 }
 
-ContentFacts json_of(std::string_view text, bool is_whole) {
-  if (contains(text, "\"asset\"")) return mesh("glTF", ".gltf");
-  return is_whole ? other("a JSON document", "palpate reads none but those of a study") : ContentFacts{};
-}
-
 /// @param is_whole whether this is all of the file
 ContentFacts text_of(std::string_view text, bool is_whole) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -152,7 +143,10 @@ ContentFacts text_of(std::string_view text, bool is_whole) {
   if (first.starts_with("solid") && contains(lower(text.substr(0, 4096)), "facet")) {
     return mesh("text STL", ".stl");
   }
-  if (first.front() == '{') return json_of(text, is_whole);
+  if (first.front() == '{' && contains(text, "\"asset\"")) return mesh("glTF", ".gltf");
+  if (first.front() == '{' && is_whole) {  // a longer glTF file may have its "asset" further on
+    return other("a JSON document", "palpate reads none but those of a study");
+  }
   for (const ContentFacts& facts : {toml_of(lines), csv_of(lines)}) {
     if (facts.content != FileContent::kUnknown) return facts;
   }
@@ -170,8 +164,8 @@ bool is_binary_stl(std::string_view start, std::uint64_t size) {
 }
 
 ContentFacts facts_of(std::string_view start, std::uint64_t size) {
-  for (const Signature& signature : signatures()) {
-    if (start.starts_with(signature.start)) return signature.facts;
+  for (const auto& [signature, facts] : signatures()) {
+    if (start.starts_with(signature)) return facts;
   }
   if (is_binary_stl(start, size)) return mesh("binary STL", ".stl");
   if (start.size() > 132 && start.substr(128, 4) == "DICM") {
@@ -203,13 +197,7 @@ ContentFacts find_content(const std::filesystem::path& file) {
     if (folder_exists(file)) return folder_facts(file);
     InputFile in(file, kReadableFile);
     std::string start(kRead, '\0');
-    std::size_t filled = 0;
-    while (filled < start.size()) {
-      const std::size_t count = in.read(std::span(start).subspan(filled));
-      if (count == 0) break;
-      filled += count;
-    }
-    start.resize(filled);
+    start.resize(in.read(start));
     return facts_of(start, in.size());
   } catch (const InputError&) {
     return {};  // the reader itself says why

@@ -1,6 +1,5 @@
 #include "view/report/page.h"
 
-#include <algorithm>
 #include <array>
 #include <ctime>
 #include <system_error>
@@ -9,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "io/system/base64.h"
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/output_file.h"
@@ -202,24 +202,6 @@ std::string escaped(std::string_view text) {
   for (const char c : text) {
     const std::size_t which = kMarkup.find(c);
     result += which < kEntities.size() ? kEntities[which] : std::string(1, c);
-  }
-  return result;
-}
-
-std::string base64(std::string_view bytes) {
-  static constexpr std::string_view kAlphabet =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string result;
-  result.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    const std::size_t taken = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = (group << 8U) | (k < taken ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      result += k <= taken ? kAlphabet[(group >> (18U - 6U * k)) & 63U] : '=';
-    }
   }
   return result;
 }

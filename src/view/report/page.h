@@ -29,9 +29,6 @@ inline constexpr double kMilli = 1e3;  // m to mm, N to mN
 /// [any] `text` with &, <, > and quotes escaped for HTML text and attributes.
 [[nodiscard]] std::string escaped(std::string_view text);
 
-/// [any] RFC 4648 base64, padded.
-[[nodiscard]] std::string base64(std::string_view bytes);
-
 /// [any] A time since 1970 [ns] as "2011-07-01 12:00:00 UTC".
 [[nodiscard]] std::string utc_time(std::int64_t unix_ns);
 

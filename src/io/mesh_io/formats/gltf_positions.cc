@@ -17,6 +17,7 @@
 
 #include "io/mesh_io/formats/gltf_check.h"
 #include "io/mesh_io/formats/scan.h"
+#include "io/system/base64.h"
 #include "io/system/input_file.h"
 #include "io/system/json_text.h"
 #include "io/system/path_text.h"
@@ -29,46 +30,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t kMaxQuantized = 5'000'000;  // vertices of a file
 constexpr std::uint64_t kFloatType = 5126;          // glTF's number
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::string_view kDataStart = "data:application/octet-stream;base64,";
-
-std::string base64_encoded(std::string_view bytes) {
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = i; k < i + 3; ++k) {
-      bits = bits << 8U | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k > bytes.size() ? '=' : kDigits[bits >> (18 - 6 * k) & 63U];
-    }
-  }
-  return text;
-}
-
-/// Stops at the first character that is no digit of base 64.
-std::string base64_decoded(std::string_view text) {
-  std::array<int, 256> value{};
-  value.fill(-1);
-  for (std::size_t n = 0; n < kDigits.size(); ++n) {
-    value[static_cast<unsigned char>(kDigits[n])] = static_cast<int>(n);
-  }
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    const int digit = value[static_cast<unsigned char>(c)];
-    if (digit < 0) break;
-    bits = bits << 6U | static_cast<std::uint32_t>(digit);
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes += static_cast<char>(bits >> count & 0xFFU);
-  }
-  return bytes;
-}
 
 /// The float of a whole number: normalized, the largest is 1 and the least of a signed type -1.
 template <typename T>
@@ -114,7 +76,7 @@ class FloatPositions final {
                    {"count", count}};
     }
     list("buffers").push_back(
-        {{"byteLength", floats_.size()}, {"uri", std::string(kDataStart) + base64_encoded(floats_)}});
+        {{"byteLength", floats_.size()}, {"uri", std::string(kDataStart) + base64(floats_)}});
     return {file_.path, file_.format, packed(root_.dump(-1, ' ', false, json::error_handler_t::replace))};
   }
 

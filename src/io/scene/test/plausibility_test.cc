@@ -127,7 +127,7 @@ TEST_F(Plausibility, AWorkspaceScaleCountsForAPathsDistance) {
   EXPECT_THAT(remarks_of(request), IsEmpty());
 }
 
-TEST_F(Plausibility, ALogWithUnixTimeIsSaidOnceInAScene) {
+TEST_F(Plausibility, ALogWithUnixTimeIsRemarkedOnceInAScene) {
   std::string text = log_from(0.065);
   for (std::size_t at = text.find('\n'); at + 1 < text.size(); at = text.find('\n', at + 1)) {
     text.insert(at + 1, "163650000");  // before 0.0 to 2.0 s
@@ -154,7 +154,7 @@ TEST_F(Plausibility, EveryPresetIsUsual) {
   }
 }
 
-TEST_F(Plausibility, ALogBelow200RowsASecondIsCubicUnlessTheSceneSaysLinear) {
+TEST_F(Plausibility, ALogBelow200RowsASecondIsCubicUnlessTheSceneSetsLinear) {
   EXPECT_EQ(load(with_path(log_from(0.065))).devices[0].interpolation, PathInterpolation::kCubic);
   Overrides request;
   request.scene = folder_.write("s.toml",

@@ -270,7 +270,7 @@ std::string log_with_times(double begin, double second) {
   return text;
 }
 
-TEST(ReadToolPath, ALogThatCountsFromElsewhereBeginsAtItsFirstRowAndThatIsSaidOnce) {
+TEST(ReadToolPath, ALogThatCountsFromElsewhereBeginsAtItsFirstRowAndIsRemarkedOnce) {
   const TemporaryFolder folder;
   const ToolPath plain = read_tool_path(folder.write("plain.csv", log_with_times(0.0, 1.0)));
   for (const double begin : {1636500000.1, 100.0, -3.0}) {
@@ -348,7 +348,7 @@ TEST(ReadToolPath, APositionOutOfReachIsRefusedWithTheUnitThatWouldBeRight) {
             "way.csv:2: y_m = -250: must be within 100 m: is y_m in mm? (it would be 0.25 m)");
 }
 
-TEST(ReadToolPath, TrajectoriesOfOtherProgramsAreToldByName) {
+TEST(ReadToolPath, TrajectoriesOfOtherProgramsAreRefusedByName) {
   const std::string tum =
       "1305031102.1758 1.3 0.6 1.6 0.6 0.6 -0.3 -0.3\n1305031102.2758 1.3 0.6 1.6 0.6 0.6 -0.3 -0.3\n";
   for (const std::string& text : {std::string(tum), "# timestamp tx ty tz qx qy qz qw\n" + tum,

@@ -24,7 +24,7 @@ TEST(Plausible, AColumnIsAskedForTheUnitThatGivesAUsualNumber) {
   EXPECT_EQ(column_question(kForceRange, 1e30, "force_N", 1.0), "");
 }
 
-TEST(Plausible, TimesSince1970InOtherUnitsThanSecondsAreToldByTheirSize) {
+TEST(Plausible, TimesSince1970InOtherUnitsThanSecondsAreRecognizedByTheirSize) {
   EXPECT_EQ(unix_time_question(0.0), "");
   EXPECT_EQ(unix_time_question(-5.0), "");
   EXPECT_EQ(unix_time_question(1636500000.1), "") << "seconds since 1970";

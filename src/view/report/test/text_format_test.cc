@@ -22,15 +22,6 @@ TEST(TextFormat, EscapesWhatHtmlReadsAsMarkup) {
   EXPECT_EQ(escaped("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
 }
 
-TEST(TextFormat, Base64IsThatOfTheStandard) {  // RFC 4648, section 10
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xff\xfe"), "//4=");
-}
-
 TEST(TextFormat, TellsUniversalTime) {
   EXPECT_EQ(utc_time(1'309'521'600'000'000'000), "2011-07-01 12:00:00 UTC");
 }
