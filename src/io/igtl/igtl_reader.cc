@@ -146,8 +146,9 @@ void IgtlReader::read_head() {
     throw InputError("the bytes are no OpenIGTLink message of version 1 to 3");
   }
   if (std::exchange(first_, false)) is_slicer_ = *type == "STATUS" && name->empty();
-  is_status_ = *type == "STATUS" && size > 0 && size <= kLargestTransform;
-  const bool wanted = is_status_ || (*type == "TRANSFORM" && *name == name_);
+  is_named_ = *name == name_;
+  is_status_ = *type == "STATUS" && size > 0 && (is_named_ || name->empty());
+  const bool wanted = is_status_ || (*type == "TRANSFORM" && is_named_);
   const std::uint64_t most = wanted ? kLargestTransform : kLargestBody;
   if (size > most) {
     throw InputError(fmt::format("a {} message has {} bytes, must have at most {}", *type, size, most));
@@ -158,7 +159,6 @@ void IgtlReader::read_head() {
     if (*type == "TRANSFORM" && !known && others_.size() < kMaxOthers) others_.push_back(*name);
     return;
   }
-  status_name_ = *name;
   if (!is_status_ && size < kTransformBytes) {
     throw InputError(
         fmt::format("TRANSFORM {} has {} bytes, must have at least {}", name_, size, kTransformBytes));
@@ -171,7 +171,7 @@ void IgtlReader::read_head() {
 
 void IgtlReader::read_body(const Take& take) {
   body_bytes_ = 0;
-  const std::string who = is_status_ ? "STATUS " + excerpt(status_name_) : "TRANSFORM " + name_;
+  const std::string who = is_status_ ? "STATUS" : "TRANSFORM " + name_;
   if (igtl_checksum(body_) != checksum_) throw InputError(who + ": its checksum is wrong");
   Parts parts;
   try {
@@ -180,26 +180,22 @@ void IgtlReader::read_body(const Take& take) {
     throw InputError(who + ": " + error.what());
   }
   if (is_status_) return read_status(parts.content);
-  const std::string& status = parts.has_status ? parts.warning : warning_;
+  const std::string& status = parts.has_status          ? parts.warning
+                              : warnings_[true].empty() ? warnings_[false]
+                                                        : warnings_[true];
   read_transform(parts.content, status, take);
 }
 
-/// Keeps a warning about the hand until the same sender says OK. 3D Slicer's connector begins with a STATUS
+/// Keeps a warning until the next STATUS that is named likewise. 3D Slicer's connector begins with a STATUS
 /// without name and code.
 void IgtlReader::read_status(std::span<const unsigned char> content) {
   constexpr std::uint16_t kNone = 0;
   constexpr std::uint16_t kOk = 1;
   if (content.size() < sizeof kOk) return;
   const auto code = number_at<std::uint16_t>(content);
-  const bool is_greeting = code == kNone && status_name_.empty();
-  const bool is_of_another = std::find(others_.begin(), others_.end(), status_name_) != others_.end();
-  if (is_greeting || is_of_another) return;
-  if (code != kOk) {
-    warned_by_ = status_name_;
-    warning_ = fmt::format("STATUS {} has the code {}", excerpt(status_name_), code);
-  } else if (status_name_ == warned_by_ || status_name_ == name_) {
-    warning_.clear();
-  }
+  if (code == kNone && !is_named_) return;
+  warnings_[is_named_] =
+      code == kOk ? "" : fmt::format("STATUS {}has the code {}", is_named_ ? name_ + " " : "", code);
 }
 
 void IgtlReader::read_transform(std::span<const unsigned char> content, const std::string& status,

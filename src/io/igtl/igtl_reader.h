@@ -12,9 +12,9 @@
 
 namespace palpate::net {
 
-/// Finds the TRANSFORM messages of one name in the bytes that a client sends, and what STATUS messages and
-/// metadata say about them. All other messages are skipped and not kept, whatever their size. All members:
-/// [setup], one thread.
+/// Finds the TRANSFORM messages of one name in the bytes that a client sends, and the warnings about them in
+/// STATUS messages and metadata. All other messages are skipped and not kept, whatever their size. All
+/// members: [setup], one thread.
 class IgtlReader final {
  public:
   static constexpr std::size_t kLongestName = 20;
@@ -28,8 +28,8 @@ class IgtlReader final {
 
   /// The pose of a TRANSFORM: from the inner frame to the client's (sent in mm), m. Empty: its matrix is not
   /// finite, or scales, shears or mirrors. The text is the client's own warning about the pose, which then is
-  /// none: metadata whose key ends in "status", such as TransformStatus, with a value other than OK, or an
-  /// earlier STATUS message of this name, without name, or of no other TRANSFORM. Empty: no warning.
+  /// none: metadata whose key ends in "status", such as TransformStatus, with a value other than OK, or the
+  /// last STATUS message of this name or without name. Empty: no warning.
   using Take = std::function<void(const std::optional<Pose>&, const std::string&)>;
 
   /// Reads the next bytes of the stream and calls `take` for each TRANSFORM of that name.
@@ -57,13 +57,12 @@ class IgtlReader final {
 
   std::array<unsigned char, kHeadBytes> head_{};
   std::size_t head_bytes_ = 0;
-  std::uint64_t to_skip_ = 0;        // bytes left of a message that is skipped
-  std::vector<unsigned char> body_;  // of a TRANSFORM of that name or a STATUS, so far
-  std::uint64_t body_bytes_ = 0;     // its size; 0: no such message has begun
-  bool is_status_ = false;           // of these, it is a STATUS
-  std::string status_name_;          // of that STATUS
-  std::string warned_by_;            // name of the STATUS whose warning holds
-  std::string warning_;              // that warning; empty: none
+  std::uint64_t to_skip_ = 0;            // bytes left of a message that is skipped
+  std::vector<unsigned char> body_;      // of a TRANSFORM of that name or a STATUS, so far
+  std::uint64_t body_bytes_ = 0;         // its size; 0: no such message has begun
+  bool is_status_ = false;               // of these, it is a STATUS
+  bool is_named_ = false;                // the message has this name
+  std::array<std::string, 2> warnings_;  // of the last STATUS without name and of this name; empty: none
   std::uint16_t version_ = 1;
   std::uint64_t checksum_ = 0;
 };

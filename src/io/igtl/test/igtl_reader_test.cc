@@ -206,8 +206,8 @@ Bytes status(const char* name, std::uint16_t code) {
   return message(1, "STATUS", name, body);
 }
 
-TEST(IgtlReader, AStatusMessageOtherThanOkHoldsUntilItsSenderSaysOk) {
-  for (const char* name : {"Hand", "", "Tracker"}) {
+TEST(IgtlReader, AStatusOtherThanOkOfTheHandOrWithoutNameHoldsUntilItsNextOne) {
+  for (const char* name : {"Hand", ""}) {
     IgtlReader reader("Hand");
     EXPECT_TRUE(warnings_in(reader, status(name, 13)).empty());
     for (int i = 0; i < 2; ++i) {
@@ -215,16 +215,22 @@ TEST(IgtlReader, AStatusMessageOtherThanOkHoldsUntilItsSenderSaysOk) {
     }
     EXPECT_THAT(warnings_in(reader, with_metadata(2, {{"TransformStatus", "OK"}})), ElementsAre(""))
         << "the pose's own status counts more";
+    EXPECT_TRUE(warnings_in(reader, status(*name == '\0' ? "Hand" : "", 1)).empty());
+    EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre(HasSubstr("has the code 13"))) << name;
     EXPECT_TRUE(warnings_in(reader, status(name, 1)).empty());
     EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre("")) << name;
   }
 }
 
-TEST(IgtlReader, AStatusOfAnotherToolAndAGreetingSayNothingAboutTheHand) {
+TEST(IgtlReader, AStatusOfAnotherToolAndAGreetingDoNotWarnAboutTheHand) {
   IgtlReader reader("Hand");
   EXPECT_TRUE(warnings_in(reader, message(1, "STATUS", "", Bytes(30))).empty());  // code 0, as of 3D Slicer
-  EXPECT_TRUE(warnings_in(reader, transform("Probe")).empty());
-  EXPECT_TRUE(warnings_in(reader, status("Probe", 18)).empty());
+  EXPECT_TRUE(warnings_in(reader, status("Probe", 18)).empty()) << "before any TRANSFORM";
+  for (int tool = 1; tool <= 9; ++tool) {
+    const std::string name = "Tool" + std::to_string(tool);
+    EXPECT_TRUE(warnings_in(reader, transform(name)).empty());
+    EXPECT_TRUE(warnings_in(reader, status(name.c_str(), 18)).empty());
+  }
   EXPECT_THAT(warnings_in(reader, transform("Hand")), ElementsAre(""));
 }
 
