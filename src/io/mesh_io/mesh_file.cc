@@ -77,18 +77,23 @@ std::string_view header_of(const MeshFile& file) {
   }
 }
 
+/// The text after the first `word` that does not end a longer one, as in COLORSPACE; empty: there is none.
+std::string_view after_word(std::string_view text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    if (at == 0 || std::isalnum(static_cast<unsigned char>(text[at - 1])) == 0)
+      return text.substr(at + word.size());
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string declared_space(const MeshFile& file) {
   constexpr std::string_view kTag = "SPACE=";
   constexpr std::string_view kArray = "SPACE 1 1 string";  // of field data; the text is in the next line
   const std::string_view header = header_of(file);
-  if (const std::size_t tag = header.find(kTag); tag != std::string_view::npos) {
-    return leading_letters(header.substr(tag + kTag.size()));
-  }
-  const std::size_t array = header.find(kArray);
-  if (array == std::string_view::npos) return {};
-  const std::string_view rest = header.substr(array + kArray.size());
+  if (std::string declared = leading_letters(after_word(header, kTag)); !declared.empty()) return declared;
+  const std::string_view rest = after_word(header, kArray);
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
   const auto first = std::find_if(rest.begin(), rest.end(), is_letter);  // after the length in binary files
   return leading_letters(rest.substr(static_cast<std::size_t>(first - rest.begin())));
