@@ -61,7 +61,7 @@ void require_plausible(Specimen& specimen, const std::string& where) {
   require_possible(kDepthRange, depth, where + ": displacement_mm changes by", of_depth);
   require_possible(kForceRange, force, where + ": force_N changes by", of_force);
   if (depth > 0.0) {
-    require_possible(kStiffnessRange, force / depth,
+    require_possible(kPlausibleStiffness, force / depth,
                      where + ": the range of force_N over that of displacement_mm is",
                      kDepthRange.usual.contains(depth) ? of_force : of_depth);
   }

@@ -111,10 +111,10 @@ std::string organ_distance_remark(const Scene& scene, const std::string& where) 
 std::vector<std::string> tissue_remarks(const model::TissueParameters& tissue) {
   std::vector<std::string> remarks;
   const std::string who = "tissue '" + tissue.name + "': ";
-  if (!kStiffnessRange.usual.contains(tissue.k1)) {
+  if (!kPlausibleStiffness.usual.contains(tissue.k1)) {
     remarks.push_back(fmt::format("{}k1_N_per_m = {}, usual is {} to {}{}", who, brief(tissue.k1),
-                                  brief(kStiffnessRange.usual.low), brief(kStiffnessRange.usual.high),
-                                  column_question(kStiffnessRange, tissue.k1, "k1_N_per_m", 1.0)));
+                                  brief(kPlausibleStiffness.usual.low), brief(kPlausibleStiffness.usual.high),
+                                  column_question(kPlausibleStiffness, tissue.k1, "k1_N_per_m", 1.0)));
   }
   const double limit = tissue.rest_length - tissue.min_length;
   if (!kDepthRange.usual.contains(limit)) {

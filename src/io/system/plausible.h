@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,8 +12,8 @@ struct NamedUnit {
   double si = 1.0;  // in SI units
 };
 
-/// What a quantity of a file can be, in SI units. A number outside `possible` is refused, one outside `usual`
-/// is questioned: most such numbers are in another unit than the file says.
+/// What a quantity of a file can be, in SI units. Readers may refuse a number outside `possible` and question
+/// one outside `usual`: most such numbers are in another unit than the file says.
 struct PlausibleRange {
   struct Interval {
     double low = 0.0;
@@ -34,24 +35,26 @@ inline constexpr NamedUnit kStiffnessUnits[] = {{"N/m", 1.0}, {"N/cm", 1e2}, {"N
 inline constexpr NamedUnit kTimeUnits[] = {{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
 
 // The table of plausible ranges.
+inline constexpr double kAny = std::numeric_limits<double>::infinity();  // no upper limit
 /// Largest side of an organ's bounding box.
 inline constexpr PlausibleRange kOrganExtent{{5e-3, 2.0}, {20e-3, 0.5}, {"mm", 1e-3}, kLengthUnits};
 /// Largest side of an instrument's bounding box.
 inline constexpr PlausibleRange kToolExtent{{0.1e-3, 5.0}, {1e-3, 1.0}, {"mm", 1e-3}, kLengthUnits};
 /// Distance of an instrument from the origin of its handle.
 inline constexpr PlausibleRange kToolDistance{{0.0, 50.0}, {0.0, 1.0}, {"m", 1.0}, kLengthUnits};
-/// Distance of an organ from the origin of the world. Devices give positions of at most 100 m.
+/// Distance of an organ from the origin of the world. Tools must reach it, and their positions are within
+/// 100 m of the device's origin (haptics::kFarthest).
 inline constexpr PlausibleRange kOrganDistance{{0.0, 50.0}, {0.0, 2.0}, {"m", 1.0}, kLengthUnits};
-/// Smallest distance of a tool path from the organ.
-inline constexpr PlausibleRange kPathDistance{{0.0, 1e9}, {0.0, 0.2}, {"m", 1.0}, kLengthUnits};
+/// Smallest distance of a tool path from the organ; every distance is possible.
+inline constexpr PlausibleRange kPathDistance{{0.0, kAny}, {0.0, 0.2}, {"m", 1.0}, kLengthUnits};
 /// Depth of a press, and deformation of a layer.
 inline constexpr PlausibleRange kDepthRange{{1e-9, 0.5}, {0.2e-3, 0.1}, {"mm", 1e-3}, kLengthUnits};
 /// Force of a press. The strongest device in docs/devices.md gives 20 N.
 inline constexpr PlausibleRange kForceRange{{1e-9, 1e3}, {5e-3, 100.0}, {"N", 1.0}, kForceUnits};
 /// Stiffness of tissue under an indenter: brain has some N/m, cartilage 1e4 N/m.
-inline constexpr PlausibleRange kStiffnessRange{{1e-6, 5e4}, {0.5, 2e4}, {"N/m", 1.0}, kStiffnessUnits};
-/// Largest speed of a moving tool.
-inline constexpr PlausibleRange kSpeedRange{{2e-6, 1e9}, {1e-4, 5.0}, {"mm/s", 1e-3}, {}};
+inline constexpr PlausibleRange kPlausibleStiffness{{1e-6, 5e4}, {0.5, 2e4}, {"N/m", 1.0}, kStiffnessUnits};
+/// Largest speed of a moving tool; every higher speed is possible.
+inline constexpr PlausibleRange kSpeedRange{{2e-6, kAny}, {1e-4, 5.0}, {"mm/s", 1e-3}, {}};
 
 /// [setup] "0.012 mm": a value [SI] in the unit of the range.
 [[nodiscard]] std::string in_unit(const PlausibleRange& range, double value);
@@ -65,14 +68,14 @@ inline constexpr PlausibleRange kSpeedRange{{2e-6, 1e9}, {1e-4, 5.0}, {"mm/s", 1
 [[nodiscard]] std::string column_question(const PlausibleRange& range, double value, std::string_view column,
                                           double column_unit);
 
-inline constexpr double kLatestStart = 10.0;  // s: a log whose first row is later counts from elsewhere
+inline constexpr double kLatestStart = 10.0;  // s: a tool path whose first row is later counts from elsewhere
 inline constexpr double kLongestTimes = 1e6;  // s, from a file's first row to its last: eleven days
 
 /// [setup] Why the time of a file's first row cannot be in seconds: it is milli-, micro- or nanoseconds since
 /// 1970. Empty: it can be in seconds.
 [[nodiscard]] std::string unix_time_question(double first_time);
 
-/// What the rows of a file tell about the unit of their times.
+/// What the rows of a file show about the unit of their times.
 struct RowTimes {
   double median_step = 0.0;  // s, between two rows
   double fastest = 0.0;      // m/s, of the motion between two rows
