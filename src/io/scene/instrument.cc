@@ -1,6 +1,7 @@
 #include "io/scene/instrument.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include <fmt/core.h>
@@ -117,17 +118,25 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
     const LocatedString& last = description.jaws.empty() ? *description.mesh : description.jaws.back().mesh;
     last.fail(fmt::format("the tool has {} parts, must be at most {}", tool.parts.size(), kMaxParts));
   }
-  const LocatedString& named = description.mesh ? *description.mesh : description.jaws.front().mesh;
   const auto note = [&notes](std::string remark) {
     if (!remark.empty()) notes.remarks.push_back(std::move(remark));
   };
-  if (is_path(named.value)) note(tool_size_remark(tool, named));
+  std::vector<const LocatedString*> files;  // of the last parts
+  if (description.mesh && is_path(description.mesh->value)) files.push_back(&*description.mesh);
+  for (const JawTable& jaw : description.jaws) files.push_back(&jaw.mesh);
+  const std::span<const geometry::ToolPart> parts = std::span(tool.parts).last(files.size());
+  if (!files.empty()) {
+    std::string whole = tool_size_remark(parts, *files[0]);
+    for (std::size_t i = 0; whole.empty() && i < parts.size(); ++i)
+      note(part_size_remark(parts[i], *files[i]));
+    note(std::move(whole));
+  }
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);
     part.pivot = description.mount * part.pivot;
     part.axis = description.mount.rotation * part.axis;
   }
-  if (is_path(named.value)) note(tool_distance_remark(tool, named));
+  if (!files.empty()) note(tool_distance_remark(parts, *files[0]));
   tool.name = names_of(description);
   if (description.tip_radius) tool.tip_radius = description.tip_radius;
   return tool;

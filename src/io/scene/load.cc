@@ -279,13 +279,10 @@ void check_layers(const SceneFile& scene_file, const Scene& scene) {
 
 /// The requested tissue; else the built-in one of the organ's name ("heart" for heart-30k); else the task's.
 model::TissueParameters find_tissue(const SceneFile& scene_file) {
-  if (scene_file.tissue) {
-    try {
-      return load_tissue(is_path(scene_file.tissue->value) ? to_text(scene_file.tissue->file())
-                                                           : scene_file.tissue->value);
-    } catch (const InputError& error) {
-      throw InputError(scene_file.tissue->where + ": " + error.what());
-    }
+  if (const auto& tissue = scene_file.tissue) {
+    return with_location(*tissue, [&tissue] {
+      return load_tissue(is_path(tissue->value) ? to_text(tissue->file()) : tissue->value);
+    });
   }
   if (!is_path(scene_file.organ->value)) {
     try {
@@ -395,10 +392,11 @@ void add_questions(const SceneFile& scene_file, const PathSummaries& paths, Scen
   const auto add = [&notes](std::string remark) {
     if (!remark.empty()) notes.remarks.push_back(std::move(remark));
   };
-  add(organ_distance_remark(scene, scene_file.organ->where));
+  const geometry::Bounds organ_W = organ_box(scene);
+  add(organ_distance_remark(organ_W, scene_file.organ->where));
   for (std::string& remark : tissue_remarks(scene.tissue)) add(std::move(remark));
   for (std::size_t hand = 0; hand < paths.size(); ++hand) {
-    if (paths[hand]) add(far_path_remark(scene, hand, *paths[hand]));
+    if (paths[hand]) add(far_path_remark(scene, organ_W, hand, *paths[hand]));
   }
 }
 

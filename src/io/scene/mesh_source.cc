@@ -22,15 +22,6 @@ void note(const mesh_io::MeshFindings& findings, const std::string& file, MeshNo
   add(findings.remarks, notes.remarks);
 }
 
-template <typename Read>
-auto with_location(const LocatedString& mesh, const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& error) {
-    throw InputError(mesh.where + ": " + error.what());
-  }
-}
-
 /// @throws InputError for a missing unit; first for a file that is no mesh, which needs none
 void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& unit) {
   if (unit) return;
@@ -43,11 +34,7 @@ void require_unit(const LocatedString& mesh, const std::optional<LengthUnit>& un
 mesh_io::LoadedMesh read_part_source(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
                                      MeshNotes& notes) {
   require_unit(mesh, unit);
-  mesh_io::LoadedMesh loaded = with_location(mesh, [&] {
-    mesh_io::LoadedMesh read = mesh_io::read_mesh(mesh.file(), unit);
-    mesh_io::require_tool(read, mesh.value);
-    return read;
-  });
+  mesh_io::LoadedMesh loaded = with_location(mesh, [&] { return mesh_io::read_mesh(mesh.file(), unit); });
   note(loaded.findings, mesh.value, notes);
   return loaded;
 }

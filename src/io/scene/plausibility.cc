@@ -13,22 +13,15 @@
 namespace palpate::scene {
 namespace {
 
-geometry::Bounds world_box(const Scene& scene) {
-  geometry::TriangleMesh placed = scene.organ;
-  geometry::transform(placed, scene.organ_pose);
-  return geometry::bounds(placed);
-}
-
 void widen(geometry::Bounds& box, const Vec3& point, bool first) {
   box.low = first ? point : Vec3(box.low.cwiseMin(point));
   box.high = first ? point : Vec3(box.high.cwiseMax(point));
 }
 
-/// Bounding box of a tool's parts.
-geometry::Bounds box_of(const geometry::Tool& tool) {
+geometry::Bounds box_of(std::span<const geometry::ToolPart> parts) {
   geometry::Bounds box;
   bool first = true;
-  for (const geometry::ToolPart& part : tool.parts) {
+  for (const geometry::ToolPart& part : parts) {
     for (const Vec3& vertex : part.mesh.vertices) {
       widen(box, vertex, first);
       first = false;
@@ -68,19 +61,35 @@ double reach_of(const geometry::Tool& tool) {
   return reach;
 }
 
+std::string size_question(std::string_view who, double size) {
+  return fmt::format("{}'s largest side is {}, usual is 1 to 1000 mm{}", who, in_unit(kToolExtent, size),
+                     unit_question(kToolExtent, size));
+}
+
 }  // namespace
 
-std::string tool_size_remark(const geometry::Tool& tool, const LocatedString& where) {
-  const double size = box_of(tool).size().maxCoeff();
+geometry::Bounds organ_box(const Scene& scene) {
+  geometry::TriangleMesh placed = scene.organ;
+  geometry::transform(placed, scene.organ_pose);
+  return geometry::bounds(placed);
+}
+
+std::string tool_size_remark(std::span<const geometry::ToolPart> parts, const LocatedString& where) {
+  const double size = box_of(parts).size().maxCoeff();
   if (kToolExtent.usual.contains(size)) return {};
-  const std::string what = fmt::format("the instrument's largest side is {}, usual is 1 to 1000 mm{}",
-                                       in_unit(kToolExtent, size), unit_question(kToolExtent, size));
+  const std::string what = size_question("the instrument", size);
   if (!kToolExtent.possible.contains(size)) where.fail(what);
   return where.value + ": " + what;
 }
 
-std::string tool_distance_remark(const geometry::Tool& tool, const LocatedString& where) {
-  const double distance = distance_from_origin(box_of(tool));
+std::string part_size_remark(const geometry::ToolPart& part, const LocatedString& where) {
+  const double size = box_of(std::span(&part, 1)).size().maxCoeff();
+  if (kToolExtent.usual.contains(size)) return {};
+  return where.value + ": " + size_question("the part", size);
+}
+
+std::string tool_distance_remark(std::span<const geometry::ToolPart> parts, const LocatedString& where) {
+  const double distance = distance_from_origin(box_of(parts));
   if (kToolDistance.usual.contains(distance)) return {};
   const std::string what =
       fmt::format("the instrument lies {} from the origin of its file, which is its handle",
@@ -91,12 +100,11 @@ std::string tool_distance_remark(const geometry::Tool& tool, const LocatedString
   return where.value + ": " + what + ": is that where the handle should be? (tool.mount moves it)";
 }
 
-std::string organ_distance_remark(const Scene& scene, const std::string& where) {
-  const geometry::Bounds box = world_box(scene);
-  const double distance = distance_from_origin(box);
+std::string organ_distance_remark(const geometry::Bounds& organ_W, const std::string& where) {
+  const double distance = distance_from_origin(organ_W);
   if (kOrganDistance.usual.contains(distance)) return {};
-  const auto axis = [&box](Eigen::Index i) {
-    return fmt::format("{} to {}", brief(box.low[i], 6), brief(box.high[i], 6));
+  const auto axis = [&organ_W](Eigen::Index i) {
+    return fmt::format("{} to {}", brief(organ_W.low[i], 6), brief(organ_W.high[i], 6));
   };
   const std::string what = fmt::format("the organ lies {:.4g} m from the origin, at x {}, y {}, z {} m",
                                        distance, axis(0), axis(1), axis(2));
@@ -137,12 +145,12 @@ PathSummary summary_of(const ToolPath& path) {
   return summary;
 }
 
-std::string far_path_remark(const Scene& scene, std::size_t hand, const PathSummary& path) {
+std::string far_path_remark(const Scene& scene, const geometry::Bounds& organ_W, std::size_t hand,
+                            const PathSummary& path) {
   const DeviceSetup& device = scene.devices[hand];
-  const geometry::Bounds organ = world_box(scene);
   const double reach = reach_of(scene.tools[hand]);
   const auto gap = [&](double scale) {
-    return std::max(0.0, distance_between(organ, handle_box(device, path.positions_D, scale)) - reach);
+    return std::max(0.0, distance_between(organ_W, handle_box(device, path.positions_D, scale)) - reach);
   };
   const double distance = gap(1.0);
   if (kPathDistance.usual.contains(distance)) return {};

@@ -31,6 +31,16 @@ struct LocatedString {
   [[noreturn]] void fail(const std::string& want) const;
 };
 
+/// [setup] Reads the file that `stated` names. @throws InputError of `read`, with where it was written
+template <typename Read>
+auto with_location(const LocatedString& stated, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(stated.where + ": " + error.what());
+  }
+}
+
 struct JawTable {
   LocatedString mesh;
   Vec3 pivot = Vec3::Zero();  // m

@@ -15,6 +15,7 @@ using test::error_of;
 using test::TemporaryFolder;
 using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -69,7 +70,7 @@ class Plausibility : public testing::Test {
 
 TEST_F(Plausibility, AnInstrumentInMetresThatIsTakenAsMillimetresIsRefused) {
   const std::string why = error_of([&] { (void)load(with_tool(0.006)); });
-  EXPECT_THAT(why, AllOf(HasSubstr("--tool: "), HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm"),
+  EXPECT_THAT(why, AllOf(HasSubstr("--tool = "), HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm"),
                          HasSubstr("is its unit right? (1000 times larger it would be 12 mm)")));
   EXPECT_THAT(error_of([&] { (void)load(with_tool(6000.0)); }),
               HasSubstr("1000 times smaller it would be 12 mm"));
@@ -79,6 +80,34 @@ TEST_F(Plausibility, AnUnusualInstrumentIsQuestionedAndAUsualOneIsNot) {
   EXPECT_THAT(remarks_of(with_tool(0.25)),
               Contains(HasSubstr("largest side is 0.5 mm, usual is 1 to 1000 mm")));
   EXPECT_THAT(remarks_of(with_tool(6.0)), IsEmpty());
+}
+
+TEST_F(Plausibility, ASmallPartOfAUsualInstrumentIsQuestioned) {
+  Overrides request = with_tool(6.0);
+  request.tools.push_back(folder_.write("pin.obj", box_obj(0.6)).string());
+  EXPECT_THAT(remarks_of(request), IsEmpty());
+  request.tools[1] = folder_.write("pin.obj", box_obj(0.006)).string();
+  EXPECT_THAT(
+      remarks_of(request),
+      ElementsAre(HasSubstr("pin.obj: the part's largest side is 0.012 mm, usual "
+                            "is 1 to 1000 mm: is its unit right? (1000 times larger it would be 12 mm)")));
+  request.tools[1] = folder_.write("point.obj", box_obj(0.0)).string();
+  EXPECT_THAT(error_of([&] { (void)load(request); }),
+              AllOf(HasSubstr("point.obj"), HasSubstr("no triangles")));
+}
+
+TEST_F(Plausibility, JawsFromFilesAreCheckedBesideABuiltInShaft) {
+  const auto with_jaw = [this](double half_mm) {
+    (void)folder_.write("jaw.obj", box_obj(half_mm));
+    Overrides request;
+    request.scene = folder_.write("s.toml",
+                                  "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\nunit = \"mm\"\n"
+                                  "[[tool.jaw]]\nmesh = \"jaw.obj\"\n");
+    return request;
+  };
+  EXPECT_THAT(error_of([&] { (void)load(with_jaw(0.006)); }),
+              AllOf(HasSubstr("jaw.obj"), HasSubstr("largest side is 0.012 mm")));
+  EXPECT_THAT(remarks_of(with_jaw(6.0)), IsEmpty());
 }
 
 TEST_F(Plausibility, AnInstrumentFarFromItsHandleIsRefusedOrQuestioned) {
