@@ -16,6 +16,7 @@
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "io/system/output_file.h"
+#include "io/system/plausible.h"
 #include "io/system/temporary.h"
 #include "net/igtl_server.h"
 #include "palpate/error.h"
@@ -200,6 +201,14 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
   return {play(*session, how), false, false};
 }
 
+/// Prints the scene's remarks before a run that takes minutes, such as of a path with times in ms.
+void report_long_run(const Session& session, const RunFlags& flags) {
+  constexpr double kLong = 120.0;  // s
+  const double length = static_cast<double>(session.ticks()) / session.scene().rate_Hz;
+  if (flags.offline || length < kLong || length > kLongestTimes) return;
+  for (const std::string& remark : session.scene().remarks) report_message(remark);
+}
+
 int run(const RunFlags& flags, const std::string& command_line) {
   std::optional<StopOnSignal> signals(std::in_place);
   IgtlService igtl(flags.igtl);
@@ -229,6 +238,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
 
   const std::string title = title_of(session->scene());
   igtl.report_where();
+  report_long_run(*session, flags);
   const Played played = play_as_asked(session, flags, recorded, window, igtl.server(), signals->flag());
   signals.reset();
   const std::optional<net::IgtlStatistics> tally = igtl.finish();

@@ -47,7 +47,8 @@ std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& scene, std:
   if (device.kind == "replay") return devices::open_device(scene, hand);
   const bool has_path =
       !device.path.empty() && scene::find_device_kind(device.kind)->path == scene::DevicePath::kToolPath;
-  const scene::ToolPath path = has_path ? scene::read_tool_path(to_path(device.path), device.interpolation)
+  const scene::ToolPath path = has_path ? scene::read_tool_path(to_path(device.path), device.interpolation,
+                                                                nullptr, device.earliest_row)
                                         : scene::default_path(scene, hand);
   return std::make_unique<devices::ScriptedDevice>(path.faster(device.path_speed));
 }

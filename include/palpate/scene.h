@@ -134,7 +134,8 @@ struct DeviceSetup {
   haptics::DeviceAbilities abilities{};  // of the opened device
   double force_scale = 1.0;              // factor of the tissue force at the hand; below 1 only with `fit`
   PathInterpolation interpolation = PathInterpolation::kLinear;  // of a tool path that is read from a file
-  double path_speed = 1.0;  // > 0: the duration of tool paths is divided by it
+  double path_speed = 1.0;               // > 0: the duration of tool paths is divided by it
+  std::optional<double> earliest_row{};  // s: `earliest` of read_tool_path()
 };
 
 /// Saturation and slew limits of the gate, SI units. The constants are the largest values that a scene may

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,13 +51,19 @@ class ToolPath final {
   bool has_gripper_;
 };
 
+/// [setup] The time of a path CSV's first row, as in the file [s]. @throws InputError as read_tool_path().
+[[nodiscard]] double first_path_time(const std::filesystem::path& file);
+
 /// [setup] Reads a path CSV (columns by header name). A path that begins before 0 s or after 10 s, as a log
-/// with Unix time, is counted from its first row. @param remarks if given, receives a sentence when it is so
+/// with Unix time, is counted from its first row. @param remarks if given, receives a sentence when it is
+/// so, and one when the times are probably not in seconds @param earliest the earliest first_path_time() of
+/// several hands, which decides instead of the file's first row and is then the start of all their paths
 /// @throws InputError that names file, line, column and value, also for times that cannot be in seconds and
 /// positions beyond 100 m.
 [[nodiscard]] ToolPath read_tool_path(const std::filesystem::path& file,
                                       PathInterpolation interpolation = PathInterpolation::kLinear,
-                                      std::vector<std::string>* remarks = nullptr);
+                                      std::vector<std::string>* remarks = nullptr,
+                                      std::optional<double> earliest = std::nullopt);
 
 /// [setup] The path of a scripted device without a file, in the device's frame. The tool points down (+z
 /// down) and starts above the organ's centre, with its lowest point 10 mm above the surface. In a press it

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/core.h>
 
@@ -21,6 +22,7 @@
 #include "io/scene/variation_reader.h"
 #include "io/system/file_exists.h"
 #include "io/system/path_text.h"
+#include "io/system/plausible.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -302,19 +304,6 @@ const DeviceKind& check_device_kind(const LocatedString& kind) {
   kind.fail("must be " + alternatives(names));
 }
 
-PathSummary check_tool_path(const LocatedString& path, const std::filesystem::path& file, Task task,
-                            MeshNotes& notes) {
-  try {
-    const ToolPath read = read_tool_path(file, PathInterpolation::kLinear, &notes.remarks);
-    if (task == Task::kPull && !read.has_gripper()) {
-      throw InputError(to_text(file) + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
-    }
-    return summary_of(read);
-  } catch (const InputError& error) {
-    throw InputError(path.where + ": " + error.what());
-  }
-}
-
 /// Loading a library runs its code. So only the person who starts the program may name one: no scene may, and
 /// no relative path, which a file of the current folder could replace.
 void check_library(const LocatedString& path) {
@@ -357,8 +346,56 @@ std::string check_device_path(const DeviceTable& device, const DeviceKind& kind)
 
 using PathSummaries = std::vector<std::optional<PathSummary>>;  // one a hand; empty: no path from a file
 
+bool has_path_file(const DeviceSetup& device) {
+  return find_device_kind(device.kind)->path == DevicePath::kToolPath && !device.path.empty();
+}
+
+/// Starts the paths of several hands at the earliest of their first rows.
+/// @throws InputError when the first rows are too far apart, as Unix time and other times are
+void set_common_start(const std::vector<DeviceTable>& devices, Scene& scene) {
+  if (std::count_if(scene.devices.begin(), scene.devices.end(), has_path_file) < 2) return;
+  double earliest = std::numeric_limits<double>::infinity();
+  double latest = -earliest;
+  for (std::size_t hand = 0; hand < devices.size(); ++hand) {
+    if (!has_path_file(scene.devices[hand])) continue;
+    const LocatedString& path = *devices[hand].path;
+    const double first = with_location(path, [&] { return first_path_time(path.file()); });
+    earliest = std::min(earliest, first);
+    latest = std::max(latest, first);
+    if (latest - earliest <= kLongestTimes) continue;
+    path.fail(fmt::format(
+        "its first row is at {} s, that of another hand's path at {} s: must count from the same start",
+        shortest(first), shortest(first == latest ? earliest : latest)));
+  }
+  for (DeviceSetup& device : scene.devices) device.earliest_row = earliest;
+}
+
+PathSummaries load_paths(const std::vector<DeviceTable>& devices, Scene& scene, MeshNotes& notes) {
+  set_common_start(devices, scene);
+  PathSummaries paths(devices.size());
+  for (std::size_t hand = 0; hand < devices.size(); ++hand) {
+    DeviceSetup& device = scene.devices[hand];
+    if (!has_path_file(device)) continue;
+    const ToolPath path = with_location(*devices[hand].path, [&] {
+      ToolPath read =
+          read_tool_path(device.path, PathInterpolation::kLinear, &notes.remarks, device.earliest_row);
+      if (scene.task == Task::kPull && !read.has_gripper()) {
+        throw InputError(device.path + ":1: gripper: missing, a pull needs this column (1 open, 0 closed)");
+      }
+      return read;
+    });
+    paths[hand] = summary_of(path);
+    if (!devices[hand].interpolation && paths[hand]->is_sampled) {
+      device.interpolation = PathInterpolation::kCubic;
+      notes.remarks.push_back(device.path +
+                              ": cubics join its rows; interpolation = \"linear\" under [device] joins them "
+                              "by straight lines");
+    }
+  }
+  return paths;
+}
+
 PathSummaries load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
-  PathSummaries paths;
   const std::size_t hands = scene_file.tools.size();
   if (hands > kMaxHands) {
     throw InputError(fmt::format("{}: there are {} tools, must be at most {}", scene_file.tool_location,
@@ -377,12 +414,9 @@ PathSummaries load_hands(const SceneFile& scene_file, Scene& scene, MeshNotes& n
     if (made.kind == "emulated") made.dynamics = with_emulated_defaults(made.dynamics);
     made.path = check_device_path(device, kind);
     made.path_speed = scene_file.path_speed;
-    std::optional<PathSummary>& path = paths.emplace_back();
-    if (kind.path != DevicePath::kToolPath || made.path.empty()) continue;
-    path = check_tool_path(*device.path, device.path->file(), scene_file.task, notes);
-    made.interpolation = device.interpolation.value_or(path->is_sampled ? PathInterpolation::kCubic
-                                                                        : PathInterpolation::kLinear);
+    made.interpolation = device.interpolation.value_or(PathInterpolation::kLinear);
   }
+  PathSummaries paths = load_paths(devices, scene, notes);
   for (const ToolTable& tool : scene_file.tools) scene.tools.push_back(load_instrument(tool, notes));
   return paths;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -88,14 +89,13 @@ std::string known_trajectory(const std::filesystem::path& file) {
   const auto has = [&line](std::string_view name) { return line.find(name) != std::string::npos; };
   const std::string to_csv =
       ": write it as CSV with the header time_s,x_m,y_m,z_m,qx,qy,qz,qw (metres, seconds)";
-  const std::string by_command = fmt::format(
-      ", such as by (echo time_s,x_m,y_m,z_m,qx,qy,qz,qw; grep -v '^[#t]' {} | tr -s ' \\t' ,) > path.csv",
-      excerpt(to_text(file)));
+  constexpr const char* kByCommand =
+      ", such as by (echo time_s,x_m,y_m,z_m,qx,qy,qz,qw; grep -v '^[#t]' FILE | tr -s ' \\t' ,) > path.csv";
   constexpr std::size_t kTum = 8;
   constexpr std::size_t kKitti = 12;
   constexpr std::size_t kEuroc = 17;
   if ((numbers && values.size() == kTum) || (has("tx") && has("ty") && has("qw"))) {
-    return "; this is a trajectory of TUM or evo (timestamp tx ty tz qx qy qz qw)" + to_csv + by_command;
+    return "; this is a trajectory of TUM or evo (timestamp tx ty tz qx qy qz qw)" + to_csv + kByCommand;
   }
   if (numbers && values.size() == kKitti) {
     return "; this is a trajectory of KITTI (3 x 4 matrices without times)" + to_csv +
@@ -121,19 +121,33 @@ CsvTable open_path(const std::filesystem::path& file) {
   }
 }
 
-/// A log whose times count from elsewhere, such as from 1970, begins at its first row. @return the time of
-/// the path's start [s]
-double start_of(const CsvTable& table, const std::filesystem::path& file, std::vector<std::string>* remarks) {
+/// The time of the file's first row [s]. @throws InputError for milli-, micro- or nanoseconds since 1970
+double first_time(const CsvTable& table) {
   const double first = table.number(kTime);
   if (const std::string question = unix_time_question(first); !question.empty()) {
     table.fail(kTime, question);
   }
-  if (first >= 0.0 && first <= kLatestStart) return 0.0;
-  if (remarks != nullptr) {
-    remarks->push_back(fmt::format("{}: the path begins at {} s: its times are counted from its first row",
-                                   to_text(file), shortest(first)));
-  }
   return first;
+}
+
+/// Subtracts the start of the path's clock from the times. A log whose times count from elsewhere, such as
+/// from 1970, starts at its first row; several hands start at the earliest of their first rows.
+/// @return a remark; empty when the path begins as the file says
+std::string count_from_start(std::vector<PathRow>& rows, std::optional<double> earliest) {
+  const double first = rows.front().time;
+  const double clock = earliest.value_or(first);
+  const double start = clock >= 0.0 && clock <= kLatestStart ? 0.0 : clock;
+  for (PathRow& row : rows) row.time -= start;
+  const double rest = first - start;
+  if (start == 0.0 && rest <= kLatestStart) return {};
+  std::string remark = fmt::format("the path begins at {} s", shortest(first));
+  if (start != 0.0) {
+    remark +=
+        ": its times are counted from " +
+        (start == first ? "its first row" : shortest(start) + " s, the first row of another hand's path");
+  }
+  if (rest > kLatestStart) remark += fmt::format(": the tool rests for {:.6g} s", rest);
+  return remark;
 }
 
 /// @throws InputError when a position is out of reach, such as one in mm
@@ -147,23 +161,20 @@ void require_within_reach(const CsvTable& table, const Vec3& position) {
   }
 }
 
-/// Asks for the unit of the times when the rows are far apart and the tool hardly moves. A log cannot be so;
-/// a few rows that a person gave may be.
-/// @throws InputError for times that cannot be in seconds
-void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::path& file,
-                     std::vector<std::string>* remarks) {
-  constexpr std::size_t kFewest = 8;     // rows of a log
-  constexpr double kMoves = 1e-3;        // m, of a log in which the tool moves
-  constexpr double kSlow = 2e-3;         // m/s; 2 m/s if the times are in ms
-  constexpr double kLongestStep = 20.0;  // s, between rows of a log; 50 rows a second if the times are in ms
+/// Asks for the unit of the times when the rows are far apart and the tool hardly moves. @return the
+/// question; empty when there is none @throws InputError for a path that is too long
+std::string time_unit_question(const std::vector<PathRow>& rows) {
+  constexpr std::size_t kFewest = 8;  // rows of a log
+  constexpr double kMoves = 1e-3;     // m, of a log in which the tool moves
+  constexpr double kSlow = 2e-3;      // m/s; 2 m/s if the times are in ms
   const double length = rows.back().time - rows.front().time;
   if (length > kLongestTimes) {
     throw InputError(
-        fmt::format("{}: time_s: the path is {:.3g} s long, must be at most {:.3g} s: is time_s in "
-                    "seconds, without a jump?",
-                    to_text(file), length, kLongestTimes));
+        fmt::format("time_s: the path is {:.3g} s long, must be at most {:.3g} s: is time_s in seconds, "
+                    "without a jump?",
+                    length, kLongestTimes));
   }
-  if (rows.size() < 2) return;
+  if (rows.size() < 2) return {};
   std::vector<double> steps;
   RowTimes times;
   double way = 0.0;
@@ -176,33 +187,29 @@ void require_seconds(const std::vector<PathRow>& rows, const std::filesystem::pa
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   times.median_step = *middle;
-  const bool is_log = rows.size() >= kFewest;
-  const double slowest = kSpeedRange.usual.low;
-  const std::string question = slow_rows_question(times, is_log ? kSlow : slowest);
-  if (way < kMoves || question.empty()) return;
-  const std::string what =
-      fmt::format("{}: time_s: the rows are {:.3g} s apart, the tool moves at most {:.3g} mm/s{}",
-                  to_text(file), times.median_step, times.fastest * 1e3, question);
-  if (is_log && (times.fastest < slowest || times.median_step >= kLongestStep)) {
-    throw InputError(what + "; a motion so slow needs rows less than 1 s apart");
-  }
-  if (remarks != nullptr) remarks->push_back(what);
+  const std::string question =
+      slow_rows_question(times, rows.size() >= kFewest ? kSlow : kSpeedRange.usual.low);
+  if (way < kMoves || question.empty()) return {};
+  return fmt::format("time_s: the rows are {:.3g} s apart, the tool moves at most {:.3g} mm/s{}",
+                     times.median_step, times.fastest * 1e3, question);
 }
 
 }  // namespace
 
+double first_path_time(const std::filesystem::path& file) {
+  CsvTable table = open_path(file);
+  (void)table.next_row();
+  return first_time(table);
+}
+
 ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation interpolation,
-                        std::vector<std::string>* remarks) {
+                        std::vector<std::string>* remarks, std::optional<double> earliest) {
   CsvTable table = open_path(file);
   const bool turns = has_rotations(table);
   std::vector<PathRow> rows;
-  double start = 0.0;   // s, subtracted from the times
-  double before = 0.0;  // s, time of the row before, as in the file
   while (table.next_row()) {
     PathRow row;
-    const double time = table.number(kTime);
-    if (rows.empty()) start = start_of(table, file, remarks);
-    row.time = time - start;
+    row.time = rows.empty() ? first_time(table) : table.number(kTime);
     row.position = {table.number(kX), table.number(kY), table.number(kZ)};
     require_within_reach(table, row.position);
     if (turns) row.orientation = rotation(table);
@@ -213,17 +220,23 @@ ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation int
       table.fail(kButtons, "must be a whole number, the sum of 2^button over the pressed buttons");
     }
     row.buttons = static_cast<std::uint32_t>(buttons);
-    if (!rows.empty() && time <= before) {
-      table.fail(kTime, "must be later than the row before, " + shortest(before));
+    if (!rows.empty() && row.time <= rows.back().time) {
+      table.fail(kTime, "must be later than the row before, " + shortest(rows.back().time));
     }
-    if (!std::isfinite(row.time)) {
-      table.fail(kTime, "the path's length must be a finite number, it begins at " + shortest(start));
+    if (!rows.empty() && !std::isfinite(row.time - rows.front().time)) {
+      table.fail(kTime,
+                 "the path's length must be a finite number, it begins at " + shortest(rows.front().time));
     }
-    before = time;
     rows.push_back(row);
   }
-  require_seconds(rows, file, remarks);
-  return ToolPath(std::move(rows), table.has(kGripper), interpolation);
+  try {
+    for (const std::string& remark : {time_unit_question(rows), count_from_start(rows, earliest)}) {
+      if (remarks != nullptr && !remark.empty()) remarks->push_back(to_text(file) + ": " + remark);
+    }
+    return ToolPath(std::move(rows), table.has(kGripper), interpolation);
+  } catch (const InputError& error) {
+    throw InputError(to_text(file) + ": " + error.what());
+  }
 }
 
 }  // namespace palpate::scene

@@ -28,7 +28,8 @@ namespace {
 
 /// Reads the path file of a device and checks it for the task.
 scene::ToolPath path_from(const scene::DeviceSetup& device, scene::Task task) {
-  scene::ToolPath path = scene::read_tool_path(device.path, device.interpolation);
+  scene::ToolPath path =
+      scene::read_tool_path(device.path, device.interpolation, nullptr, device.earliest_row);
   if (task == scene::Task::kPull && !path.has_gripper()) {
     throw InputError(
         fmt::format("device {}: {}: gripper: missing, a pull needs this column", device.kind, device.path));

@@ -7,6 +7,7 @@
 
 #include "io/scene/test/temporary_folder.h"
 #include "palpate/scene.h"
+#include "palpate/tool_path.h"
 
 namespace palpate::scene {
 namespace {
@@ -19,6 +20,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+
+const auto kCubicRemark =
+    HasSubstr("path.csv: cubics join its rows; interpolation = \"linear\" under [device]");
 
 /// A box with an edge of 2 `half`, at `x` along x, as an OBJ file.
 std::string box_obj(double half, double x = 0.0, const std::string& header = "") {
@@ -144,7 +148,7 @@ TEST_F(Plausibility, APathInMillimetresIsQuestionedWithItsDistance) {
   EXPECT_THAT(remarks_of(with_path(log_from(0.065, 1e2))),
               Contains(HasSubstr("are x_m, y_m and z_m in mm or cm?")));
   EXPECT_THAT(remarks_of(with_path(log_from(0.5))), Contains(HasSubstr("are its positions in metres")));
-  EXPECT_THAT(remarks_of(with_path(log_from(0.065))), IsEmpty());
+  EXPECT_THAT(remarks_of(with_path(log_from(0.065))), ElementsAre(kCubicRemark));
 }
 
 TEST_F(Plausibility, AWorkspaceScaleCountsForAPathsDistance) {
@@ -153,7 +157,7 @@ TEST_F(Plausibility, AWorkspaceScaleCountsForAPathsDistance) {
   request.scene = folder_.write("s.toml",
                                 "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n"
                                 "[device]\npath = \"path.csv\"\nworkspace_scale = 0.001\n");
-  EXPECT_THAT(remarks_of(request), IsEmpty());
+  EXPECT_THAT(remarks_of(request), ElementsAre(kCubicRemark));
 }
 
 TEST_F(Plausibility, ALogWithUnixTimeIsRemarkedOnceInAScene) {
@@ -162,7 +166,7 @@ TEST_F(Plausibility, ALogWithUnixTimeIsRemarkedOnceInAScene) {
     text.insert(at + 1, "163650000");  // before 0.0 to 2.0 s
   }
   EXPECT_THAT(remarks_of(with_path(text)),
-              testing::ElementsAre(HasSubstr("the path begins at 1636500000 s")));
+              ElementsAre(HasSubstr("the path begins at 1636500000 s"), kCubicRemark));
 }
 
 TEST_F(Plausibility, TissueNumbersInOtherUnitsAreQuestioned) {
@@ -189,7 +193,9 @@ TEST_F(Plausibility, ALogBelow200RowsASecondIsCubicUnlessTheSceneSetsLinear) {
   request.scene = folder_.write("s.toml",
                                 "[organ]\nmesh = \"box\"\n[tool]\nmesh = \"sphere:3\"\n"
                                 "[device]\npath = \"path.csv\"\ninterpolation = \"linear\"\n");
-  EXPECT_EQ(load(request).devices[0].interpolation, PathInterpolation::kLinear);
+  const Scene linear = load(request);
+  EXPECT_EQ(linear.devices[0].interpolation, PathInterpolation::kLinear);
+  EXPECT_THAT(linear.remarks, IsEmpty());
 }
 
 TEST_F(Plausibility, PathsOf200RowsASecondOrOfSomeCornersAreLinear) {
@@ -199,6 +205,41 @@ TEST_F(Plausibility, PathsOf200RowsASecondOrOfSomeCornersAreLinear) {
   const std::string corners = "time_s,x_m,y_m,z_m\n0,0,0,0.06\n1,0,0,0.03\n2,0,0,0.06\n";
   EXPECT_EQ(load(with_path(corners)).devices[0].interpolation, PathInterpolation::kLinear);
   EXPECT_EQ(load({}).devices[0].interpolation, PathInterpolation::kLinear) << "the default path";
+}
+
+TEST_F(Plausibility, PathsOfSeveralHandsHaveOneStart) {
+  const auto starts = [this](double first, double second) {
+    const auto log = [](double begin) {
+      std::string text = "time_s,x_m,y_m,z_m\n";
+      for (int i = 0; i <= 20; ++i) text += fmt::format("{:.1f},0,0,{}\n", begin + 0.1 * i, 0.065 - 1e-3 * i);
+      return text;
+    };
+    (void)folder_.write("a.csv", log(first));
+    (void)folder_.write("b.csv", log(second));
+    Overrides request;
+    request.scene = folder_.write(
+        "s.toml",
+        "[organ]\nmesh = \"box\"\n[[tool]]\nmesh = \"sphere:3\"\n[[tool]]\nmesh = \"sphere:3\"\n"
+        "[[device]]\npath = \"a.csv\"\n[[device]]\npath = \"b.csv\"\n");
+    std::vector<double> all;
+    for (const DeviceSetup& device : load(request).devices) {
+      all.push_back(read_tool_path(device.path, device.interpolation, nullptr, device.earliest_row)
+                        .rows()
+                        .front()
+                        .time);
+    }
+    return all;
+  };
+  EXPECT_THAT(starts(1700000000.7, 1700000000.0), ElementsAre(testing::DoubleNear(0.7, 1e-6), 0.0));
+  EXPECT_THAT(starts(0.0, 12.0), ElementsAre(0.0, 12.0)) << "the scene's clock";
+  EXPECT_THAT(starts(112.0, 100.0), ElementsAre(12.0, 0.0));
+  EXPECT_THAT(starts(-3.0, 0.0), ElementsAre(0.0, 3.0));
+  EXPECT_THAT(starts(5.0, 7.0), ElementsAre(5.0, 7.0)) << "within ten seconds";
+  EXPECT_THAT(
+      error_of([&] { (void)starts(1700000000.5, 0.0); }),
+      AllOf(HasSubstr("device.path = \"b.csv\": its first row is at 0 s, that of another hand's path at "
+                      "1700000000.5 s: must count from the same start")));
+  EXPECT_THAT(error_of([&] { (void)starts(0.0, 1700000000000.0); }), HasSubstr("in ms since 1970?"));
 }
 
 TEST_F(Plausibility, AnOrganHasTheFrameThatItsHeaderDeclares) {
