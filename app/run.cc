@@ -316,7 +316,10 @@ void add_run(CLI::App& program, const std::string& command_line, int& exit_code)
       "A fault keeps the force at zero until it is reset; kill -USR1 PID resets the faults of all hands.\n"
       "Exit: 0 done, 2 bad input, 3 a fault was latched (even if it was reset),\n"
       "      4 more than --max-missed deadlines missed");
-  command->callback([flags, &command_line, &exit_code] { exit_code = run(*flags, command_line); });
+  command->callback([flags, &command_line, &exit_code] {
+    flags->request.igtl = flags->igtl.has_value();
+    exit_code = run(*flags, command_line);
+  });
 }
 
 }  // namespace palpate::app

@@ -183,6 +183,7 @@ SceneFile describe(const Overrides& request) {
     scene_file = default_scene(task_of(request, Task::kPress));
   }
   override_meshes(request, scene_file);
+  scene_file.igtl = request.igtl;
   if (request.device) override_device(*request.device, scene_file);
   override_numbers(request, scene_file);
   if (!scene_file.organ) {
@@ -199,30 +200,44 @@ SceneFile describe(const Overrides& request) {
   return scene_file;
 }
 
-/// The frame that the scene states, else that of the file's header, else RAS. @param space of
-/// mesh_io::LoadedMesh
+bool is_client(const DeviceSetup& device) {
+  return find_device_kind(device.kind)->path == DevicePath::kClient;
+}
+
+/// The frame that the scene states, else that of the file's header, else RAS. It matters for OpenIGTLink
+/// alone. @param space of mesh_io::LoadedMesh
 void set_organ_frame(const SceneFile& scene_file, const std::string& space, Scene& scene, MeshNotes& notes) {
   const OrganFrame declared = space == "LPS" ? OrganFrame::kLps : OrganFrame::kRas;
   scene.organ_frame = scene_file.organ_frame.value_or(declared);
-  if (space.empty() || (space == "RAS" && scene.organ_frame == declared)) return;
+  const bool has_clients =
+      scene_file.igtl || std::any_of(scene.devices.begin(), scene.devices.end(), is_client);
+  if (!has_clients || space.empty() || (space == "RAS" && scene.organ_frame == declared)) return;
   const bool is_known = space == "LPS" || space == "RAS";
-  const std::string header = fmt::format("{}: its header says SPACE={}: ", scene.organ_name, space);
+  const std::string header = fmt::format("{}: its header says SPACE={}", scene.organ_name, space);
   if (scene_file.organ_frame && (!is_known || declared != scene.organ_frame)) {
-    notes.remarks.push_back(header + "the scene's frame is used, " + to_string(scene.organ_frame));
+    notes.remarks.push_back(header + ": the scene's frame is used, " + to_string(scene.organ_frame));
   } else if (!is_known) {
-    notes.remarks.push_back(header + "must be RAS or LPS; it is taken as ras (--organ-frame, organ.frame)");
+    notes.remarks.push_back(header + ", is neither RAS nor LPS, taken as RAS (--organ-frame, organ.frame)");
   } else {
-    notes.remarks.push_back(header + "OpenIGTLink clients get it in RAS, with the signs of x and y changed");
+    notes.remarks.push_back(header +
+                            ": OpenIGTLink clients get it in RAS, with the signs of x and y changed");
   }
 }
 
-/// Poses of an OpenIGTLink client are in RAS, as those to it.
-void turn_clients(Scene& scene) {
+/// Poses of an OpenIGTLink client are in RAS, as those to it. A base that the scene gives counts instead.
+void turn_clients(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
   if (scene.organ_frame != OrganFrame::kLps) return;
-  for (DeviceSetup& device : scene.devices) {
-    const bool is_client = find_device_kind(device.kind)->path == DevicePath::kClient;
-    const bool has_base = !device.base.position.isZero(0.0) || !device.base.rotation.vec().isZero(0.0);
-    if (is_client && !has_base) device.base.rotation = Quat(0.0, 0.0, 0.0, 1.0);  // half a turn about z
+  for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
+    DeviceSetup& device = scene.devices[hand];
+    if (!is_client(device)) continue;
+    if (scene_file.devices[hand].has_base) {
+      notes.remarks.push_back(fmt::format(
+          "device {}: its base is used as given, the organ is in LPS: OpenIGTLink clients send poses in RAS, "
+          "which rotation_deg = [0, 0, 180] of the base turns to LPS",
+          device.kind));
+    } else {
+      device.base.rotation = Quat(0.0, 0.0, 0.0, 1.0);  // half a turn about z
+    }
   }
 }
 
@@ -496,7 +511,7 @@ Scene load(const Overrides& request) {
   MeshNotes notes;
   const PathSummaries paths = load_hands(scene_file, scene, notes);
   load_organ(scene_file, scene, notes);
-  turn_clients(scene);
+  turn_clients(scene_file, scene, notes);
   add_questions(scene_file, paths, scene, notes);
   place_inclusions(scene_file.inclusions, scene);
   if (scene.task == Task::kPalpate) {

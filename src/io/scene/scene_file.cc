@@ -139,6 +139,7 @@ class SceneReader final {
     if (const auto name = stated(table, "interpolation")) device.interpolation = parse_interpolation(*name);
     setup.workspace_scale = number_in(table, "workspace_scale").value_or(setup.workspace_scale);
     setup.base = read_pose(table, "base");
+    device.has_base = table.table("base").has_value();
     setup.dynamics.damping = number_in(table, "damping_N_s_per_m");
     setup.dynamics.friction = number_in(table, "friction_N");
     if (const auto resolution = number_in(table, "resolution_mm")) {

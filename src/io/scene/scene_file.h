@@ -62,6 +62,7 @@ struct DeviceTable {
   std::optional<LocatedString> path;
   std::optional<PathInterpolation> interpolation;  // of a tool path; empty: by its rows
   DeviceSetup setup;                               // except kind, path and interpolation
+  bool has_base = false;                           // the scene gives setup.base
 };
 
 /// The content of a scene file, checked except for the files that it names. SI units.
@@ -73,6 +74,7 @@ struct SceneFile {
   std::optional<LocatedString> organ;
   std::optional<LengthUnit> organ_unit;
   std::optional<OrganFrame> organ_frame;  // empty: that of the mesh file's header, else RAS
+  bool igtl = false;                      // `igtl` of Overrides
   std::optional<LocatedString> tissue;
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move

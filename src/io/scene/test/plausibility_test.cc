@@ -245,20 +245,36 @@ TEST_F(Plausibility, PathsOfSeveralHandsHaveOneStart) {
 TEST_F(Plausibility, AnOrganHasTheFrameThatItsHeaderDeclares) {
   const Scene plain = load(with_organ(20.0));
   EXPECT_EQ(plain.organ_frame, OrganFrame::kRas);
-  const Scene lps = load(with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=LPS\n"));
+  const auto declared = [this](const std::string& space) {
+    Overrides request = with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=" + space + "\n");
+    request.igtl = true;
+    return load(request);
+  };
+  const Scene lps = declared("LPS");
   EXPECT_EQ(lps.organ_frame, OrganFrame::kLps);
   EXPECT_EQ(lps.organ.vertices, plain.organ.vertices) << "Palpate's own frame is the file's";
   EXPECT_THAT(lps.remarks,
               Contains(HasSubstr("its header says SPACE=LPS: OpenIGTLink clients get it in RAS")));
-  const Scene ras = load(with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=RAS\n"));
+  const Scene ras = declared("RAS");
   EXPECT_EQ(ras.organ_frame, OrganFrame::kRas);
   EXPECT_THAT(ras.remarks, IsEmpty());
-  EXPECT_THAT(remarks_of(with_organ(20.0, 0.0, "# SPACE=LAI\n")), Contains(HasSubstr("must be RAS or LPS")));
+  EXPECT_THAT(declared("LAI").remarks,
+              Contains(HasSubstr("SPACE=LAI, is neither RAS nor LPS, taken as RAS")));
+}
+
+TEST_F(Plausibility, TheFrameOfAnOrganIsReportedOnlyWithOpenIGTLink) {
+  for (const char* space : {"LPS", "LAI"}) {
+    Overrides request = with_organ(20.0, 0.0, fmt::format("# SPACE={}\n", space));
+    EXPECT_THAT(remarks_of(request), IsEmpty());
+    request.device = "igtl:18945/Hand";
+    EXPECT_THAT(remarks_of(request), Contains(HasSubstr(fmt::format("its header says SPACE={}", space))));
+  }
 }
 
 TEST_F(Plausibility, TheStatedFrameCountsMoreThanTheHeader) {
   Overrides request = with_organ(20.0, 0.0, "# 3D Slicer output. SPACE=LPS\n");
   request.organ_frame = "ras";
+  request.igtl = true;
   const Scene scene = load(request);
   EXPECT_EQ(scene.organ_frame, OrganFrame::kRas);
   EXPECT_THAT(scene.remarks, Contains(HasSubstr("the scene's frame is used, ras")));
@@ -274,7 +290,25 @@ TEST_F(Plausibility, AClientsPosesAreTurnedToAnOrganInLps) {
   request.device = "igtl:18945/Hand";
   EXPECT_EQ(load(request).devices[0].base * Vec3(0.03, 0.02, 0.01), Vec3(0.03, 0.02, 0.01));
   request.organ_frame = "lps";
-  EXPECT_EQ(load(request).devices[0].base * Vec3(0.03, 0.02, 0.01), Vec3(-0.03, -0.02, 0.01));
+  const Scene turned = load(request);
+  EXPECT_EQ(turned.devices[0].base * Vec3(0.03, 0.02, 0.01), Vec3(-0.03, -0.02, 0.01));
+  EXPECT_THAT(turned.remarks, IsEmpty());
+}
+
+TEST_F(Plausibility, ABaseCountsInsteadOfTheTurnToAnOrganInLpsAndIsReported) {
+  for (const std::string base : {"position_mm = [10, 0, 0]", ""}) {
+    Overrides request = with_organ(20.0);
+    request.scene = folder_.write("s.toml",
+                                  "[organ]\nmesh = \"organ.obj\"\nunit = \"mm\"\nframe = \"lps\"\n"
+                                  "[tool]\nmesh = \"sphere:3\"\n[device]\nkind = \"igtl\"\n"
+                                  "path = \"18945/Hand\"\nbase = { " +
+                                      base + " }\n");
+    request.organ.reset();
+    request.organ_unit.reset();
+    const Scene scene = load(request);
+    EXPECT_EQ(scene.devices[0].base.rotation.w(), 1.0);
+    EXPECT_THAT(scene.remarks, Contains(HasSubstr("device igtl: its base is used as given")));
+  }
 }
 
 }  // namespace
