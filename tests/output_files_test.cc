@@ -187,6 +187,20 @@ TEST(OutputFiles, AFullDiskIsReportedWhileTheRunGoesOnAndTheSummaryIsWhole) {
   EXPECT_LT(rows, summary["ticks"].get<std::size_t>());
 }
 
+TEST(OutputFiles, ARunOfMinutesReportsItsRemarksAtItsStart) {
+  const Folder folder;
+  std::ofstream(folder / "ms.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.04\n20000,0,0,0.03\n";
+  Program program(folder.path(), {"run", "--headless", "--organ", "box", "--device", "scripted:ms.csv"});
+  while (program.err_so_far().find("is time_s in ms?") == std::string::npos && !program.ended()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_FALSE(program.ended()) << "the run goes on";
+  program.signal(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, HasSubstr("ms.csv: time_s: the rows are 2e+04 s apart"));
+}
+
 TEST(OutputFiles, ARunThatIsStoppedByASignalGoesOnWithItsRecordingWhole) {
   const Folder folder;
   Program program(folder.path(), {"run", "--headless", "--record", "a.h5", "--duration-s", "2", "--json"});
