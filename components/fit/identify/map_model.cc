@@ -8,10 +8,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "io/system/csv_table.h"
-#include "io/system/plausible.h"
 #include "palpate/units.h"
 
 #include "fit/identify/map_fit.h"
+#include "fit/identify/plausible_specimen.h"
 
 namespace palpate::identify {
 
@@ -144,12 +144,12 @@ std::vector<MapRow> read_map(const std::filesystem::path& file) {
     if (probe != std::floor(probe) || !(std::abs(probe) < 1e9)) {
       table.fail(kProbe, "must be a whole number, the same in all rows of a probe");
     }
-    if (std::abs(table.number(kForce)) > kForceRange.possible.high) {
-      table.fail(kForce, "must be at most " + in_unit(kForceRange, kForceRange.possible.high) +
-                             column_question(kForceRange, std::abs(table.number(kForce)), "force_N", 1.0));
+    if (const double force = std::abs(table.number(kForce)); force > kForceRange.possible.high) {
+      table.fail(kForce,
+                 limit_text(kForceRange, force) + column_question(kForceRange, force, "force_N", 1.0));
     }
     if (const double depth = table.number(kDepth) * kMillimetre; depth > kDepthRange.possible.high) {
-      table.fail(kDepth, "must be at most " + in_unit(kDepthRange, kDepthRange.possible.high) +
+      table.fail(kDepth, limit_text(kDepthRange, depth) +
                              column_question(kDepthRange, depth, "depth_mm", kMillimetre));
     }
     rows.push_back({static_cast<int>(probe),

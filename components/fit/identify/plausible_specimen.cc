@@ -8,7 +8,6 @@
 
 #include "core/base/statistics.h"
 #include "core/base/text.h"
-#include "io/system/plausible.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -20,12 +19,11 @@ double range_of(const std::vector<double>& values) {
   return *high - *low;
 }
 
+/// 0 is left to the checks that a column changes.
 void require_possible(const PlausibleRange& range, double value, const std::string& what,
                       const std::string& question) {
   if (value == 0.0 || range.possible.contains(value)) return;
-  throw InputError(fmt::format("{} {}, must be {:.3g} to {:.3g}{}", what, in_unit(range, value),
-                               range.possible.low / range.unit.si, range.possible.high / range.unit.si,
-                               question));
+  throw InputError(what + " " + in_unit(range, value) + ", " + limit_text(range, value) + question);
 }
 
 void require_seconds(Specimen& s, const std::string& where) {
@@ -53,6 +51,11 @@ void require_seconds(Specimen& s, const std::string& where) {
 
 }  // namespace
 
+std::string limit_text(const PlausibleRange& range, double value) {
+  return value > range.possible.high ? "must be at most " + in_unit(range, range.possible.high)
+                                     : "must be at least " + in_unit(range, range.possible.low);
+}
+
 void require_plausible(Specimen& specimen, const std::string& where) {
   const double depth = range_of(specimen.displacement);
   const double force = range_of(specimen.force);
@@ -63,7 +66,7 @@ void require_plausible(Specimen& specimen, const std::string& where) {
   if (depth > 0.0) {
     require_possible(kPlausibleStiffness, force / depth,
                      where + ": the range of force_N over that of displacement_mm is",
-                     kDepthRange.usual.contains(depth) ? of_force : of_depth);
+                     kDepthRange.usual.contains(depth) || of_depth.empty() ? of_force : of_depth);
   }
   require_seconds(specimen, where);
 }
