@@ -18,7 +18,6 @@ namespace {
 constexpr std::size_t kStarts = 4;  // per value of L_1
 constexpr std::size_t kKept = 8;    // optima that are refined with the loss
 constexpr double kGain = 1e-3;      // relative decrease of the sum of squares that justifies another round
-constexpr double kLoss = 4.0;  // in sigmas: the Cauchy loss then costs normal noise 1 % of its information
 
 /// Sorts relaxation terms by time, as values_of() does; the cost does not depend on the order.
 void order_terms(Solution& solution) {

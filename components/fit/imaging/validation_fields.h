@@ -2,6 +2,7 @@
 // The fields of a validation's results. --json, Python, the summary and the report's table are rendered from
 // these lists.
 #include <algorithm>
+#include <numbers>
 #include <string>
 
 #include "core/model/tissue_fields.h"
@@ -15,6 +16,8 @@ namespace palpate::validate {
 using identify::kInJson;
 using identify::kInPython;
 using identify::ResultField;
+
+static_assert(kForceJnd == 0.07, "phrases and headings say 7 %");
 
 // clang-format off
 /// [any] Calls visit(field, value) for each error. @param of unit of the measured curve
@@ -57,16 +60,24 @@ void for_each_baseline(const Set& set, const ResultField& of, const Visit& visit
   visit(ResultField{.key = "against", .unit = of.unit, .unit_name = of.unit_name}, set.baselines);
 }
 
+/// [any] Calls visit(field, value) for the fields that every data set begins with. @param phrase of the name
+template <typename Comparison, typename Visit>
+void for_each_first_field(const Comparison& ours, const char* kind, const char* phrase, const ResultField& of,
+                          const char* of_what, const Visit& visit) {
+  using F = ResultField;
+  visit(F{.key = "name", .place = 1, .phrase = phrase, .column = "data set"}, ours.measured.name);
+  visit(F{.key = "kind", .outputs = kInJson}, std::string(kind));
+  for_each_error(ours.errors, of, of_what, visit);
+  visit(F{.key = "unit", .outputs = kInJson}, std::string(of.unit_name));
+  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"}, ours.measured.size());
+}
+
 template <typename Visit>
 void for_each_field(const ForceSet& set, const Visit& visit) {
   using F = ResultField;
   const F newtons{.unit_name = "N"};
   const ForceComparison& ours = set.ours;
-  visit(F{.key = "name", .place = 1, .phrase = "{}: force", .column = "data set"}, ours.measured.name);
-  visit(F{.key = "kind", .outputs = kInJson}, std::string("force"));
-  for_each_error(ours.errors, newtons, "of the force range", visit);
-  visit(F{.key = "unit", .outputs = kInJson}, std::string(newtons.unit_name));
-  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"}, ours.measured.size());
+  for_each_first_field(ours, "force", "{}: force", newtons, "of the force range", visit);
   visit(F{.key = "rows"}, ours.rows);
   visit(F{.key = "within_jnd", .place = 9, .phrase = "; {} of the points within 7 % of their force (just noticeable difference)",
           .column = "within 7 %", .as_percent = true}, ours.within_jnd);
@@ -93,11 +104,7 @@ void for_each_field(const ProfileSet& set, const Visit& visit) {
   using F = ResultField;
   const F mm{.unit = kMillimetre, .unit_name = "mm"};
   const DeformationComparison& ours = set.ours;
-  visit(F{.key = "name", .place = 1, .phrase = "{}: deformation", .column = "data set"}, ours.measured.name);
-  visit(F{.key = "kind", .outputs = kInJson}, std::string("profile"));
-  for_each_error(ours.errors, mm, "of the depth", visit);
-  visit(F{.key = "unit", .outputs = kInJson}, std::string(mm.unit_name));
-  visit(F{.key = "points", .outputs = kInJson, .place = 2, .phrase = ", {} points", .column = "points"}, ours.measured.size());
+  for_each_first_field(ours, "profile", "{}: deformation", mm, "of the depth", visit);
   visit(F{.key = "depth", .place = 4, .phrase = " at {}", .json_key = "depth_mm",
           .unit = mm.unit, .unit_name = mm.unit_name}, ours.depth);
   visit(F{.key = "tip_radius", .place = 3, .phrase = ", ball of {}", .json_key = "tip_radius_mm",
@@ -128,11 +135,12 @@ void for_each_ratio(const FalloffFit& fit, const Take& take) {
 
 namespace palpate::imaging {
 
+inline constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
 template <typename Visit>
 void for_each_field(const ImageSet& set, const Visit& visit) {
   using F = identify::ResultField;
   using identify::kInJson;
-  constexpr double kDegree = 0.017453292519943295;
   const ImageMeasurement& measured = set.measured;
   // clang-format off
   visit(F{.key = "confidence"}, measured.confidence);
@@ -145,8 +153,8 @@ void for_each_field(const ImageSet& set, const Visit& visit) {
   visit(F{.key = "depth_fitted"}, set.depth_fitted);
   visit(F{.key = "centre_x_px", .outputs = kInJson}, measured.centre_x);
   visit(F{.key = "centre_uncertainty_mm", .outputs = kInJson, .unit = kMillimetre}, measured.centre_uncertainty);
-  visit(F{.key = "tilt_deg", .outputs = kInJson, .unit = kDegree}, measured.tilt);
-  visit(F{.key = "turn_deg", .outputs = kInJson, .unit = kDegree}, measured.turn);
+  visit(F{.key = "tilt_deg", .outputs = kInJson, .unit = kRadiansPerDegree}, measured.tilt);
+  visit(F{.key = "turn_deg", .outputs = kInJson, .unit = kRadiansPerDegree}, measured.turn);
   visit(F{.key = "shift_mm", .outputs = kInJson, .unit = kMillimetre}, measured.shift);
   visit(F{.key = "asymmetry"}, measured.asymmetry);
   // clang-format on

@@ -369,7 +369,6 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
   page.figures("one", {photograph(set, false, folder / "image-before.png"),
                        photograph(set, true, folder / "image-after.png"),
                        draw_profile(set, folder / "image-profile.svg")});
-  constexpr double kDegree = 0.017453292519943295;
   page.facts(
       {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_text))},
        {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
@@ -379,9 +378,10 @@ void write_image_section(Page& page, const ImageSet& set, const std::filesystem:
        {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
        {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
                                     percent(measured.after.coverage, 1))},
-       {"surface's tilt in the picture", digits(measured.tilt / kDegree) + " degrees"},
-       {"second picture against the first, taken out",
-        digits(measured.turn / kDegree) + " degrees, " + digits(measured.shift / kMillimetre) + " mm"},
+       {"surface's tilt in the picture", digits(measured.tilt / imaging::kRadiansPerDegree) + " degrees"},
+       {"second picture against the first, taken out", digits(measured.turn / imaging::kRadiansPerDegree) +
+                                                           " degrees, " +
+                                                           digits(measured.shift / kMillimetre) + " mm"},
        {"depth",
         digits(set.comparison.depth / kMillimetre) + " mm" +
             (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},

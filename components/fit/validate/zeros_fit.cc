@@ -92,7 +92,6 @@ double spread_of(const Search& search, const identify::Point& own) {
 }  // namespace
 
 ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
-  constexpr double kLoss = 4.0;  // in standard deviations, as for a fit
   constexpr int kMaxRounds = 10;
   constexpr double kSame = 0.8;
   Search search;
@@ -106,7 +105,7 @@ ZerosFit fit_zeros(const identify::Specimen& specimen, const Law& law) {
   for (int round = 0; round < kMaxRounds; ++round) {
     const double before = search.loss_scale;
     search.sigma = spread_of(search, own);
-    search.loss_scale = kLoss * search.sigma;
+    search.loss_scale = identify::kLoss * search.sigma;
     if (search.loss_scale > kSame * before) break;
     search_from_everywhere(search, own);
   }
