@@ -132,23 +132,6 @@ void write_tissue(const std::string& file, model::TissueParameters tissue) {
   write_output(file, scene::to_toml(tissue), "--out");
 }
 
-/// Why no tissue is written: the fit that leaves most of the force range, if that is too much; "" otherwise.
-std::string poor_fit(const identify::ManyFits& many) {
-  constexpr double kPoor = 0.2;  // of the force range
-  double worst = many.pooled.nrmse;
-  std::string name = "all specimens together";
-  for (const identify::SpecimenFit& fit : many.specimens) {
-    if (!(fit.nrmse > kPoor) || fit.nrmse < worst) continue;
-    worst = fit.nrmse;
-    name = "specimen " + fit.name;
-  }
-  if (!(worst > kPoor)) return "";
-  return fmt::format(
-      "the fit of {} leaves {} of the range of force, must be at most 20 %: the data do not have "
-      "the law's shape (without --out you see the fit)",
-      name, percent(worst, 0));
-}
-
 void check_fit_outputs(const FitFlags& flags, const std::string& results) {
   std::vector<NamedFile> outputs = {
       {"--out", flags.out}, {"beside --out", results}, {"--sweep-csv", flags.sweep_csv}};
@@ -180,10 +163,10 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   }
   if (ranks->rank() != 0) return;
   std::error_code ignored;
-  const std::string poor = flags.out.empty() ? "" : poor_fit(many);
+  const std::string poor = flags.out.empty() ? "" : identify::poor_fit(many.specimens, many.pooled);
   if (!poor.empty()) {
     if (!results.empty()) std::filesystem::remove(results, ignored);  // it would be read again
-    throw InputError("--out " + flags.out + ": not written: " + poor);
+    throw InputError("--out " + flags.out + ": not written: " + poor + " (without --out you see the fit)");
   }
   if (many.resumed > 0) {
     report_message(fmt::format("{} of {} specimens were fitted in an earlier run: read from {}", many.resumed,

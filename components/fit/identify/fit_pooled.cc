@@ -191,21 +191,39 @@ void add_errors(const LocalOptima& optima, PooledFit& pooled) {
   pooled.nrmse = std::sqrt(shares / static_cast<double>(optima.problem.parts.size()));
 }
 
+/// An error above the limit, as a sentence; rounded up, so that it does not print as the limit.
+std::string poor_sentence(const std::string& name, double nrmse, double limit, const char* reason) {
+  return fmt::format("the fit of {} has an error of {} of the force range, must be at most {}: {}", name,
+                     percent(std::ceil(1e3 * nrmse) / 1e3, 1), percent(limit, 0), reason);
+}
+
+/// @throws InputError for an error over kNoFit
+void require_fit(std::span<const SpecimenFit> fits, const PooledFit& pooled) {
+  const std::string poor = poor_fit(fits, pooled, kNoFit);
+  if (poor.empty()) return;
+  throw InputError(
+      poor + "; look at force_N over displacement_mm for wrong rows, and tare the sensor before contact");
+}
+
 }  // namespace
+
+std::string poor_fit(std::span<const SpecimenFit> fits, const PooledFit& pooled, double limit) {
+  const auto worst = std::max_element(fits.begin(), fits.end(),
+                                      [](const auto& a, const auto& b) { return a.nrmse < b.nrmse; });
+  if (worst != fits.end() && worst->nrmse > limit) {
+    return poor_sentence("specimen " + worst->name, worst->nrmse, limit,
+                         "the data do not have the law's shape");
+  }
+  if (!(pooled.nrmse > limit)) return "";
+  return poor_sentence("all specimens together", pooled.nrmse, limit, "the specimens differ");
+}
 
 PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
                      const Settings& settings, const Progress& progress, tasks::Communicator* ranks) {
   if (specimens.empty() || specimens.size() != fits.size()) {
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
-  constexpr double kUseless = 1.0;  // of the force range: a constant force leaves less
-  for (const SpecimenFit& fit : fits) {
-    if (!(fit.nrmse > kUseless)) continue;
-    throw InputError(fmt::format(
-        "specimen {}: the fit leaves {} of the force range: no tissue has this curve; look at force_N over "
-        "displacement_mm for wrong rows, and tare the sensor before contact",
-        fit.name, percent(fit.nrmse, 0)));
-  }
+  require_fit(fits, {});
   if (specimens.size() == 1) return of_one(fits.front(), settings);
   const std::vector<Specimen> used = as_pooled(specimens, settings);
   const std::size_t terms = most_frequent_terms(fits);
@@ -224,6 +242,8 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   pooled.shared = optima.all.front().shared;
   pooled.own = optima.all.front().own;
   pooled.tissue = tissue_of(pooled.shared, settings);
+  require_fit({}, pooled);
+  if (const std::string poor = poor_fit({}, pooled); !poor.empty()) pooled.warnings.push_back(poor);
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {
     pooled.warnings.push_back(

@@ -61,7 +61,7 @@ Loadings loadings_of(const Specimen& specimen, const Ranges& ranges) {
       high = i;
     }
   }
-  if (phase == Phase::kLoading) found.all.push_back({first, at.size() - 1});
+  if (phase == Phase::kLoading) found.all.push_back({first, high});
   return found;
 }
 
@@ -81,7 +81,8 @@ Specimen last_loading(const Specimen& specimen, const Ranges& ranges) {
   constexpr double kWhole = 0.8;  // of the range of displacement
   const Loadings loadings = loadings_of(specimen, ranges);
   Specimen used = specimen;
-  if (!loadings.has_unloading) return used;
+  const bool sorted = loadings.all.empty() && specimen.time.empty();  // from deep to shallow
+  if (!loadings.has_unloading || sorted) return used;
   for (std::size_t cycle = loadings.all.size(); cycle > 0; --cycle) {
     const Loading& loading = loadings.all[cycle - 1];
     const double rise = specimen.displacement[loading.last] - specimen.displacement[loading.first];
@@ -96,8 +97,8 @@ Specimen last_loading(const Specimen& specimen, const Ranges& ranges) {
     return used;
   }
   used.preparation.notes.push_back(fmt::format(
-      "the displacement decreases again, and no loading has {} rows over 80 % of the way: loading "
-      "and unloading are fitted as one curve, which is right only without hysteresis",
+      "the displacement decreases, and no loading has {} rows over 80 % of the range: all rows are fitted as "
+      "one curve, which is right only without hysteresis",
       kFewestPoints));
   return used;
 }
@@ -114,26 +115,26 @@ std::string of_range(double force, const Ranges& ranges) {
 std::string slope_text(double slope) { return brief(slope, 3) + " mN/mm"; }  // N/m equals mN/mm
 
 constexpr double kWorthwhile = 0.005;  // of the force range: a smaller zero or drift is left to the fit
-constexpr double kZeroErrors = 4.0;    // standard errors above which a zero differs from 0
-
 constexpr double kLate = 0.2;  // of the displacement range: the fit's own search finds an earlier contact
 
 bool is_zero(double force, double error, const Ranges& ranges) {
-  return !(std::abs(force) > std::max(kZeroErrors * error, kWorthwhile * ranges.force));
+  return !(std::abs(force) > std::max(kStartErrors * error, kWorthwhile * ranges.force));
+}
+
+/// Depth [m] of the first row where displacement counts from contact; 0 where it does not.
+double first_depth(const Ranges& ranges) {
+  return own_prior(ranges).first_contact == 0.0 ? std::max(0.0, ranges.lowest_displacement) : 0.0;
 }
 
 /// Takes the reading of the first rows as the sensor's zero, as far as a contact at displacement 0 does not
 /// explain it: a tissue that stiffens carries at most its slope times the depth.
-/// @param force, error, slope reading at the first row, its standard error, and the slope there
-void use_first_row(double force, double error, double slope, const Ranges& ranges, Preparation& out) {
-  constexpr double kFarStart = 0.25;  // as own_prior()
-  const double first = ranges.lowest_displacement;
-  const bool counted = std::abs(first) <= kFarStart * ranges.displacement;
-  double zero = force;
-  if (force > 0.0 && counted) zero = std::max(0.0, force - std::max(0.0, slope * first));
-  if (is_zero(zero, error, ranges)) return;
+void use_first_row(const Start& start, const Ranges& ranges, Preparation& out) {
+  const double steepest = std::max(0.0, start.slope + 2.0 * start.slope_error);
+  double zero = start.force;
+  if (zero > 0.0) zero = std::max(0.0, zero - steepest * first_depth(ranges));
+  if (is_zero(zero, start.force_error, ranges)) return;
   out.zero = zero;
-  out.zero_at = first;
+  out.zero_at = ranges.lowest_displacement;
   if (zero < 0.0) {
     out.notes.push_back(fmt::format(
         "the first rows read {} N, {}: no tissue gives that, so it is subtracted as the sensor's zero",
@@ -141,9 +142,9 @@ void use_first_row(double force, double error, double slope, const Ranges& range
     return;
   }
   out.notes.push_back(fmt::format(
-      "the first row carries {} N, {}, and no flat rows before contact show the sensor's zero: subtracted as "
-      "the zero, because displacement counts from contact. If the tool touched before the first row, this "
-      "tissue is wrong: tare the sensor, or start 1 mm above the tissue",
+      "the first row reads {} N, {}, and no flat rows precede it: subtracted as the sensor's zero, because "
+      "displacement counts from contact. If the tool touched before the first row, this tissue is wrong: "
+      "tare the sensor, or start 1 mm above the tissue",
       brief(zero, 3), of_range(zero, ranges)));
 }
 
@@ -186,12 +187,11 @@ std::optional<Preparation> with_lead(const Start& start, const Ranges& ranges, P
 Preparation without_lead(const Start& start, const Ranges& ranges, const Settings& settings,
                          Preparation out) {
   out.contact_error = start.contact_error;
-  use_first_row(start.force, start.force_error, start.slope, ranges, out);
+  use_first_row(start, ranges, out);
   if (start.lead_rows == 0 || !drifts(start, ranges)) return out;
   const std::string question = fmt::format(
       ": a tilted or drifting sensor before contact looks alike. If the tool touches at {}, subtract {} N + "
-      "{} x "
-      "displacement from all forces",
+      "{} x displacement from all forces",
       millimetres(start.kink), brief(start.lead_force - start.lead_slope * start.kink, 3),
       slope_text(start.lead_slope));
   if (start.lead_slope < 0.0 || settings.relaxation) {
@@ -234,23 +234,24 @@ QuickFit quick_fit(const Specimen& loading, Settings settings, const Preparation
 }
 
 /// Whether the law fits the rest of a curve clearly better when its lead is no tissue; as well, for a flat
-/// lead that does not move contact beyond the fit's own search.
+/// lead that does not move contact beyond the fit's own search, and that a contact at displacement 0 does not
+/// explain.
 bool fits_better_with_lead(const Specimen& loading, const Settings& settings, const Preparation& without,
                            const Preparation& with) {
-  constexpr double kClearly = 10.0;  // of Bayes's criterion, as for the kink
-  constexpr double kFollows = 1.5;   // of the noise: a rising lead may be tissue, so the rest must fit
+  constexpr double kFollows = 1.5;  // of the noise: a rising lead may be tissue, so the rest must fit
   constexpr double kAsWell = 1.01;
   const QuickFit as_tissue = quick_fit(loading, settings, without);
   const QuickFit as_lead = quick_fit(loading, settings, with);
   const Ranges ranges = ranges_of(loading);
   const bool late = *with.contact - ranges.lowest_displacement > kLate * ranges.displacement;
-  if (!late && with.zero_slope == 0.0) return as_lead.rms < kAsWell * as_tissue.rms;
+  const bool explained = with.zero > 0.0 && without.zero == 0.0 && first_depth(ranges) > 0.0;
+  if (!late && !explained && with.zero_slope == 0.0) return as_lead.rms < kAsWell * as_tissue.rms;
   const double averaged = static_cast<double>(loading.size()) / as_lead.points;
   const double noise = without.noise / std::sqrt(averaged);
   if (with.zero_slope > 0.0 && as_lead.rms > kFollows * noise) return false;
   const double unknowns = with.zero_slope != 0.0 ? 2.0 : 1.0;
   return 2.0 * as_lead.points * portable::log(as_tissue.rms / as_lead.rms) >
-         kClearly + unknowns * portable::log(as_lead.points);
+         kCertain + unknowns * portable::log(as_lead.points);
 }
 
 /// The rows that begin the measurement: with relaxation, of the first loading.

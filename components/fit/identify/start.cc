@@ -23,8 +23,6 @@ constexpr std::size_t kFirstRows = 3;         // whose mean limits the reading a
 constexpr std::size_t kLeadRows = 5;          // before a kink
 constexpr std::size_t kRowsBeyond = 4;        // beyond a kink
 constexpr double kSmallestStartNoise = 1e-4;  // of the force range: no law follows a curve more closely
-constexpr double kCertain = 10.0;             // decrease of Bayes's criterion that counts
-constexpr double kStartErrors = 4.0;          // standard errors above which a value differs from 0
 constexpr int kBasis = 5;
 
 /// The first rows, sorted by displacement.
@@ -41,9 +39,9 @@ struct LineFit {
   double unknowns = 0.0;                                     // the place of the kink included
   std::vector<int> columns;
   Eigen::VectorXd values;
-  Eigen::MatrixXd inverse;  // of the normal matrix
-  double kink = 0.0;        // as a place; 0: none
-  std::size_t rows = 0;     // before the kink
+  Eigen::VectorXd errors;  // standard errors of the values for noise of 1 N
+  double kink = 0.0;       // as a place; 0: none
+  std::size_t rows = 0;    // before the kink
 
   [[nodiscard]] double value(int column) const {
     for (std::size_t i = 0; i < columns.size(); ++i)
@@ -79,45 +77,33 @@ double LineFit::force_at(double place) const {
   return force;
 }
 
-/// Sums of the normal equations of all columns.
-struct NormalSums {
-  Eigen::Matrix<double, kBasis, kBasis> matrix = Eigen::Matrix<double, kBasis, kBasis>::Zero();
-  Basis right = Basis::Zero();
-  double square = 0.0;
-
-  NormalSums(const StartRows& rows, double kink) {
-    for (std::size_t i = 0; i < rows.place.size(); ++i) {
-      const Basis row = basis_at(rows.place[i], kink);
-      matrix += row * row.transpose();
-      right += row * rows.force[i];
-      square += rows.force[i] * rows.force[i];
-    }
-  }
-
-  [[nodiscard]] LineFit fit(std::vector<int> columns) const {
-    const auto size = static_cast<Eigen::Index>(columns.size());
-    Eigen::MatrixXd part(size, size);
-    Eigen::VectorXd side(size);
-    for (Eigen::Index i = 0; i < size; ++i) {
-      const int at = columns[static_cast<std::size_t>(i)];
-      side[i] = right[at];
-      for (Eigen::Index k = 0; k < size; ++k) part(i, k) = matrix(at, columns[static_cast<std::size_t>(k)]);
-    }
-    LineFit found;
-    found.unknowns = static_cast<double>(size);
-    found.columns = std::move(columns);
-    found.inverse = part.ldlt().solve(Eigen::MatrixXd::Identity(size, size));
-    found.values = found.inverse * side;
-    const double left = square - found.values.dot(side);
-    if (std::isfinite(left)) found.squares = std::max(0.0, left);
-    return found;
-  }
-};
+/// The least-squares fit of some columns; without result where the rows do not determine them.
+LineFit fit_columns(const StartRows& rows, double kink, std::vector<int> columns) {
+  const auto points = static_cast<Eigen::Index>(rows.place.size());
+  const auto size = static_cast<Eigen::Index>(columns.size());
+  const Eigen::Map<const Eigen::VectorXd> force(rows.force.data(), points);
+  Eigen::MatrixXd matrix(points, size);
+  for (Eigen::Index i = 0; i < points; ++i) matrix.row(i) = basis_at(rows.place[i], kink)(columns);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
+  LineFit found;
+  if (qr.rank() < size) return found;
+  const Eigen::MatrixXd inverse =
+      qr.matrixR().topRows(size).triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(size, size));
+  found.unknowns = static_cast<double>(size);
+  found.columns = std::move(columns);
+  found.values = qr.solve(force);
+  found.errors = (qr.colsPermutation() * inverse).rowwise().norm();
+  found.squares = (matrix * found.values - force).squaredNorm();
+  return found;
+}
 
 /// All smooth curves, of degree 1 to 4.
 std::vector<LineFit> smooth_fits(const StartRows& rows) {
-  const NormalSums sums(rows, 0.0);
-  return {sums.fit({0, 1}), sums.fit({0, 1, 2}), sums.fit({0, 1, 2, 3}), sums.fit({0, 1, 2, 3, 4})};
+  std::vector<LineFit> all;
+  for (const std::vector<int>& columns : {std::vector<int>{0, 1}, {0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}}) {
+    all.push_back(fit_columns(rows, 0.0, columns));
+  }
+  return all;
 }
 
 /// All curves with a kink: a constant or straight lead, and beyond it a polynomial of degree 1 to 3.
@@ -127,10 +113,9 @@ std::vector<LineFit> kinked_fits(const StartRows& rows) {
   for (std::size_t last = kLeadRows - 1; last + kRowsBeyond < count; ++last) {
     const double kink = rows.place[last];
     if (!(kink > 0.0) || rows.place[last + 1] == kink) continue;
-    const NormalSums sums(rows, kink);
     for (const std::vector<int>& columns :
          {std::vector<int>{0, 2}, {0, 2, 3}, {0, 2, 3, 4}, {0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}}) {
-      LineFit& fit = all.emplace_back(sums.fit(columns));
+      LineFit& fit = all.emplace_back(fit_columns(rows, kink, columns));
       fit.unknowns += 1.0;
       fit.kink = kink;
       fit.rows = last + 1;
@@ -225,10 +210,8 @@ StartWindow window_of(const Specimen& sorted, double rise, double noise, double 
 
 /// Standard error of a fit's value of a column.
 double error_of(const LineFit& fit, int column, double variance) {
-  for (std::size_t i = 0; i < fit.columns.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    if (fit.columns[i] == column) return std::sqrt(std::max(0.0, variance * fit.inverse(at, at)));
-  }
+  for (std::size_t i = 0; i < fit.columns.size(); ++i)
+    if (fit.columns[i] == column) return std::sqrt(variance) * fit.errors[static_cast<Eigen::Index>(i)];
   return 0.0;
 }
 
@@ -283,10 +266,8 @@ void use_smooth(const StartWindow& window, const Specimen& sorted, Start& start)
   if (start.force != level) {
     start.force_error = std::max(start.force_error, start.noise / std::sqrt(static_cast<double>(kFirstRows)));
   }
-  const double slope = fit.value(1);
-  start.slope = 0.0;
-  if (std::abs(slope) > kStartErrors * error_of(fit, 1, window.variance))
-    start.slope = slope / window.rows.length;
+  start.slope = fit.value(1) / window.rows.length;
+  start.slope_error = error_of(fit, 1, window.variance) / window.rows.length;
 }
 
 /// The rows without single ones that are far from the median of their neighbours.

@@ -5,18 +5,22 @@
 
 namespace palpate::identify {
 
+inline constexpr double kStartErrors = 4.0;  // standard errors above which a value differs from 0
+inline constexpr double kCertain = 10.0;     // decrease of the Bayesian information criterion that counts
+
 /// How a loading curve begins: what the sensor reads without contact, and where contact begins.
 ///
 /// Two models compete for the first rows: a smooth curve (a polynomial), and a
 /// straight lead that ends at a kink, with a steeper curve beyond it. The kink needs five rows before it, and
-/// Bayes's criterion must prefer it clearly. A smooth curve that falls at first is no rival, since no tissue
-/// does. The kink is the one that the fewest rows show, up to a fifth of the force range. Single rows far
-/// from their neighbours do not count.
+/// the Bayesian information criterion must prefer it by kCertain. A smooth curve that falls at first is no
+/// rival, since no tissue does. The kink is the one that the fewest rows show, up to a fifth of the force
+/// range. Single rows far from their neighbours do not count.
 struct Start {
   double force = 0.0;          // N, of the smooth curve at the first row
   double force_error = 0.0;    // N, its standard error
-  double slope = 0.0;          // N/m, of the smooth curve there; 0: not different from 0
-  double contact_error = 0.0;  // m, way to where the force rises by two standard errors (95 %)
+  double slope = 0.0;          // N/m, of the smooth curve there
+  double slope_error = 0.0;    // N/m, its standard error
+  double contact_error = 0.0;  // m, way to where the force rises by two standard errors
   double noise = 0.0;          // N, standard deviation
 
   std::size_t lead_rows = 0;  // number of rows before the kink; 0: no kink

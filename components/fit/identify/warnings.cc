@@ -49,9 +49,9 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
                 advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// What the noise at first contact leaves open of the force. A law is a force over the depth from contact.
+/// Uncertainty of the force due to noise at first contact. A law is a force over the depth from contact.
 void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
-  constexpr double kOpen = 0.03;  // of the force
+  constexpr double kUncertain = 0.03;  // of the force
   const Part& part = problem.parts.front();
   const Preparation& preparation = part.specimen->preparation;
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
@@ -59,30 +59,28 @@ void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std
   const Specimen depths{"", {}, {deepest, deepest - error}, {0.0, 0.0}};
   std::vector<double> force(depths.size());
   predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
-  const double open = 1.0 - force[1] / force[0];
-  if (!(open > kOpen)) return;
+  const double uncertain = 1.0 - force[1] / force[0];
+  if (!(uncertain > kUncertain)) return;
   out.push_back(
-      fmt::format("the noise of the first rows leaves first contact open by {} mm, and so the force at {} mm "
-                  "of depth by {}: measure with less noise, or more rows around first contact",
-                  brief(error / kMillimetre, 2), brief(deepest / kMillimetre, 3), percent(open, 0)));
+      fmt::format("noise in the first rows makes first contact uncertain by {} mm and the force at {} mm "
+                  "uncertain by {}: "
+                  "measure with less noise, or more rows around first contact",
+                  brief(error / kMillimetre, 2), brief(deepest / kMillimetre, 3), percent(uncertain, 0)));
 }
 
 void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
-  constexpr double kDoubted = 1.3;  // of the noise
+  constexpr double kDoubted = 1.3;  // of the noise of a point
   const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   const Preparation& preparation = part.specimen->preparation;
+  const double averaged = std::sqrt(static_cast<double>(fit.points) / static_cast<double>(preparation.rows));
   out.insert(out.end(), preparation.notes.begin(), preparation.notes.end());
-  if (!preparation.doubt.empty() && fit.rms > kDoubted * preparation.noise) out.push_back(preparation.doubt);
+  if (!preparation.doubt.empty() && fit.rms > kDoubted * preparation.noise * averaged)
+    out.push_back(preparation.doubt);
   if (preparation.rows > fit.points) {
     out.push_back(fmt::format("{} rows were averaged to {} points", preparation.rows, fit.points));
   }
-  constexpr double kPoor = 0.2;  // of the range of force
-  if (fit.nrmse > kPoor) {
-    out.push_back(
-        fmt::format("the fit leaves {} % of the range of force: the data do not have the law's shape",
-                    brief(100.0 * fit.nrmse, 3)));
-  }
+  if (const std::string poor = poor_fit({&fit, 1}, {}); !poor.empty()) out.push_back(poor);
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
   const double limit = 1.5 * problem.loss_scale;  // six standard deviations
   const auto outliers =

@@ -14,7 +14,7 @@ enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
 [[nodiscard]] Identifiability identifiability_of_interval(double low, double high, double lowest,
                                                           double highest);
 
-/// [any] Warning "q is not determined by the data: ...", for any result but kYes.
+/// [any] Warning "q is not determined by the data: ...", for any result but kIdentifiable.
 [[nodiscard]] std::string undetermined_warning(Identifiability how, const ParameterLabel& label,
                                                const Interval& interval);
 
@@ -28,7 +28,7 @@ enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
     const std::vector<std::vector<double>>& correlations, const std::vector<ParameterLabel>& names);
 
 /// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
-/// rows, layers not reached, hysteresis.
+/// rows, layers not reached, what was subtracted or left out before the fit.
 [[nodiscard]] std::vector<std::string> warnings_of(const LocalOptima& optima,
                                                    const std::vector<Point>& points,
                                                    const Curvature& curvature, const SpecimenFit& fit);

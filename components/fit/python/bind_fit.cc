@@ -127,6 +127,7 @@ py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string
   py::dict result;
   result["specimens"] = each;
   result["pooled"] = dictionary_of(pooled);
+  if (!identify::poor_fit(fits, pooled).empty()) result["pooled"]["tissue"] = py::none();
   return result;
 }
 
@@ -153,7 +154,7 @@ void bind_fit(py::module_& module) {
       "`specimens` is a list with one dictionary per specimen: `parameters` (name to value, low and "
       "high end of the 95 % interval, in the unit of the name), rms_N, nrmse, leave_out_nrmse, points, "
       "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `tissue` is "
-      "named fitted. Raises InputError.");
+      "named fitted, or None where the error is over 20 % of the force range. Raises InputError.");
 }
 
 }  // namespace palpate::python

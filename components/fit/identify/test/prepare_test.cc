@@ -158,6 +158,72 @@ TEST(Prepared, TheLastLoadingOfALoopIsFittedWithAndWithoutTimes) {
   }
 }
 
+TEST(Prepared, APartialUnloadingAtTheEndLeavesTheLastLoadingTheLast) {
+  Specimen specimen = loops(2, false);
+  specimen.displacement.resize(240 + 121 + 27);  // 2.7 of 12 mm back
+  specimen.force.resize(240 + 121 + 27);
+  const Specimen used = prepared(specimen, smooth());
+  EXPECT_THAT(used.force,
+              testing::ElementsAreArray(specimen.force.begin() + 240, specimen.force.begin() + 361));
+  EXPECT_THAT(used.preparation.notes,
+              Contains(HasSubstr("rows 241 to 361 are fitted, the loading of cycle 2")));
+}
+
+TEST(Prepared, RowsSortedFromDeepToShallowAreNoLoop) {
+  Specimen specimen = pressed({});
+  std::reverse(specimen.displacement.begin(), specimen.displacement.end());
+  std::reverse(specimen.force.begin(), specimen.force.end());
+  EXPECT_THAT(prepared(specimen, smooth()).preparation.notes, IsEmpty());
+  for (std::size_t i = 0; i < specimen.size(); ++i) specimen.time.push_back(0.1 * static_cast<double>(i));
+  EXPECT_THAT(prepared(specimen, smooth()).preparation.notes, Contains(HasSubstr("without hysteresis")));
+}
+
+/// A tared sensor from a depth [m] to 12 mm, with noise of 1.3 % of the force range.
+Specimen from_depth(double first, std::size_t rows, std::size_t rows_each, std::uint32_t number) {
+  Random random(62, number, 0);
+  Specimen specimen;
+  const double noise = 0.013 * (exponential(12e-3) - exponential(first));
+  for (std::size_t i = 0; i < rows * rows_each; ++i) {
+    const double way = static_cast<double>(i / rows_each) / static_cast<double>(rows - 1);
+    specimen.displacement.push_back(first + (12e-3 - first) * way);
+    specimen.force.push_back(exponential(specimen.displacement.back()) + noise * random.normal());
+  }
+  return specimen;
+}
+
+TEST(Prepared, TheForceOfATaredSensorThatStartsAtDepthIsNoZero) {
+  for (std::uint32_t n = 0; n < 20; ++n) {
+    const Specimen specimen = from_depth(2e-3, 50, 1, n);
+    const Specimen used = prepared(specimen, smooth());
+    EXPECT_EQ(used.force, specimen.force) << n;
+    EXPECT_THAT(used.preparation.notes, IsEmpty()) << n;
+  }
+}
+
+TEST(Prepared, DisplacementsThatAreHeldInStepsAreNoMotionWithoutContact) {
+  for (std::uint32_t n = 0; n < 20; ++n) {
+    const Specimen specimen = from_depth(0.0, 13, 20, n);
+    const Specimen used = prepared(specimen, smooth());
+    EXPECT_EQ(used.force, specimen.force) << n;
+    EXPECT_THAT(used.preparation.notes, IsEmpty()) << n;
+  }
+}
+
+// 4 mm of a rising lead, which --law layered fits as tissue, then a curve that no layers have.
+TEST(FitSpecimen, AveragedPointsAreComparedWithTheNoiseOfAverages) {
+  Random random(63, 0, 0);
+  Specimen specimen;
+  for (int i = 0; i < 12000; ++i) {
+    const double at = 1e-6 * i;
+    specimen.displacement.push_back(at);
+    specimen.force.push_back(10.0 * at + exponential(at - 4e-3) + 20e-3 * random.normal());
+  }
+  const SpecimenFit fit = fit_specimen(specimen, Settings{}, 0, {});
+  EXPECT_LT(fit.rms, 1.3 * 20e-3);                    // below the noise of a row,
+  EXPECT_GT(fit.rms, 1.3 * 20e-3 / std::sqrt(12.0));  // above that of 12 rows
+  EXPECT_THAT(fit.warnings, Contains(HasSubstr("the law does not follow the rest")));
+}
+
 TEST(Prepared, RelaxationKeepsAllRowsOfALoop) {
   Settings settings = smooth();
   settings.relaxation = true;
@@ -190,7 +256,7 @@ TEST(CorrelatedWarnings, NameEachSetOfParametersOnce) {
                            "b and e are only determined together (correlation over 0.99): read none alone"));
 }
 
-TEST(FitPooled, RefusesAFitThatLeavesMoreThanTheForceRange) {
+TEST(FitPooled, RefusesAFitWithALargerErrorThanTheForceRange) {
   const Specimen specimen = pressed({});
   SpecimenFit fit = fit_specimen(specimen, smooth(), 0, {});
   fit.nrmse = 1.2;
@@ -198,8 +264,32 @@ TEST(FitPooled, RefusesAFitThatLeavesMoreThanTheForceRange) {
     (void)fit_pooled({specimen}, {fit}, smooth(), {});
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("specimen pressed: the fit leaves 120 % of the force range"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("specimen pressed has an error of 120.0 % of the force range, must be at "
+                          "most 100 %"));
+    EXPECT_THAT(error.what(), HasSubstr("tare the sensor before contact"));
   }
+}
+
+TEST(PoorFit, NamesTheWorstSpecimenOrThatGoodSpecimensDiffer) {
+  std::vector<SpecimenFit> fits(2);
+  PooledFit pooled;
+  for (const double good : {0.1, kPoorFit}) {
+    fits[1].nrmse = pooled.nrmse = good;
+    EXPECT_EQ(poor_fit(fits, pooled), "");
+  }
+  pooled.nrmse = 0.20001;
+  EXPECT_EQ(
+      poor_fit(fits, pooled),
+      "the fit of all specimens together has an error of 20.1 % of the force range, must be at most 20 %: "
+      "the specimens differ");
+  fits[1].name = "b";
+  fits[1].nrmse = 0.203;
+  pooled.nrmse = 0.5;
+  EXPECT_EQ(
+      poor_fit(fits, pooled),
+      "the fit of specimen b has an error of 20.3 % of the force range, must be at most 20 %: the data do "
+      "not have the law's shape");
 }
 
 }  // namespace

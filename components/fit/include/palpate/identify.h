@@ -16,17 +16,18 @@ class Communicator;
 
 namespace palpate::identify {
 
-/// What a fit does to the rows of a specimen before it begins (docs/fitting.md, "Before the fit"). SI units.
+/// What the first rows of a specimen show, and what a fit subtracts from its forces for that
+/// (docs/fitting.md, "Before the fit"). SI units.
 struct Preparation {
-  std::size_t rows = 0;     // number of rows used
+  std::size_t rows = 0;     // number of rows fitted
   double zero = 0.0;        // N, sensor reading without contact at `zero_at`, subtracted from the forces
   double zero_at = 0.0;     // m
   double zero_slope = 0.0;  // N/m, drift or tilt of that reading, subtracted too
   std::optional<double> contact;   // m, where the rows without contact end
   double noise = 0.0;              // N, standard deviation
-  double contact_error = 0.0;      // m, what the noise of the first rows leaves open of first contact (95 %)
+  double contact_error = 0.0;      // m, uncertainty of first contact from the noise of the first rows
   std::vector<std::string> notes;  // one sentence each
-  std::string doubt;               // a sentence for a fit that leaves more than the noise
+  std::string doubt;               // a warning for a fit with a larger error than the noise
 
   /// [any] Subtracted force [N] at a displacement [m].
   [[nodiscard]] double baseline(double displacement) const noexcept {
@@ -213,6 +214,15 @@ struct PooledFit {
   Point shared;            // of the best fit
   std::vector<Point> own;  // one per specimen
 };
+
+// Largest errors (nrmse) of a fit, of the force range.
+inline constexpr double kPoorFit = 0.2;  // no tissue comes from a fit with a larger error
+inline constexpr double kNoFit = 1.0;    // a larger error is refused: a constant force has a smaller one
+
+/// [setup] What is wrong with these fits: the one with the largest error, if that is over `limit`; otherwise
+/// empty.
+[[nodiscard]] std::string poor_fit(std::span<const SpecimenFit> fits, const PooledFit& pooled,
+                                   double limit = kPoorFit);
 
 /// Receives the completed fraction, 0..1, and a description of the current step.
 using Progress = std::function<void(double, const std::string&)>;
