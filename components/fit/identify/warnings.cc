@@ -49,23 +49,30 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
                 advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// Uncertainty of the force due to noise at first contact. A law is a force over the depth from contact.
+/// Uncertainty of the force in the deeper half of the data due to noise at first contact. A law is a force
+/// over the depth from contact.
 void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
-  constexpr double kUncertain = 0.03;  // of the force
+  constexpr double kUncertain = 0.02;  // of the force
   const Part& part = problem.parts.front();
-  const Preparation& preparation = part.specimen->preparation;
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
-  const double error = preparation.contact_error;
-  const Specimen depths{"", {}, {deepest, deepest - error}, {0.0, 0.0}};
-  std::vector<double> force(depths.size());
-  predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
-  const double uncertain = 1.0 - force[1] / force[0];
-  if (!(uncertain > kUncertain)) return;
+  const double error = part.specimen->preparation.contact_error;
+  double largest = 0.0;
+  double at = 0.0;  // m
+  for (const double share : {0.5, 0.75, 1.0}) {
+    const double depth = share * deepest;
+    const Specimen depths{"", {}, {depth, depth - error}, {0.0, 0.0}};
+    std::vector<double> force(depths.size());
+    predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
+    const double uncertain = 1.0 - force[1] / force[0];
+    if (!(uncertain > largest)) continue;
+    largest = uncertain;
+    at = depth;
+  }
+  if (!(largest > kUncertain)) return;
   out.push_back(
-      fmt::format("noise in the first rows makes first contact uncertain by {} mm and the force at {} mm "
-                  "uncertain by {}: "
-                  "measure with less noise, or more rows around first contact",
-                  brief(error / kMillimetre, 2), brief(deepest / kMillimetre, 3), percent(uncertain, 0)));
+      fmt::format("noise in the first rows makes first contact uncertain by {} mm or more, and the force at "
+                  "{} mm by {} or more: measure with less noise, or more rows around first contact",
+                  brief(error / kMillimetre, 2), brief(at / kMillimetre, 3), percent(largest, 0)));
 }
 
 void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {

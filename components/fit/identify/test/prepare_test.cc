@@ -1,6 +1,7 @@
 // Sensors that are not tared, drift or are tilted, and loops.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -222,6 +223,35 @@ TEST(FitSpecimen, AveragedPointsAreComparedWithTheNoiseOfAverages) {
   EXPECT_LT(fit.rms, 1.3 * 20e-3);                    // below the noise of a row,
   EXPECT_GT(fit.rms, 1.3 * 20e-3 / std::sqrt(12.0));  // above that of 12 rows
   EXPECT_THAT(fit.warnings, Contains(HasSubstr("the law does not follow the rest")));
+}
+
+// A spring of 100 N/m: at 6 of 12 mm the force is uncertain by e / 6 mm when first contact is by e.
+TEST(FitSpecimen, NamesTheUncertaintyOfTheForceOverTwoPercentInTheDeeperHalf) {
+  for (const double noise : {0.0, 20e-3}) {
+    Random random(64, 0, 0);
+    Specimen specimen;
+    for (int i = 0; i <= 120; ++i) {
+      specimen.displacement.push_back(1e-4 * i);
+      specimen.force.push_back(100.0 * 1e-4 * i + noise * random.normal());
+    }
+    const SpecimenFit fit = fit_specimen(specimen, Settings{}, 0, {});
+    const auto found = std::find_if(fit.warnings.begin(), fit.warnings.end(), [](const std::string& warning) {
+      return warning.find("makes first contact uncertain") != std::string::npos;
+    });
+    ASSERT_EQ(found != fit.warnings.end(), noise > 0.0);
+    if (noise == 0.0) continue;
+    double contact = 0.0;  // mm
+    double depth = 0.0;    // mm
+    double share = 0.0;    // %
+    ASSERT_EQ(std::sscanf(found->c_str(),
+                          "noise in the first rows makes first contact uncertain by %lf mm or more, and the "
+                          "force at %lf mm by %lf %% or more",
+                          &contact, &depth, &share),
+              3);
+    EXPECT_NEAR(depth, 6.0, 0.2);
+    EXPECT_GT(contact, 0.0);
+    EXPECT_NEAR(share, 100.0 * contact / 6.0, 1.5);
+  }
 }
 
 TEST(Prepared, RelaxationKeepsAllRowsOfALoop) {

@@ -44,6 +44,14 @@ def test_fit_is_the_programs(program, tmp_path, law):
     assert found['pooled']['tissue'].to_toml() == toml.read_text()
 
 
+def test_a_fit_with_an_error_over_a_fifth_of_the_force_range_gives_no_tissue():
+    rows = np.arange(30)
+    bump = palpate.Specimen('bump', 1e-3 * rows, np.where((rows >= 15) & (rows < 20), 1.0, 0.0))
+    pooled = palpate.fit([bump])['pooled']
+    assert pooled['nrmse'] > 0.2
+    assert pooled['tissue'] is None
+
+
 def test_fit_refuses_what_cannot_be_fitted():
     with pytest.raises(palpate.InputError, match='at least 10'):
         palpate.Specimen('few', [0.0, 1e-3], [0.0, 0.1])
