@@ -18,22 +18,50 @@ using identify::FoundInclusion;
 
 std::string in_mm(double metres) { return brief(metres / kMillimetre, 3); }
 
-/// Example: "5.1 mm (4.8 to 5.4)".
+/// Examples: "5.1 mm (4.8 to 5.4)", "40 (7.5 or more)"; "40: not determined" without an interval.
 std::string estimate_text(const Estimate& estimate, double unit, const char* name) {
+  if (std::isinf(estimate.interval.low)) {
+    return fmt::format("{}{}: not determined", brief(estimate.value / unit, 3), name);
+  }
+  if (std::isinf(estimate.interval.high)) {
+    return fmt::format("{}{} ({} or more)", brief(estimate.value / unit, 3), name,
+                       brief(estimate.interval.low / unit, 3));
+  }
   return fmt::format("{}{} ({} to {})", brief(estimate.value / unit, 3), name,
                      brief(estimate.interval.low / unit, 3), brief(estimate.interval.high / unit, 3));
 }
 
+/// An end that the search did not find is null; an interval without ends is null.
 Json estimate_json(const Estimate& estimate, double unit) {
-  return {{"value", estimate.value / unit},
-          {"interval", Json::array({estimate.interval.low / unit, estimate.interval.high / unit})},
-          {"determined", estimate.determined}};
+  const auto end = [unit](double value) { return std::isinf(value) ? Json() : Json(value / unit); };
+  Json interval;
+  if (!std::isinf(estimate.interval.low)) {
+    interval = Json::array({end(estimate.interval.low), end(estimate.interval.high)});
+  }
+  return {{"value", estimate.value / unit}, {"interval", interval}, {"determined", estimate.determined}};
+}
+
+/// The bounds that an inclusion ended at, in words.
+std::string bounds_text(const FoundInclusion& found) {
+  std::string text;
+  for (const std::string& key : found.at_bounds) {
+    if (!text.empty()) text += ", ";
+    if (key == "place") text += "the edge of the map";
+    if (key == "depth_mm") text += fmt::format("depth {} mm", in_mm(found.depth.value));
+    if (key == "radius_mm")
+      text += "radius " + percent(found.radius.value / found.depth.value, 0) + " of the depth";
+    if (key == "stiffness_ratio") text += "stiffness ratio " + brief(found.ratio.value, 3);
+  }
+  return text;
 }
 
 std::string inclusion_text(const FoundInclusion& found, std::size_t number) {
-  std::string text =
-      fmt::format("inclusion {}: centre {}, {}, {} mm; 95 % intervals in brackets\n", number,
-                  in_mm(found.centre[0].value), in_mm(found.centre[1].value), in_mm(found.centre[2].value));
+  const bool bounded = !found.at_bounds.empty();
+  std::string text = fmt::format(
+      "inclusion {}: centre {}, {}, {} mm; {}\n", number, in_mm(found.centre[0].value),
+      in_mm(found.centre[1].value), in_mm(found.centre[2].value),
+      bounded ? "undetermined, without intervals: the search ended at its bound, " + bounds_text(found)
+              : "95 % intervals in brackets");
   const char* const axes[] = {"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     text += fmt::format("  {:16} {}\n", axes[axis], estimate_text(found.centre[axis], kMillimetre, " mm"));
@@ -41,15 +69,15 @@ std::string inclusion_text(const FoundInclusion& found, std::size_t number) {
   text += fmt::format("  {:16} {}\n", "depth", estimate_text(found.depth, kMillimetre, " mm"));
   text += fmt::format("  {:16} {}\n", "rise of force", estimate_text(found.rise, 0.01, " %"));
   text += fmt::format("  {:16} {}{}\n", "radius", estimate_text(found.radius, kMillimetre, " mm"),
-                      found.radius.determined ? "" : ": not determined");
+                      found.radius.determined || bounded ? "" : ": not determined");
   text += fmt::format("  {:16} {}{}\n", "stiffness ratio", estimate_text(found.ratio, 1.0, ""),
-                      found.ratio.determined ? "" : ": not determined");
+                      found.ratio.determined || bounded ? "" : ": not determined");
   return text;
 }
 
 bool any_undetermined(const identify::MapFit& fit) {
   for (const FoundInclusion& one : fit.inclusions) {
-    if (!one.radius.determined || !one.ratio.determined) return true;
+    if (one.at_bounds.empty() && (!one.radius.determined || !one.ratio.determined)) return true;
   }
   return false;
 }
@@ -96,7 +124,9 @@ std::string map_json(const identify::MapFit& fit) {
                                   {"depth_mm", estimate_json(one.depth, kMillimetre)},
                                   {"rise", estimate_json(one.rise, 1.0)},
                                   {"radius_mm", estimate_json(one.radius, kMillimetre)},
-                                  {"stiffness_ratio", estimate_json(one.ratio, 1.0)}});
+                                  {"stiffness_ratio", estimate_json(one.ratio, 1.0)},
+                                  {"undetermined", !one.at_bounds.empty()},
+                                  {"at_bounds", one.at_bounds}});
   }
   if (any_undetermined(fit)) json["advice"] = kAdvice;
   return json_text(json) + '\n';

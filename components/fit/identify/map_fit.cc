@@ -11,7 +11,6 @@
 #include <utility>
 
 #include <Eigen/Dense>
-#include <ceres/ceres.h>
 #include <fmt/core.h>
 
 #include "core/base/text.h"
@@ -19,115 +18,14 @@
 #include "palpate/units.h"
 
 #include "fit/identify/map_model.h"
+#include "fit/identify/map_problem.h"
 
 namespace palpate::identify {
 namespace {
 
-constexpr double kEvidence = 10.0;        // least fall of the information criterion for an inclusion
-constexpr double kNormalQuantile = 1.96;  // of the normal distribution, two-sided 95 %
-constexpr double kChiSquared = 3.84;      // of one degree of freedom, 95 %
-constexpr double kDeepest = 40.0;         // mm, of an inclusion
-constexpr double kThinnest = 0.05;        // radius over depth
+constexpr double kEvidence = 10.0;  // least fall of the information criterion for an inclusion
 constexpr std::size_t kFewestProbes = 8;
 constexpr std::size_t kFewestMapRows = 30;
-
-using Values = std::vector<double>;
-
-struct MapBounds {
-  Values low, high;
-};
-
-/// The rows with their weights, and a model of them.
-class MapProblem final {
- public:
-  MapProblem(const std::vector<MapRow>& rows, const MapSettings& settings, std::size_t terms,
-             const Values& weights)
-      : rows_(rows), weights_(weights), model_(rows, settings.tip_radius, terms) {}
-
-  [[nodiscard]] const MapModel& model() const { return model_; }
-  [[nodiscard]] const std::vector<MapRow>& rows() const { return rows_; }
-
-  [[nodiscard]] Values residuals(std::span<const double> values) const {
-    Values forces = model_.forces(values, rows_);
-    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = weights_[i] * (forces[i] - rows_[i].force);
-    return forces;
-  }
-  [[nodiscard]] double sum_of_squares(std::span<const double> values) const {
-    const Values all = residuals(values);
-    return std::inner_product(all.begin(), all.end(), all.begin(), 0.0);
-  }
-  /// The Bayesian information criterion.
-  [[nodiscard]] double criterion(std::span<const double> values) const {
-    const auto n = static_cast<double>(rows_.size());
-    return n * std::log(sum_of_squares(values) / n) + static_cast<double>(values.size()) * std::log(n);
-  }
-  [[nodiscard]] MapBounds bounds(std::size_t size) const {
-    const double infinite = std::numeric_limits<double>::infinity();
-    MapBounds made{Values(size, -infinite), Values(size, infinite)};
-    made.low[1] = 0.5;
-    made.high[1] = 4.0;
-    made.low[2] = 0.0;
-    made.high[2] = 5.0;
-    const double extent = model_.frame().extent / kMillimetre;
-    for (std::size_t i = model_.first_inclusion(); i < size; i += kMapInclusion) {
-      const double low[] = {-extent, -extent, 1.0, std::log(kThinnest), std::log(model::kSoftestInclusion)};
-      const double high[] = {extent, extent, kDeepest, std::log(0.97), std::log(model::kStiffestInclusion)};
-      std::copy(std::begin(low), std::end(low), made.low.begin() + static_cast<std::ptrdiff_t>(i));
-      std::copy(std::begin(high), std::end(high), made.high.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-    return made;
-  }
-
- private:
-  const std::vector<MapRow>& rows_;
-  const Values& weights_;
-  MapModel model_;
-};
-
-struct MapCost {
-  const MapProblem* problem;
-  std::size_t size;
-  bool operator()(double const* const* blocks, double* out) const {
-    const Values all = problem->residuals({blocks[0], size});
-    std::copy(all.begin(), all.end(), out);
-    return std::all_of(all.begin(), all.end(), [](double value) { return std::isfinite(value); });
-  }
-};
-
-/// Least squares from `values`. @param held a parameter that stays as it is
-Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t> held = std::nullopt,
-                 int iterations = 60) {
-  const MapBounds bounds = map.bounds(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = std::clamp(values[i], bounds.low[i], bounds.high[i]);
-  }
-  auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<MapCost, ceres::CENTRAL>>(
-      new MapCost{&map, values.size()});
-  cost->AddParameterBlock(static_cast<int>(values.size()));
-  cost->SetNumResiduals(static_cast<int>(map.rows().size()));
-  ceres::Problem problem;
-  problem.AddResidualBlock(cost.release(), nullptr, values.data());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(bounds.low[i])) {
-      problem.SetParameterLowerBound(values.data(), static_cast<int>(i), bounds.low[i]);
-      problem.SetParameterUpperBound(values.data(), static_cast<int>(i), bounds.high[i]);
-    }
-  }
-  if (held) {
-    auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(values.size()),
-                                                            std::vector<int>{static_cast<int>(*held)});
-    problem.SetManifold(values.data(), manifold.release());  // the problem owns it
-  }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = iterations;
-  options.function_tolerance = 1e-9;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  return values;
-}
 
 /// Where the residuals ask most for another inclusion: the probe with the largest sum over its neighbourhood,
 /// each residual relative to the background. @return the point in the map's frame [mm], and the sign
@@ -190,6 +88,18 @@ bool is_apart(const MapProblem& map, const Values& values) {
   return true;
 }
 
+/// Whether the last inclusion describes no lump: as deep, as small or as far out as the search goes, it
+/// stands for a background that varies.
+bool is_of_background(const MapProblem& map, const Values& values) {
+  const std::size_t last = values.size() - kMapInclusion;
+  for (const MapParameter parameter : bounds_reached(map, values, last)) {
+    if (parameter == kAlong || parameter == kAcross) return true;
+    if (parameter == kDepthBelow && values[last + kDepthBelow] > 0.5 * kDeepestInclusion) return true;
+    if (parameter == kLogThickness && std::exp(values[last + kLogThickness]) < 0.5) return true;
+  }
+  return false;
+}
+
 Values start_values(const std::vector<MapRow>& rows, std::size_t terms) {
   double deepest = 0.0;
   double force = 0.0;
@@ -228,7 +138,8 @@ Chosen choose(const std::vector<MapRow>& rows, const MapSettings& settings, cons
     std::size_t next_level = level;
     if (count < settings.max_inclusions) {
       Values more = with_one_more(problems[level], now.values);
-      if (const double at = problems[level].criterion(more); at < least && is_apart(problems[level], more)) {
+      if (const double at = problems[level].criterion(more);
+          at < least && is_apart(problems[level], more) && !is_of_background(problems[level], more)) {
         least = at;
         better = Chosen{now.terms, std::move(more)};
       }
@@ -250,171 +161,6 @@ Chosen choose(const std::vector<MapRow>& rows, const MapSettings& settings, cons
     criterion = least;
     level = next_level;
   }
-}
-
-/// Weights of the rows, 1 / sigma with sigma^2 = s^2 + (c F)^2. The noise is that of the third differences
-/// along each probe, which a smooth force over depth hardly has; the residuals of a fit would also have its
-/// faults.
-Values weights_of(const std::vector<MapRow>& rows) {
-  constexpr double kThirdDifference = 20.0;                      // variance of 1, -3, 3, -1 times equal noise
-  std::map<int, std::vector<std::pair<double, double>>> curves;  // depth and force
-  for (const MapRow& row : rows) curves[row.probe].emplace_back(row.depth, row.force);
-  // Least squares of the squares over 1 and F^2, both not negative.
-  double n = 0.0;
-  double x = 0.0;
-  double xx = 0.0;
-  double y = 0.0;
-  double xy = 0.0;
-  for (auto& [probe, curve] : curves) {
-    std::sort(curve.begin(), curve.end());
-    for (std::size_t i = 3; i < curve.size(); ++i) {
-      const double difference =
-          curve[i].second - 3.0 * curve[i - 1].second + 3.0 * curve[i - 2].second - curve[i - 3].second;
-      const double mean = 0.5 * (curve[i - 1].second + curve[i - 2].second);
-      const double square = mean * mean;
-      const double variance = difference * difference / kThirdDifference;
-      n += 1.0;
-      x += square;
-      xx += square * square;
-      y += variance;
-      xy += square * variance;
-    }
-  }
-  if (!(n > 0.0 && y > 0.0)) return Values(rows.size(), 1.0);
-  const double spread = n * xx - x * x;
-  double slope = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
-  double constant = (y - slope * x) / n;
-  if (constant < 0.0) {
-    constant = 0.0;
-    slope = xy / xx;
-  }
-  Values weights;
-  const double least = 0.1 * std::sqrt(y / n);
-  for (const MapRow& row : rows) {
-    weights.push_back(1.0 / std::max(least, std::sqrt(constant + slope * row.force * row.force)));
-  }
-  return weights;
-}
-
-/// The covariance of the parameters; those at a bound, or without effect, have none.
-Eigen::MatrixXd covariance_of(const MapProblem& map, const Values& values) {
-  const auto n = static_cast<Eigen::Index>(values.size());
-  const auto rows = static_cast<Eigen::Index>(map.rows().size());
-  Eigen::MatrixXd jacobian(rows, n);
-  const MapBounds bounds = map.bounds(values.size());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double step = 1e-4 * std::max(1.0, std::abs(values[k]));
-    const bool at_bound = values[k] - step < bounds.low[k] || values[k] + step > bounds.high[k];
-    if (at_bound) {
-      jacobian.col(i).setZero();
-      continue;
-    }
-    Values low = values;
-    Values high = values;
-    low[k] -= step;
-    high[k] += step;
-    const Values a = map.residuals(low);
-    const Values b = map.residuals(high);
-    for (Eigen::Index r = 0; r < rows; ++r) {
-      const auto at = static_cast<std::size_t>(r);
-      jacobian(r, i) = (b[at] - a[at]) / (2.0 * step);
-    }
-  }
-  const double variance =
-      map.sum_of_squares(values) / static_cast<double>(std::max<Eigen::Index>(1, rows - n));
-  return variance * (jacobian.transpose() * jacobian).completeOrthogonalDecomposition().pseudoInverse();
-}
-
-/// Estimate of a function of the parameters, by its gradient. @param function of the values
-template <typename Function>
-Estimate derived(const Values& values, const Eigen::MatrixXd& covariance, std::size_t from,
-                 Function function) {
-  Estimate made;
-  made.value = function(values);
-  Eigen::VectorXd slope = Eigen::VectorXd::Zero(covariance.rows());
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (k >= kMapTissue && k < from) continue;  // the background map and other inclusions have no effect
-    const double step = 1e-4 * std::max(1.0, std::abs(values[k]));
-    Values low = values;
-    Values high = values;
-    low[k] -= step;
-    high[k] += step;
-    slope[static_cast<Eigen::Index>(k)] = (function(high) - function(low)) / (2.0 * step);
-  }
-  const double half = kNormalQuantile * std::sqrt(std::max(0.0, slope.dot(covariance * slope)));
-  made.interval = {made.value - half, made.value + half};
-  return made;
-}
-
-/// The values of one parameter that the data allow, by profile likelihood.
-Interval profile_of(const MapProblem& map, const Values& values, std::size_t k) {
-  const MapBounds bounds = map.bounds(values.size());
-  const double least = map.sum_of_squares(values);
-  const double variance = least / static_cast<double>(map.rows().size() - values.size());
-  const auto allowed = [&](double value, Values& start) {
-    start[k] = value;
-    start = solve_map(map, start, k);
-    return map.sum_of_squares(start) <= least + kChiSquared * variance;
-  };
-  const auto end = [&](double bound) {
-    Values start = values;
-    if (allowed(bound, start)) return bound;
-    double inside = values[k];
-    double outside = bound;
-    constexpr int kHalvings = 5;
-    start = values;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle = 0.5 * (inside + outside);
-      Values trial = start;
-      if (allowed(middle, trial)) {
-        inside = middle;
-        start = trial;
-      } else {
-        outside = middle;
-      }
-    }
-    return 0.5 * (inside + outside);
-  };
-  return {end(bounds.low[k]), end(bounds.high[k])};
-}
-
-FoundInclusion describe(const MapProblem& map, const Values& values, const Eigen::MatrixXd& covariance,
-                        std::size_t from, double deepest, bool profiles) {
-  const auto inclusion = [from](const Values& all) { return std::span(all).subspan(from, kMapInclusion); };
-  FoundInclusion found;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    found.centre[axis] = derived(values, covariance, from, [&](const Values& all) {
-      return map.model().centre(inclusion(all))[static_cast<Eigen::Index>(axis)];
-    });
-  }
-  found.depth =
-      derived(values, covariance, from, [&](const Values& all) { return all[from + 2] * kMillimetre; });
-  found.rise = derived(values, covariance, from, [&](const Values& all) {
-    Values alone(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(map.model().first_inclusion()));
-    const auto own = inclusion(all);
-    alone.insert(alone.end(), own.begin(), own.end());
-    MapRow above;
-    above.depth = deepest;
-    above.point = map.model().above(own);
-    return map.model().forces(alone, {&above, 1})[0] / map.model().background(alone, above) - 1.0;
-  });
-  const double h = values[from + 2] * kMillimetre;
-  found.radius.value = h * std::exp(values[from + 3]);
-  found.ratio.value = std::exp(values[from + 4]);
-  if (!profiles) return found;
-  const Interval share = profile_of(map, values, from + 3);
-  const Interval ratio = profile_of(map, values, from + 4);
-  found.radius.interval = {h * std::exp(share.low), h * std::exp(share.high)};
-  found.ratio.interval = {std::exp(ratio.low), std::exp(ratio.high)};
-  const MapBounds bounds = map.bounds(values.size());
-  const auto determined = [&](const Interval& interval, std::size_t k) {
-    return interval.high - interval.low < std::log(2.0) && interval.low > bounds.low[k] &&
-           interval.high < bounds.high[k];
-  };
-  found.radius.determined = determined(share, from + 3);
-  found.ratio.determined = determined(ratio, from + 4);
-  return found;
 }
 
 double rms(const Values& forces, const std::vector<MapRow>& rows) {
@@ -474,7 +220,7 @@ MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, con
   const Chosen chosen = choose(rows, settings, weights, progress);
   const MapProblem map(rows, settings, chosen.terms, weights);
 
-  const Values& values = chosen.values;
+  const Values values = moved_off_bounds(map, chosen.values);
   fit.values = values;
   fit.map_terms = chosen.terms;
   fit.exponent = values[1];
@@ -486,7 +232,7 @@ MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, con
   const Eigen::MatrixXd covariance = covariance_of(map, values);
   for (std::size_t i = map.model().first_inclusion(); i < values.size(); i += kMapInclusion) {
     if (progress) progress(0.9, "intervals");
-    fit.inclusions.push_back(describe(map, values, covariance, i, deepest, settings.profiles));
+    fit.inclusions.push_back(describe_inclusion(map, values, covariance, i, deepest, settings.profiles));
   }
   fit.stiffness_map = stiffness_points(map.model(), values, rows);
   return fit;

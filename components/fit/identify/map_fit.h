@@ -38,6 +38,9 @@ struct FoundInclusion {
   Estimate rise{};    // of the force above it at the largest depth, relative to the background tissue
   Estimate radius{};  // a [m], with its interval by profile likelihood
   Estimate ratio{};   // m, likewise
+  // The values that ended at a bound of the search, by their keys in JSON ("place": the edge of the map).
+  // Such an inclusion is not determined: all its intervals are infinite.
+  std::vector<std::string> at_bounds{};
 };
 
 /// The background tissue: F(D, x) = k(x) K (D + D_0)^p, with ln k a polynomial over the surface.

@@ -148,6 +148,52 @@ TEST(MapFit, ASmallHardInclusionIsSaidNotToBeDeterminedApartFromALargeSoftOne) {
   EXPECT_GE(fit.inclusions[0].ratio.interval.high, 30.0);
 }
 
+/// A map whose middle is `factor` times as stiff at the deepest row: more than the law of inclusions gives.
+std::vector<MapRow> map_with_a_steep_bell(double factor) {
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> noise(0.0, 0.004);
+  std::vector<MapRow> rows;
+  for (int probe = 0; probe < 121; ++probe) {
+    const Vec3 point(2e-3 * (probe % 11 - 5), 2e-3 * (probe / 11 - 5), 0.0);
+    for (int step = 1; step <= 6; ++step) {
+      const double mm = 0.4 * step;
+      const double bell = std::exp(-point.squaredNorm() / (2.0 * 2.5e-3 * 2.5e-3));
+      const double force = 0.1 * std::pow(mm, 1.4) * (1.0 + (factor - 1.0) * mm / 2.4 * bell);
+      rows.push_back({probe, point, Vec3::UnitZ(), mm * 1e-3, force + noise(random)});
+    }
+  }
+  return rows;
+}
+
+TEST(MapFit, AnInclusionThatEndsAtABoundIsUndeterminedAndHasNoInterval) {
+  MapSettings settings = quick_settings();
+  settings.tip_radius = 3e-3;
+  settings.max_inclusions = 1;
+  settings.profiles = true;
+  const MapFit fit = fit_map(map_with_a_steep_bell(15.0), settings);
+  ASSERT_EQ(fit.inclusions.size(), 1U);
+  const FoundInclusion& found = fit.inclusions[0];
+  EXPECT_THAT(found.at_bounds, testing::Contains("radius_mm"));
+  EXPECT_NEAR(found.centre[0].value, 0.0, 0.5e-3);
+  EXPECT_NEAR(found.centre[1].value, 0.0, 0.5e-3);
+  for (const Estimate& one : {found.centre[0], found.centre[1], found.centre[2], found.depth, found.rise,
+                              found.radius, found.ratio}) {
+    EXPECT_FALSE(one.determined);
+    EXPECT_TRUE(std::isinf(one.interval.low) && std::isinf(one.interval.high));
+  }
+}
+
+TEST(MapFit, AnInclusionWithinTheBoundsHasFiniteIntervalsOfItsPlace) {
+  std::mt19937_64 random(3);
+  MapSettings settings = quick_settings();
+  settings.max_inclusions = 1;
+  const MapFit fit = fit_map(synthetic_map({{1e-3, 2e-3, 7e-3, 4e-3, 30.0}}, 0.05, random), settings);
+  ASSERT_EQ(fit.inclusions.size(), 1U);
+  EXPECT_THAT(fit.inclusions[0].at_bounds, testing::IsEmpty());
+  EXPECT_LT(fit.inclusions[0].depth.interval.high, 40e-3);
+  EXPECT_LT(fit.inclusions[0].rise.interval.high, 2.0);
+}
+
 TEST(MapFit, AFileIsReadWithOrWithoutNormalsAndRefusedWithItsLine) {
   const scene::test::TemporaryFolder folder;
   const auto good = folder.write("a.csv", "probe,x_mm,y_mm,z_mm,depth_mm,force_N\n7,1,2,3,0.5,0.25\n");
