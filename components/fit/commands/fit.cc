@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -12,6 +13,7 @@
 
 #include "core/base/text.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
@@ -26,7 +28,9 @@
 #include "fit/commands/commands.h"
 #include "fit/commands/fit_summary.h"
 #include "fit/identify/fit_many.h"
+#include "fit/identify/map_choice.h"
 #include "fit/identify/map_fit.h"
+#include "fit/identify/map_tissue.h"
 #include "fit/identify/sweep.h"
 #include "fit/report/fit_report.h"
 
@@ -200,7 +204,59 @@ void require_flags_of(bool is_map, const CLI::App& command) {
   }
 }
 
+/// The files of a map beside --out.
+struct MapOutputs {
+  std::filesystem::path scene;
+  std::string tissue;     // empty: --out is missing, or can have no files beside it
+  std::string stiffness;  // of --stiffness-map, else beside --out
+  bool stiffness_by_flag = false;
+
+  [[nodiscard]] const char* stiffness_flag() const {
+    return stiffness_by_flag ? "--stiffness-map" : "beside --out";
+  }
+  /// Their paths from the scene's folder.
+  [[nodiscard]] MapFiles named_in_scene() const {
+    if (tissue.empty()) return {};
+    const auto from_scene = [this](const std::string& file) {
+      return to_text(
+          std::filesystem::absolute(to_path(file))
+              .lexically_normal()
+              .lexically_proximate(std::filesystem::absolute(scene).lexically_normal().parent_path()));
+    };
+    return {from_scene(tissue), from_scene(stiffness)};
+  }
+};
+
+/// The outputs of --map, checked. @throws InputError
+MapOutputs map_outputs_of(const FitFlags& flags) {
+  MapOutputs files;
+  files.scene = to_path(flags.out);
+  files.stiffness = flags.stiffness_map;
+  files.stiffness_by_flag = !flags.stiffness_map.empty();
+  if (!flags.out.empty() && may_have_files_beside(files.scene)) {
+    const auto beside = [&files](const char* ending) {
+      return to_text(files.scene.parent_path() / (to_text(files.scene.stem()) + ending));
+    };
+    files.tissue = beside("-tissue.toml");
+    if (!files.stiffness_by_flag) files.stiffness = beside("-stiffness.csv");
+  }
+  const std::vector<NamedFile> outputs = {
+      {"--out", flags.out}, {"beside --out", files.tissue}, {files.stiffness_flag(), files.stiffness}};
+  require_no_overwrite(outputs, std::vector<NamedFile>{{"the measurements", flags.files.front()}});
+  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
+  if (!files.tissue.empty()) require_writable_file(files.tissue, "beside --out");
+  if (!files.stiffness.empty()) require_writable_file(files.stiffness, files.stiffness_flag());
+  return files;
+}
+
+double deepest_row(const std::vector<identify::MapRow>& rows) {
+  double deepest = 0.0;
+  for (const identify::MapRow& row : rows) deepest = std::max(deepest, row.depth);
+  return deepest;
+}
+
 void fit_one_map(const FitFlags& flags) {
+  constexpr double kPoorTissue = 0.05;  // of the largest force of the background
   if (flags.files.size() != 1) {
     throw InputError(fmt::format("--map: {} files, must be one", flags.files.size()));
   }
@@ -213,22 +269,30 @@ void fit_one_map(const FitFlags& flags) {
     throw InputError(
         fmt::format("--max-inclusions {}: must be at most {}", flags.max_inclusions, model::kMaxInclusions));
   }
-  const std::vector<NamedFile> outputs = {{"--out", flags.out}, {"--stiffness-map", flags.stiffness_map}};
-  require_no_overwrite(outputs, std::vector<NamedFile>{{"the measurements", flags.files.front()}});
-  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
-  if (!flags.stiffness_map.empty()) require_writable_file(flags.stiffness_map, "--stiffness-map");
+  const MapOutputs files = map_outputs_of(flags);
   const std::vector<identify::MapRow> rows = identify::read_map(flags.files.front());
-  identify::MapFit fit;
+  identify::DescribedMap map;
+  std::optional<identify::MapTissue> tissue;
   try {
     Progress bar("fit");
-    fit = identify::fit_map(rows, settings,
-                            [&bar](double share, const std::string& what) { bar.update(share, what); });
+    map = identify::describe_map(rows, settings,
+                                 [&bar](double share, const std::string& what) { bar.update(share, what); });
+    if (!files.tissue.empty()) tissue = identify::tissue_of_map(map.predictor, deepest_row(rows));
   } catch (const InputError& error) {
     throw InputError(flags.files.front() + ": " + error.what());
   }
-  if (!flags.out.empty()) write_output(flags.out, map_toml(fit), "--out");
-  if (!flags.stiffness_map.empty()) write_output(flags.stiffness_map, map_csv(fit), "--stiffness-map");
-  std::cout << (flags.as_json ? map_json(fit) : map_text(fit));
+  if (tissue && tissue->error > kPoorTissue) {
+    throw InputError(
+        fmt::format("--out {}: not written: no tissue with the smooth law is nearer to the "
+                    "background's force over depth than {}, must be at most {}",
+                    flags.out, percent(tissue->error, 0), percent(kPoorTissue, 0)));
+  }
+  if (!flags.out.empty()) {
+    write_output(flags.out, map_toml(map, files.named_in_scene()), "--out");
+    if (tissue) write_output(files.tissue, scene::to_toml(tissue->tissue), "beside --out");
+  }
+  if (!files.stiffness.empty()) write_output(files.stiffness, map_csv(map.fit), files.stiffness_flag());
+  std::cout << (flags.as_json ? map_json(map) : map_text(map));
 }
 
 }  // namespace
@@ -260,13 +324,17 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "fit the other parameters again, and report the values that the data allow (repeat the flag for more "
       "parameters; default: 21 values around the interval)");
   command->add_option("--sweep-csv", flags->sweep_csv, "CSV file for the sweeps, one line per value");
-  command->add_flag("--map", flags->is_map,
-                    "DATA is one map of many probes: columns probe, x_mm, y_mm, z_mm, depth_mm, force_N and "
-                    "optionally nx, ny, nz; finds the inclusions under the surface (docs/lumps.md)");
+  command->add_flag(
+      "--map", flags->is_map,
+      "DATA is one map of many probes: columns probe, x_mm, y_mm, z_mm, depth_mm, force_N and "
+      "optionally nx, ny, nz; finds the inclusions under the surface, or a map of the stiffness, whichever "
+      "predicts held-out probes better (docs/lumps.md)");
   command->add_option("--radius-mm", flags->radius, "with --map, required: radius of the ball that pressed");
   command->add_option("--max-inclusions", flags->max_inclusions, "with --map: at most so many (default 6)");
-  command->add_option("--stiffness-map", flags->stiffness_map,
-                      "with --map: CSV file of the stiffness at every probe, for [organ.stiffness]");
+  command->add_option(
+      "--stiffness-map", flags->stiffness_map,
+      "with --map: CSV file of the tissue's stiffness at every probe, for [organ.stiffness] (default: "
+      "beside --out)");
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

@@ -8,7 +8,7 @@
 
 #include "palpate/identify.h"
 
-#include "fit/identify/map_fit.h"
+#include "fit/identify/map_choice.h"
 #include "fit/identify/sweep.h"
 #include "fit/imaging/compare.h"
 #include "fit/report/validation_report.h"
@@ -26,16 +26,40 @@ namespace palpate::app {
                                    const identify::PooledFit& pooled);
 
 /// [setup] The fit of a map as a readable summary.
-[[nodiscard]] std::string map_text(const identify::MapFit& fit);
+[[nodiscard]] std::string map_text(const identify::DescribedMap& map);
 
 /// [setup] The fit of a map as one JSON document (docs/lumps.md lists its fields).
-[[nodiscard]] std::string map_json(const identify::MapFit& fit);
+[[nodiscard]] std::string map_json(const identify::DescribedMap& map);
 
-/// [setup] The inclusions as [[organ.inclusion]] tables of a scene.
-[[nodiscard]] std::string map_toml(const identify::MapFit& fit);
+/// The files that a scene of a fitted map names, as its [organ] does; empty: none.
+struct MapFiles {
+  std::string tissue;
+  std::string stiffness;
+};
+
+/// [setup] A fitted map as a scene without its organ's mesh.
+[[nodiscard]] std::string map_toml(const identify::DescribedMap& map, const MapFiles& files);
 
 /// [setup] The stiffness map as CSV, as [organ.stiffness] reads it.
 [[nodiscard]] std::string map_csv(const identify::MapFit& fit);
+
+/// How well a fitted map predicts new probes.
+struct MapValidation {
+  std::size_t probes = 0;
+  std::size_t rows = 0;
+  double range = 0.0;              // of the measured force [N]
+  double rms = 0.0;                // error [N]
+  double largest = 0.0;            // error [N]
+  std::size_t outside_probes = 0;  // farther from every fitted probe than a stiffness map may be
+  std::size_t deeper_rows = 0;     // than the fitted ones
+};
+
+/// [setup] Predicts the probes of a file. @param scene_file as palpate fit --map wrote it @throws InputError
+[[nodiscard]] MapValidation validate_map(const std::string& data, const std::string& scene_file);
+[[nodiscard]] std::string map_validation_text(const MapValidation& map,
+                                              const std::vector<std::string>& missed);
+[[nodiscard]] std::string map_validation_json(const MapValidation& map,
+                                              const std::vector<std::string>& missed);
 
 /// [setup] Sweeps as a JSON list (docs/fitting.md lists its fields).
 [[nodiscard]] nlohmann::ordered_json sweeps_json(const std::vector<identify::Sweep>& sweeps);

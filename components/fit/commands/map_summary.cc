@@ -13,8 +13,10 @@ namespace palpate::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using identify::DescribedMap;
 using identify::Estimate;
 using identify::FoundInclusion;
+using identify::MapKind;
 
 std::string in_mm(double metres) { return brief(metres / kMillimetre, 3); }
 
@@ -87,9 +89,47 @@ constexpr const char* kAdvice =
     "larger, softer "
     "one. Press deeper, and with a second ball of another radius.";
 
+constexpr const char* kKindNames[] = {"tissue alone", "lumps", "stiffness map", "lumps and stiffness map"};
+
+/// Which description predicts the held-out probes best.
+std::string choice_text(const DescribedMap& map) {
+  if (map.held_out == 0) {
+    return "too few probes to hold any out: nothing says whether lumps or a stiffness map predict better\n";
+  }
+  std::string text =
+      fmt::format("{} held-out probes (every second) predicted from the others, RMS error: ", map.held_out);
+  for (std::size_t i = 0; i < identify::kMapKinds; ++i) {
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", kKindNames[i],
+                        percent(map.held_error[i] / map.fit.range, 1));
+  }
+  text += fmt::format(" of the range; written: {}\n", kKindNames[static_cast<std::size_t>(map.won)]);
+  for (const FoundInclusion& one : map.left_out) {
+    text += fmt::format(
+        "an inclusion near {}, {}, {} mm is left out: undetermined, others predict the force better\n",
+        in_mm(one.centre[0].value), in_mm(one.centre[1].value), in_mm(one.centre[2].value));
+  }
+  return text;
+}
+
+Json choice_json(const DescribedMap& map) {
+  Json json = {{"held_out_probes", map.held_out}, {"won", identify::to_string(map.won)}};
+  constexpr const char* kKeys[] = {"tissue", "lumps", "map", "lumps_and_map"};
+  for (std::size_t i = 0; i < identify::kMapKinds && map.held_out > 0; ++i) {
+    json["error"][kKeys[i]] = map.held_error[i] / map.fit.range;
+  }
+  json["left_out"] = Json::array();
+  for (const FoundInclusion& one : map.left_out) {
+    json["left_out"].push_back({{"x_mm", one.centre[0].value / kMillimetre},
+                                {"y_mm", one.centre[1].value / kMillimetre},
+                                {"z_mm", one.centre[2].value / kMillimetre}});
+  }
+  return json;
+}
+
 }  // namespace
 
-std::string map_text(const identify::MapFit& fit) {
+std::string map_text(const DescribedMap& map) {
+  const identify::MapFit& fit = map.fit;
   std::string text = fmt::format(
       "{} probes, {} rows, force range {} N\n"
       "background tissue: F = {} N at 1 mm, as D^{}; first contact {} mm above the first row{}\n"
@@ -100,12 +140,14 @@ std::string map_text(const identify::MapFit& fit) {
       fit.map_terms == 1 ? "" : fmt::format("; varies over the surface with {} terms", fit.map_terms),
       brief(100.0 * fit.error / fit.range, 3), brief(100.0 * fit.uniform_error / fit.range, 3),
       fit.inclusions.size(), fit.inclusions.size() == 1 ? "" : "s");
+  text += choice_text(map);
   for (std::size_t i = 0; i < fit.inclusions.size(); ++i) text += inclusion_text(fit.inclusions[i], i + 1);
   if (any_undetermined(fit)) text += std::string(kAdvice) + '\n';
   return text;
 }
 
-std::string map_json(const identify::MapFit& fit) {
+std::string map_json(const DescribedMap& map) {
+  const identify::MapFit& fit = map.fit;
   Json json = {{"probes", fit.probes},
                {"rows", fit.rows},
                {"range_N", fit.range},
@@ -128,13 +170,26 @@ std::string map_json(const identify::MapFit& fit) {
                                   {"undetermined", !one.at_bounds.empty()},
                                   {"at_bounds", one.at_bounds}});
   }
+  json["held_out"] = choice_json(map);
+  json["stiffness_map"] = Json::array();
+  for (const model::StiffnessPoint& one : fit.stiffness_map) {
+    const Vec3 at = one.point_S / kMillimetre;
+    json["stiffness_map"].push_back(
+        {{"x_mm", at.x()}, {"y_mm", at.y()}, {"z_mm", at.z()}, {"factor", one.factor}});
+  }
   if (any_undetermined(fit)) json["advice"] = kAdvice;
   return json_text(json) + '\n';
 }
 
-std::string map_toml(const identify::MapFit& fit) {
-  std::string text =
-      "# Inclusions of a map, by palpate fit --map; copy them into a scene with its [organ].\n";
+std::string map_toml(const DescribedMap& map, const MapFiles& files) {
+  const identify::MapFit& fit = map.fit;
+  std::string text = fmt::format(
+      "# What palpate fit --map found: {}. Add the organ's mesh: palpate run THIS.toml --organ MESH.\n",
+      kKindNames[static_cast<std::size_t>(map.won)]);
+  if (!files.tissue.empty()) {
+    text += fmt::format("[organ]\ntissue = {}\n[organ.stiffness]\nmap = {}\n", Json(files.tissue).dump(),
+                        Json(files.stiffness).dump());
+  }
   for (std::size_t i = 0; i < fit.inclusions.size(); ++i) {
     const FoundInclusion& one = fit.inclusions[i];
     const auto mm = [](const Estimate& estimate) { return brief(estimate.value / kMillimetre, 6); };
@@ -145,6 +200,12 @@ std::string map_toml(const identify::MapFit& fit) {
         i + 1, mm(one.centre[0]), mm(one.centre[1]), mm(one.centre[2]), mm(one.radius),
         brief(one.ratio.value, 6));
   }
+  if (files.tissue.empty()) return text;
+  const std::string radius = shortest(map.predictor.tip_radius / kMillimetre);
+  text += fmt::format(
+      "[tool]\nmesh = \"sphere:{}\"\ntip_radius_mm = {}\n"
+      "[probes]  # for palpate validate --map; palpate run ignores it\nfirst_contact_mm = {}\n",
+      radius, radius, shortest(-fit.first_depth / kMillimetre));
   return text;
 }
 

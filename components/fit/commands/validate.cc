@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,6 +51,8 @@ struct ValidateFlags {
   validate::SurfaceRule rule;
   std::string out;
   std::string report;
+  bool is_map = false;
+  std::string scene;  // that palpate fit --map wrote
   bool as_json = false;
 };
 
@@ -202,6 +205,36 @@ void add_profile_flags(CLI::App& command, ValidateFlags& flags) {
                      "with --fit-reach: tissue file to write, with the fitted displacement profile");
 }
 
+/// Rejects flags that have no effect with, or without, --map.
+void require_map_flags(const ValidateFlags& flags, const CLI::App& command) {
+  if (!flags.is_map) {
+    if (!flags.scene.empty()) throw InputError("--scene " + flags.scene + ": needs --map");
+    if (flags.law.tissue.empty()) throw CLI::RequiredError("--tissue");
+    return;
+  }
+  const std::set<std::string> used = {"DATA", "--map", "--scene", "--max-nrmse", "--max-error-N", "--json"};
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || used.count(option->get_name()) > 0) continue;
+    throw InputError(option->get_name() + ": has no effect with --map: leave it out");
+  }
+  if (flags.files.size() != 1) {
+    throw InputError(fmt::format("--map: {} files, must be one", flags.files.size()));
+  }
+  if (flags.scene.empty()) {
+    throw InputError("--scene: missing, must be the scene that palpate fit --map wrote with --out");
+  }
+}
+
+/// Predicts the probes of a map. @return the exit code
+int validate_one_map(const ValidateFlags& flags) {
+  const MapValidation map = validate_map(flags.files.front(), flags.scene);
+  std::vector<std::string> missed;
+  hold("--max-nrmse", flags.max_nrmse, map.rms / map.range, flags.files.front(), missed);
+  hold("--max-error-N", flags.max_error_N, map.largest, flags.files.front(), missed);
+  std::cout << (flags.as_json ? map_validation_json(map, missed) : map_validation_text(map, missed));
+  return missed.empty() ? kDone : kGoalMissed;
+}
+
 }  // namespace
 
 void add_validate(CLI::App& program, const std::string& command_line, int& exit_code) {
@@ -211,6 +244,11 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "DATA", flags->files,
       "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
   add_law_flags(*command, flags->law);
+  command->get_option("--tissue")->required(false);  // --map reads that of its scene
+  command->add_flag("--map", flags->is_map,
+                    "DATA is one map of new probes, as of palpate fit --map; predict them from --scene");
+  command->add_option("--scene", flags->scene,
+                      "with --map, required: the scene that palpate fit --map wrote");
   add_zeros(*command, *flags, data);
   add_profile_flags(*command, *flags);
   add_image_flags(*command, flags->image);
@@ -229,8 +267,14 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
       "    --out liver-reach.toml --report liver-reach\n"
       "  palpate validate --image before.png after.png --scale-mm-per-px 0.08 --tissue liver.toml \\\n"
       "    --tip-radius-mm 3 --report side\n"
+      "  palpate validate --map new-probes.csv --scene lumps.toml --max-nrmse 0.08\n"
       "docs/validation.md explains the comparison and its figures.");
-  command->callback([flags, command_line, &exit_code] {
+  command->callback([flags, command_line, command, &exit_code] {
+    require_map_flags(*flags, *command);
+    if (flags->is_map) {
+      exit_code = validate_one_map(*flags);
+      return;
+    }
     check_validate_outputs(*flags);
     report::Validation validation = imaging::compare(request_of(*flags), kFlagNames);
     hold_goals(*flags, validation);

@@ -24,8 +24,6 @@ namespace palpate::identify {
 namespace {
 
 constexpr double kEvidence = 10.0;  // least fall of the information criterion for an inclusion
-constexpr std::size_t kFewestProbes = 8;
-constexpr std::size_t kFewestMapRows = 30;
 
 /// Where the residuals ask most for another inclusion: the probe with the largest sum over its neighbourhood,
 /// each residual relative to the background. @return the point in the map's frame [mm], and the sign
@@ -192,25 +190,30 @@ std::vector<model::StiffnessPoint> stiffness_points(const MapModel& model, const
   return points;
 }
 
+double deepest_of(const std::vector<MapRow>& rows) {
+  double deepest = 0.0;
+  for (const MapRow& row : rows) deepest = std::max(deepest, row.depth);
+  return deepest;
+}
+
 }  // namespace
 
-MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, const MapProgress& progress) {
+MapFit search_map(const std::vector<MapRow>& rows, const MapSettings& settings, const MapProgress& progress) {
   std::set<int> probes;
   MapFit fit;
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  double deepest = 0.0;
   for (const MapRow& row : rows) {
     probes.insert(row.probe);
     low = std::min(low, row.force);
     high = std::max(high, row.force);
-    deepest = std::max(deepest, row.depth);
   }
   if (probes.size() < kFewestProbes || rows.size() < kFewestMapRows) {
     throw InputError(fmt::format("the map has {} probes and {} rows: must have at least {} and {}",
                                  probes.size(), rows.size(), kFewestProbes, kFewestMapRows));
   }
-  if (!(high > 0.0 && deepest > 0.0)) throw InputError("the map has no row with a depth and a force above 0");
+  if (!(high > 0.0 && deepest_of(rows) > 0.0))
+    throw InputError("the map has no row with a depth and a force above 0");
   fit.rows = rows.size();
   fit.probes = probes.size();
   fit.range = high - low;
@@ -229,12 +232,31 @@ MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, con
   fit.error = rms(map.model().forces(values, rows), rows);
   const MapProblem alone(rows, settings, 1, equal);
   fit.uniform_error = rms(alone.model().forces(solve_map(alone, start_values(rows, 1)), rows), rows);
-  const Eigen::MatrixXd covariance = covariance_of(map, values);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(values.size()),
+                                                     static_cast<Eigen::Index>(values.size()));
   for (std::size_t i = map.model().first_inclusion(); i < values.size(); i += kMapInclusion) {
-    if (progress) progress(0.9, "intervals");
-    fit.inclusions.push_back(describe_inclusion(map, values, covariance, i, deepest, settings.profiles));
+    fit.inclusions.push_back(describe_inclusion(map, values, none, i, deepest_of(rows), false));
   }
   fit.stiffness_map = stiffness_points(map.model(), values, rows);
+  return fit;
+}
+
+void add_intervals(const std::vector<MapRow>& rows, const MapSettings& settings, MapFit& fit,
+                   const MapProgress& progress) {
+  const Values weights = weights_of(rows);
+  const MapProblem map(rows, settings, fit.map_terms, weights);
+  const Eigen::MatrixXd covariance = covariance_of(map, fit.values);
+  const std::size_t first = map.model().first_inclusion();
+  for (std::size_t i = 0; i < fit.inclusions.size(); ++i) {
+    if (progress) progress(static_cast<double>(i) / static_cast<double>(fit.inclusions.size()), "intervals");
+    fit.inclusions[i] = describe_inclusion(map, fit.values, covariance, first + i * kMapInclusion,
+                                           deepest_of(rows), settings.profiles);
+  }
+}
+
+MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, const MapProgress& progress) {
+  MapFit fit = search_map(rows, settings, progress);
+  add_intervals(rows, settings, fit);
   return fit;
 }
 

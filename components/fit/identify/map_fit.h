@@ -66,4 +66,14 @@ using MapProgress = std::function<void(double, const std::string&)>;
 [[nodiscard]] MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings,
                              const MapProgress& progress = {});
 
+/// The fewest probes and rows of a map.
+inline constexpr std::size_t kFewestProbes = 8;
+inline constexpr std::size_t kFewestMapRows = 30;
+
+/// [setup] fit_map() in two steps: the fit with the values of its inclusions, then their intervals.
+[[nodiscard]] MapFit search_map(const std::vector<MapRow>& rows, const MapSettings& settings,
+                                const MapProgress& progress = {});
+void add_intervals(const std::vector<MapRow>& rows, const MapSettings& settings, MapFit& fit,
+                   const MapProgress& progress = {});
+
 }  // namespace palpate::identify

@@ -73,13 +73,24 @@ double MapModel::background(std::span<const double> values, const MapRow& row) c
   return std::exp(logarithm) * std::pow(row.depth / kMillimetre + values[2], values[1]);
 }
 
+LumpFactor factor_of(std::span<const PlacedLump> lumps, const model::PressedTip& tip, const Vec3& at) {
+  LumpFactor made;
+  for (const PlacedLump& one : lumps) {
+    const double square = std::max(0.0, (at - one.centre).squaredNorm() - one.depth_squared);
+    const model::InclusionLaw::Extra extra = one.law.at(tip, square);
+    made.value *= 1.0 + extra.energy;
+    made.by_depth += extra.by_depth / (1.0 + extra.energy);
+  }
+  if (made.value > model::kUncappedFactor) {
+    const model::CappedFactor capped = model::cap_factor(made.value);
+    made.by_depth *= capped.slope * made.value / capped.value;
+    made.value = capped.value;
+  }
+  return made;
+}
+
 std::vector<double> MapModel::forces(std::span<const double> values, std::span<const MapRow> rows) const {
-  struct Placed {
-    Vec3 centre;  // in the map's frame [m]
-    double depth_squared;
-    model::InclusionLaw law;
-  };
-  std::vector<Placed> placed;
+  std::vector<PlacedLump> placed;
   for (std::size_t i = first_inclusion(); i + kMapInclusion <= values.size(); i += kMapInclusion) {
     const double h = values[i + 2] * kMillimetre;
     const Foot above = foot(values[i] * kMillimetre, values[i + 1] * kMillimetre);
@@ -94,26 +105,27 @@ std::vector<double> MapModel::forces(std::span<const double> values, std::span<c
     const double energy = uniform * depth / (values[1] + 1.0);  // the integral of D^p
     const model::PressedTip tip(tip_radius_, depth);
     const Vec3 at = frame_.local(row.point);
-    double factor = 1.0;
-    double by_depth = 0.0;  // of ln factor
-    for (const Placed& one : placed) {
-      const double square = std::max(0.0, (at - one.centre).squaredNorm() - one.depth_squared);
-      const model::InclusionLaw::Extra extra = one.law.at(tip, square);
-      factor *= 1.0 + extra.energy;
-      by_depth += extra.by_depth / (1.0 + extra.energy);
-    }
-    if (factor > model::kUncappedFactor) {
-      const model::CappedFactor capped = model::cap_factor(factor);
-      by_depth *= capped.slope * factor / capped.value;
-      factor = capped.value;
-    }
-    forces.push_back(factor * (uniform + energy * by_depth));
+    const LumpFactor lumps = factor_of(placed, tip, at);
+    forces.push_back(lumps.value * (uniform + energy * lumps.by_depth));
   }
   return forces;
 }
 
 Vec3 MapModel::outside(const Vec3& local) const {
   return frame_.middle + local.x() * frame_.along + local.y() * frame_.across + local.z() * frame_.normal;
+}
+
+double MapModel::depth_below(const Vec3& point) const {
+  constexpr int kSteps = 8;  // towards the foot of the perpendicular; each is shorter by the surface's slope
+  const Vec3 at = frame_.local(point);
+  Foot top = foot(at.x(), at.y());
+  double depth = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    depth = (top.point - at).dot(top.normal);
+    const Vec3 next = at + depth * top.normal;
+    top = foot(next.x(), next.y());
+  }
+  return depth;
 }
 
 Vec3 MapModel::centre(std::span<const double> inclusion) const {

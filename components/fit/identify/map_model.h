@@ -2,6 +2,8 @@
 #include <span>
 #include <vector>
 
+#include "palpate/inclusion.h"
+
 #include "fit/identify/map_fit.h"
 
 namespace palpate::identify {
@@ -23,6 +25,23 @@ struct MapFrame {
   }
 };
 
+/// An inclusion in the frame of a map.
+struct PlacedLump {
+  Vec3 centre = Vec3::Zero();  // [m]
+  double depth_squared = 0.0;  // h^2 [m^2]
+  model::InclusionLaw law;
+};
+
+/// The factor of the tissue's energy that inclusions give, capped, and d(ln factor)/dD [1/m].
+struct LumpFactor {
+  double value = 1.0;
+  double by_depth = 0.0;
+};
+
+/// [any] @param at a point of the surface, in the frame of the map [m]
+[[nodiscard]] LumpFactor factor_of(std::span<const PlacedLump> lumps, const model::PressedTip& tip,
+                                   const Vec3& at);
+
 /// The model of a map: forces of its rows from a vector of parameters, first those of the tissue and of the
 /// polynomial ln k, then kMapInclusion per inclusion.
 class MapModel final {
@@ -41,6 +60,8 @@ class MapModel final {
   /// Forces [N] at the rows, with all inclusions.
   [[nodiscard]] std::vector<double> forces(std::span<const double> values,
                                            std::span<const MapRow> rows) const;
+  /// Depth [m] of a point below the nearest surface.
+  [[nodiscard]] double depth_below(const Vec3& point) const;
   /// The centre of an inclusion, and the point of the surface above it [m].
   [[nodiscard]] Vec3 centre(std::span<const double> inclusion) const;
   [[nodiscard]] Vec3 above(std::span<const double> inclusion) const;

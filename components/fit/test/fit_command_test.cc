@@ -139,6 +139,81 @@ TEST(FitCommand, FindsTheLumpOfAMapAndWritesItForAScene) {
   EXPECT_EQ(header, "x_mm,y_mm,z_mm,factor");
 }
 
+/// 9 x 9 probes on the top face z = 0, `step` mm apart from (first, first), of tissue whose stiffness grows
+/// along x.
+std::string sloped_map(double first, double step) {
+  std::string text = "probe,x_mm,y_mm,z_mm,nx,ny,nz,depth_mm,force_N\n";
+  for (int probe = 0; probe < 81; ++probe) {
+    const double x = first + step * (probe % 9);
+    const double y = first + step * (probe / 9);
+    for (int row = 0; row <= 5; ++row) {
+      const double depth = 0.4 * row;
+      const double factor = std::exp(0.7 * std::sin(0.3 * x) * std::cos(0.25 * y));
+      text += std::to_string(probe) + ',' + std::to_string(x) + ',' + std::to_string(y) + ",0,0,0,1," +
+              std::to_string(depth) + ',' + std::to_string(0.1 * factor * std::pow(depth + 0.2, 1.4)) + '\n';
+    }
+  }
+  return text;
+}
+
+TEST(FitCommand, WhatAMapsFitWritesPredictsProbesBetweenThoseThatWereFitted) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << sloped_map(-12.0, 3.0);
+  std::ofstream(folder / "new.csv") << sloped_map(-10.5, 2.5);
+  const Outcome fitted = run(folder, {"fit", "--map", "map.csv", "--radius-mm", "3", "--json",
+                                      "--max-inclusions", "1", "--out", "lumps.toml"});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"lumps-stiffness.csv", "lumps-tissue.toml",
+                                                      "lumps.toml", "map.csv", "new.csv"}));
+  const json held = json::parse(fitted.out)["held_out"];
+  EXPECT_EQ(held["held_out_probes"], 40);
+  EXPECT_LT(held["error"]["map"].get<double>(), held["error"]["tissue"].get<double>());
+  const Outcome good = run(folder, {"validate", "--map", "new.csv", "--scene", "lumps.toml", "--json"});
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  const json map = json::parse(good.out)["map"];
+  EXPECT_EQ(map["probes"], 81);
+  EXPECT_LT(map["nrmse"].get<double>(), 0.04);
+  EXPECT_EQ(map["probes_outside"], 0);
+  EXPECT_EQ(run(folder, {"validate", "--map", "new.csv", "--scene", "lumps.toml", "--max-nrmse", "0.0001"})
+                .exit_code,
+            4);
+}
+
+TEST(FitCommand, ProbesInAnotherFrameAndFlagsWithoutEffectAreRefusedWithAMap) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << small_map();
+  std::ofstream(folder / "far.csv") << sloped_map(300.0, 3.0);
+  ASSERT_EQ(run(folder, {"fit", "--map", "map.csv", "--radius-mm", "5", "--out", "lumps.toml"}).exit_code, 0);
+  const auto refused = [&folder](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.begin(), "validate");
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
+  };
+  refused({"--map", "far.csv", "--scene", "lumps.toml"}, "must be in the frame of the fitted map");
+  refused({"--map", "map.csv"}, "--scene: missing");
+  refused({"--map", "map.csv", "--scene", "lumps.toml", "--tissue", "liver"},
+          "--tissue: has no effect with --map");
+  refused({"map.csv", "--tissue", "liver", "--scene", "lumps.toml"}, "--scene lumps.toml: needs --map");
+  refused({"map.csv"}, "--tissue is required");
+}
+
+TEST(FitCommand, TheSceneOfAMapRunsOnAnOrganOfItsFrame) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << small_map();
+  ASSERT_EQ(run(folder, {"fit", "--map", "map.csv", "--radius-mm", "5", "--out", "lumps.toml"}).exit_code, 0);
+  std::ofstream box(folder / "box.off");  // 60 x 60 x 40 mm, its top at z = 0
+  box << "OFF\n8 12 0\n";
+  for (int i = 0; i < 8; ++i)
+    box << (i & 1 ? 30 : -30) << ' ' << (i & 2 ? 30 : -30) << ' ' << (i & 4 ? 0 : -40) << '\n';
+  box << "3 0 2 1\n3 1 2 3\n3 4 5 6\n3 5 7 6\n3 0 1 4\n3 1 5 4\n3 2 6 3\n3 3 6 7\n3 0 4 2\n3 2 4 6\n3 1 3 "
+         "5\n3 3 7 5\n";
+  box.close();
+  const Outcome ran =
+      run(folder, {"run", "lumps.toml", "--organ", "box.off", "--organ-unit", "mm", "--offline"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+}
+
 TEST(FitCommand, AMapNeedsTheBallsRadius) {
   const Folder folder;
   std::ofstream(folder / "map.csv") << small_map();

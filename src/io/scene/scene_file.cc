@@ -28,7 +28,11 @@ class SceneReader final {
   SceneFile read(const std::string& default_name) {
     SceneFile scene;
     scene.name = default_name;
-    root_.allow_only({"scene", "organ", "search", "tool", "path", "device", "noise", "safety"});
+    root_.allow_only({"scene", "organ", "search", "tool", "path", "device", "noise", "safety", "probes"});
+    if (auto table = root_.table("probes")) {  // of palpate fit --map, for palpate validate --map
+      table->allow_only({"first_contact_mm"});
+      (void)table->required_number("first_contact_mm");
+    }
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
     scene.search = read_search(root_.table("search"));

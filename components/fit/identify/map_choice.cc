@@ -1,0 +1,311 @@
+#include "fit/identify/map_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <ceres/ceres.h>
+
+#include "palpate/units.h"
+
+#include "fit/identify/factor_field.h"
+#include "fit/identify/map_model.h"
+#include "fit/identify/map_problem.h"
+
+namespace palpate::identify {
+namespace {
+
+constexpr std::size_t kFewestToHoldOut = 16;  // probes
+
+// The kind with the least product of error and price wins. Inclusions must predict better than the tissue,
+// and a map with inclusions better than without them; a map alone must be better by a fifth, because it has
+// no cause that holds at other depths and for other balls.
+constexpr std::array<double, kMapKinds> kPrices = {1.0, 1.05, 1.25, 1.08};
+
+double rms_difference(const Values& forces, const std::vector<MapRow>& rows) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) sum += std::pow(forces[i] - rows[i].force, 2);
+  return std::sqrt(sum / static_cast<double>(rows.size()));
+}
+
+/// Force and energy of F = K (D + D_0)^p. @param tissue ln K at 1 mm, p, D_0 [mm]
+std::pair<double, double> power_law(const std::array<double, kMapTissue>& tissue, double depth) {
+  const double force = std::exp(tissue[0]) * std::pow(depth / kMillimetre, tissue[1]);
+  return {force, force * depth / (tissue[1] + 1.0)};
+}
+
+/// One row a probe, in the order of the map.
+std::vector<MapRow> probes_of(const std::vector<MapRow>& rows) {
+  std::vector<MapRow> firsts;
+  std::map<int, bool> seen;
+  for (const MapRow& row : rows) {
+    if (seen.emplace(row.probe, true).second) firsts.push_back(row);
+  }
+  return firsts;
+}
+
+FittedMap uniform_map(const Values& values, double tip_radius) {
+  FittedMap made;
+  made.tip_radius = tip_radius;
+  made.first_depth = values[2] * kMillimetre;
+  const std::array<double, kMapTissue> tissue{values[0], values[1], values[2]};
+  made.uniform = [tissue](double depth) { return power_law(tissue, depth); };
+  return made;
+}
+
+/// The map that a fit describes: its inclusions, and its polynomial as factors at the probes.
+FittedMap map_of(const MapFit& fit, const std::vector<MapRow>& rows, double tip_radius) {
+  FittedMap made = uniform_map(fit.values, tip_radius);
+  const MapModel model(rows, tip_radius, fit.map_terms);
+  Values uniform = fit.values;
+  std::fill(uniform.begin() + kMapTissue, uniform.end(), 0.0);
+  if (fit.map_terms > 1) {
+    for (const MapRow& probe : probes_of(rows)) {
+      const double factor = model.background(fit.values, probe) / model.background(uniform, probe);
+      made.stiffness.push_back(
+          {probe.point, std::clamp(factor, model::kSmallestFactor, model::kLargestFactor)});
+    }
+  }
+  for (const FoundInclusion& found : fit.inclusions) {
+    model::Inclusion one;
+    one.centre_S = Vec3(found.centre[0].value, found.centre[1].value, found.centre[2].value);
+    one.radius = found.radius.value;
+    one.ratio = found.ratio.value;
+    made.inclusions.push_back(one);
+  }
+  return made;
+}
+
+/// The factor of each probe by which its forces are those of a prediction, by least squares.
+std::map<int, double> factors_of(const Values& forces, const Values& weights,
+                                 const std::vector<MapRow>& rows) {
+  std::map<int, std::pair<double, double>> sums;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double weight = weights[i] * weights[i];
+    sums[rows[i].probe].first += weight * forces[i] * rows[i].force;
+    sums[rows[i].probe].second += weight * forces[i] * forces[i];
+  }
+  std::map<int, double> factors;
+  for (const auto& [probe, both] : sums) {
+    factors[probe] = both.second > 0.0 ? std::max(model::kSmallestFactor, both.first / both.second) : 1.0;
+  }
+  return factors;
+}
+
+/// Multiplies the factors of a map by those that its rows leave, smoothed as much as predicts each probe from
+/// the others best.
+void add_factors(FittedMap& map, const Values& weights, const std::vector<MapRow>& rows) {
+  const Values forces = predicted_forces(map, rows, rows);
+  const std::map<int, double> factors = factors_of(forces, weights, rows);
+  std::map<int, double> sizes;
+  for (std::size_t i = 0; i < rows.size(); ++i) sizes[rows[i].probe] += forces[i] * forces[i];
+  const std::vector<MapRow> probes = probes_of(rows);
+  std::vector<model::StiffnessPoint> points;
+  for (const MapRow& probe : probes) points.push_back({probe.point, factors.at(probe.probe)});
+  FactorField best;
+  double least = std::numeric_limits<double>::infinity();
+  const std::size_t step = (points.size() + FactorField::kMostPoints - 1) / FactorField::kMostPoints;
+  for (const double tolerance : {FactorField::kOrganTolerance, 0.02, 0.1, 0.5}) {
+    FactorField field(points, tolerance);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < points.size(); i += step) {
+      sum += sizes[probes[i].probe] * std::pow(field.without(i / step) - points[i].factor, 2);
+    }
+    if (sum >= least) continue;
+    least = sum;
+    best = std::move(field);
+  }
+  const bool varies = !map.stiffness.empty();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double before = varies ? map.stiffness[i].factor : 1.0;
+    points[i].factor =
+        std::clamp(before * best.at(points[i].point_S), model::kSmallestFactor, model::kLargestFactor);
+  }
+  map.stiffness = std::move(points);
+}
+
+/// Residuals of exponent and first depth, with the best factor for each probe.
+struct ShapeCost {
+  const std::vector<MapRow>* rows;
+  const Values* weights;
+  bool operator()(double const* const* blocks, double* out) const {
+    Values forces;
+    for (const MapRow& row : *rows) {
+      forces.push_back(std::pow(row.depth / kMillimetre + blocks[0][1], blocks[0][0]));
+    }
+    const std::map<int, double> factors = factors_of(forces, *weights, *rows);
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+      out[i] = (*weights)[i] * (factors.at((*rows)[i].probe) * forces[i] - (*rows)[i].force);
+    }
+    return true;
+  }
+};
+
+/// The tissue whose force over depth fits all probes, each with a factor of its own.
+FittedMap tissue_under_factors(Values tissue, const Values& weights, const std::vector<MapRow>& rows,
+                               double tip_radius) {
+  double shape[] = {tissue[1], tissue[2]};
+  auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<ShapeCost, ceres::CENTRAL>>(
+      new ShapeCost{&rows, &weights});
+  cost->AddParameterBlock(2);
+  cost->SetNumResiduals(static_cast<int>(rows.size()));
+  ceres::Problem problem;
+  problem.AddResidualBlock(cost.release(), nullptr, shape);
+  const MapBounds bounds = MapProblem(rows, {tip_radius, 0, false}, 1, weights).bounds(kMapTissue);
+  for (int i = 0; i < 2; ++i) {
+    problem.SetParameterLowerBound(shape, i, bounds.low[static_cast<std::size_t>(i) + 1]);
+    problem.SetParameterUpperBound(shape, i, bounds.high[static_cast<std::size_t>(i) + 1]);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  tissue = {0.0, shape[0], shape[1]};
+  const FittedMap unit = uniform_map(tissue, tip_radius);
+  Values logarithms;
+  for (const auto& [probe, factor] : factors_of(predicted_forces(unit, rows, rows), weights, rows)) {
+    logarithms.push_back(std::log(factor));
+  }
+  const auto middle = logarithms.begin() + static_cast<std::ptrdiff_t>(logarithms.size() / 2);
+  std::nth_element(logarithms.begin(), middle, logarithms.end());
+  tissue[0] = *middle;
+  return uniform_map(tissue, tip_radius);
+}
+
+/// The fits of a map without and with inclusions, without intervals.
+struct Searched {
+  MapFit tissue, lumps;
+};
+
+Searched search_both(const std::vector<MapRow>& rows, MapSettings settings, const MapProgress& progress) {
+  Searched made;
+  made.lumps = search_map(rows, settings, progress);
+  settings.max_inclusions = 0;
+  made.tissue = made.lumps.inclusions.empty() ? made.lumps : search_map(rows, settings);
+  return made;
+}
+
+FittedMap described_by(MapKind kind, const Searched& found, const std::vector<MapRow>& rows,
+                       double tip_radius) {
+  if (kind == MapKind::kTissue) return map_of(found.tissue, rows, tip_radius);
+  if (kind == MapKind::kLumps) return map_of(found.lumps, rows, tip_radius);
+  const Values weights = weights_of(rows);
+  FittedMap made = kind == MapKind::kLumpsAndStiffness
+                       ? map_of(found.lumps, rows, tip_radius)
+                       : tissue_under_factors(found.tissue.values, weights, rows, tip_radius);
+  add_factors(made, weights, rows);
+  return made;
+}
+
+bool has_inclusions(MapKind kind) { return kind == MapKind::kLumps || kind == MapKind::kLumpsAndStiffness; }
+
+/// Whether an inclusion ended at the largest or smallest ratio: the probes ask for more than the law can
+/// give.
+bool is_saturated(const MapFit& fit) {
+  for (const FoundInclusion& one : fit.inclusions) {
+    for (const std::string& key : one.at_bounds) {
+      if (key == "stiffness_ratio") return true;
+    }
+  }
+  return false;
+}
+
+/// Fits to every second probe and predicts the others.
+void hold_out(const std::vector<MapRow>& rows, const MapSettings& settings, const Searched& all,
+              const MapProgress& progress, DescribedMap& map) {
+  std::map<int, std::size_t> order;
+  std::vector<MapRow> fitted;
+  std::vector<MapRow> held;
+  for (const MapRow& row : rows) {
+    const std::size_t at = order.emplace(row.probe, order.size()).first->second;
+    (at % 2 == 0 ? fitted : held).push_back(row);
+  }
+  if (order.size() < kFewestToHoldOut || fitted.size() < kFewestMapRows) return;
+  map.held_out = order.size() / 2;
+  const Searched half = search_both(fitted, settings, progress);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < kMapKinds; ++i) {
+    const auto kind = static_cast<MapKind>(i);
+    const FittedMap made = described_by(kind, half, fitted, settings.tip_radius);
+    map.held_error[i] = rms_difference(predicted_forces(made, held, rows), held);
+    if (has_inclusions(kind) && all.lumps.inclusions.empty()) continue;
+    // Without inclusions, or where they cannot be stiff enough, a map needs to be better only as they do.
+    const bool alone =
+        kind == MapKind::kStiffness && (all.lumps.inclusions.empty() || is_saturated(all.lumps));
+    const double price = alone ? kPrices[1] : kPrices[i];
+    if (!(price * map.held_error[i] < least)) continue;
+    least = price * map.held_error[i];
+    map.won = kind;
+  }
+}
+
+}  // namespace
+
+const char* to_string(MapKind kind) noexcept {
+  constexpr const char* kNames[] = {"tissue", "lumps", "map", "lumps and map"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::vector<double> predicted_forces(const FittedMap& map, std::span<const MapRow> rows,
+                                     std::span<const MapRow> surface) {
+  const MapModel model(surface, map.tip_radius, 1);
+  std::vector<PlacedLump> placed;
+  for (const model::Inclusion& one : map.inclusions) {
+    const double h = std::max(one.radius, model.depth_below(one.centre_S));
+    placed.push_back(
+        {model.frame().local(one.centre_S), h * h, model::InclusionLaw(one.radius, h, one.ratio)});
+  }
+  const FactorField field(map.stiffness);
+  std::map<int, double> factors;
+  std::vector<double> forces;
+  for (const MapRow& row : rows) {
+    const auto [known, is_new] = factors.emplace(row.probe, 1.0);
+    if (is_new) known->second = field.at(row.point);
+    const double depth = row.depth + map.first_depth;
+    const auto [force, energy] = map.uniform(depth);
+    const LumpFactor lumps =
+        factor_of(placed, model::PressedTip(map.tip_radius, depth), model.frame().local(row.point));
+    forces.push_back(known->second * lumps.value * (force + energy * lumps.by_depth));
+  }
+  return forces;
+}
+
+DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& settings,
+                          const MapProgress& progress) {
+  const auto part = [&progress](double from, double share) -> MapProgress {
+    if (!progress) return {};
+    return [&progress, from, share](double done, const std::string& what) {
+      progress(from + share * done, what);
+    };
+  };
+  const Searched all = search_both(rows, settings, part(0.0, 0.6));
+  DescribedMap map;
+  hold_out(rows, settings, all, part(0.6, 0.3), map);
+  map.predictor = described_by(map.won, all, rows, settings.tip_radius);
+  map.fit = has_inclusions(map.won) ? all.lumps : all.tissue;
+  if (has_inclusions(map.won)) {
+    if (settings.profiles) add_intervals(rows, settings, map.fit, part(0.9, 0.1));
+  } else {
+    map.left_out = all.lumps.inclusions;
+  }
+  if (map.won == MapKind::kStiffness || map.won == MapKind::kLumpsAndStiffness) {
+    const auto [force, energy] = map.predictor.uniform(kMillimetre);
+    map.fit.exponent = kMillimetre * force / energy - 1.0;
+    map.fit.stiffness = force * std::pow(1.0 / kMillimetre, map.fit.exponent);
+    map.fit.first_depth = map.predictor.first_depth;
+    map.fit.map_terms = 1;
+  }
+  map.fit.error = rms_difference(predicted_forces(map.predictor, rows, rows), rows);
+  map.fit.stiffness_map = map.predictor.stiffness;
+  if (map.fit.stiffness_map.empty()) {
+    for (const MapRow& probe : probes_of(rows)) map.fit.stiffness_map.push_back({probe.point, 1.0});
+  }
+  return map;
+}
+
+}  // namespace palpate::identify

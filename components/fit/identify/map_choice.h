@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "fit/identify/map_fit.h"
+
+namespace palpate::identify {
+
+/// What may describe a map, from the simplest: the background tissue, which varies at most as a quadratic;
+/// with inclusions; with a factor of the stiffness at each probe, and a smooth function between them; with
+/// both.
+enum class MapKind : std::size_t { kTissue, kLumps, kStiffness, kLumpsAndStiffness };
+inline constexpr std::size_t kMapKinds = 4;
+
+/// [any] "tissue", "lumps", "map" or "lumps and map".
+[[nodiscard]] const char* to_string(MapKind kind) noexcept;
+
+/// All that predicts the force of a probe.
+struct FittedMap {
+  double tip_radius = 0.0;                                   // of the ball [m]
+  double first_depth = 0.0;                                  // D_0 [m], added to the depth of a row
+  std::function<std::pair<double, double>(double)> uniform;  // force [N] and energy [J] at D + D_0
+  std::vector<model::StiffnessPoint> stiffness;              // factor at each probe; empty: 1 everywhere
+  std::vector<model::Inclusion> inclusions;
+};
+
+/// [setup] Forces [N] at the rows. @param surface rows that give the surface, not empty
+[[nodiscard]] std::vector<double> predicted_forces(const FittedMap& map, std::span<const MapRow> rows,
+                                                   std::span<const MapRow> surface);
+
+/// A map that is described by what predicts its probes best.
+struct DescribedMap {
+  MapFit fit;           // of what won; its stiffness_map is the factor of the tissue alone at each probe
+  FittedMap predictor;  // of what won
+  MapKind won = MapKind::kLumps;
+  std::size_t held_out = 0;                    // probes; 0: the map has too few for it
+  std::array<double, kMapKinds> held_error{};  // RMS error of each kind at the held-out probes [N]
+  std::vector<FoundInclusion> left_out;        // inclusions that predict no better, without intervals
+};
+
+/// [setup] Fits tissue, inclusions and stiffness map to every second probe, predicts the others, and fits to
+/// all probes what predicts best. Inclusions must predict better than the tissue alone by 5 %, and a
+/// stiffness map without them better than they by a fifth. A map of fewer than 16 probes has none held out;
+/// its inclusions are then as fit_map() finds them. @throws InputError as fit_map()
+[[nodiscard]] DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& settings,
+                                        const MapProgress& progress = {});
+
+}  // namespace palpate::identify
