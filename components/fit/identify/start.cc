@@ -83,7 +83,9 @@ LineFit fit_columns(const StartRows& rows, double kink, std::vector<int> columns
   const auto size = static_cast<Eigen::Index>(columns.size());
   const Eigen::Map<const Eigen::VectorXd> force(rows.force.data(), points);
   Eigen::MatrixXd matrix(points, size);
-  for (Eigen::Index i = 0; i < points; ++i) matrix.row(i) = basis_at(rows.place[i], kink)(columns);
+  for (Eigen::Index i = 0; i < points; ++i) {
+    matrix.row(i) = basis_at(rows.place[static_cast<std::size_t>(i)], kink)(columns);
+  }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
   LineFit found;
   if (qr.rank() < size) return found;
