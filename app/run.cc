@@ -16,7 +16,6 @@
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "io/system/output_file.h"
-#include "io/system/plausible.h"
 #include "io/system/temporary.h"
 #include "net/igtl_server.h"
 #include "palpate/error.h"
@@ -201,11 +200,10 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
   return {play(*session, how), false, false};
 }
 
-/// Prints the scene's remarks before a run that takes minutes, such as of a path with times in ms.
+/// Prints the scene's remarks before a run that takes minutes or has no end; a shorter one ends with them.
 void report_long_run(const Session& session, const RunFlags& flags) {
   constexpr double kLong = 120.0;  // s
-  const double length = static_cast<double>(session.ticks()) / session.scene().rate_Hz;
-  if (flags.offline || length < kLong || length > kLongestTimes) return;
+  if (flags.offline || static_cast<double>(session.ticks()) < kLong * session.scene().rate_Hz) return;
   for (const std::string& remark : session.scene().remarks) report_message(remark);
 }
 

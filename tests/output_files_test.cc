@@ -191,9 +191,13 @@ TEST(OutputFiles, ARunOfMinutesReportsItsRemarksAtItsStart) {
   const Folder folder;
   std::ofstream(folder / "ms.csv") << "time_s,x_m,y_m,z_m\n0,0,0,0.04\n20000,0,0,0.03\n";
   Program program(folder.path(), {"run", "--headless", "--organ", "box", "--device", "scripted:ms.csv"});
-  while (program.err_so_far().find("is time_s in ms?") == std::string::npos && !program.ended()) {
+  const auto is_said = [&program] {
+    return program.err_so_far().find("is time_s in ms?") != std::string::npos;
+  };
+  for (int i = 0; i < 3000 && !is_said() && !program.ended(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
+  EXPECT_TRUE(is_said());
   EXPECT_FALSE(program.ended()) << "the run goes on";
   program.signal(SIGINT);
   const Outcome outcome = program.wait();
