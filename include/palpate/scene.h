@@ -236,11 +236,11 @@ struct Overrides {
   std::optional<std::string> organ;     // built-in name or path
   std::optional<std::string> organ_unit;
   std::optional<std::string> organ_frame;  // ras | lps
-  bool igtl = false;                       // the run has an OpenIGTLink server: remarks about organ_frame
-  std::vector<std::string> organ_motion;   // breathing, heartbeat, none; replaces the scene's motions
-  std::vector<std::string> inclusions;     // presets, or none; replace the scene's inclusions
-  std::optional<std::string> tissue;       // built-in name or tissue file
-  std::vector<std::string> tools;          // one entry: the tool; several: the jaws of one tool
+  bool igtl = false;  // the run has an OpenIGTLink server, so remarks about organ_frame matter
+  std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
+  std::vector<std::string> inclusions;    // presets, or none; replace the scene's inclusions
+  std::optional<std::string> tissue;      // built-in name or tissue file
+  std::vector<std::string> tools;         // one entry: the tool; several: the jaws of one tool
   std::optional<std::string> tool_unit;
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;

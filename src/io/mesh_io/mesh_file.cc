@@ -80,8 +80,8 @@ std::string_view header_of(const MeshFile& file) {
 /// The text after the first `word` that does not end a longer one, as in COLORSPACE; empty: there is none.
 std::string_view after_word(std::string_view text, std::string_view word) {
   for (std::size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
-    if (at == 0 || std::isalnum(static_cast<unsigned char>(text[at - 1])) == 0)
-      return text.substr(at + word.size());
+    const unsigned char before = at == 0 ? ' ' : static_cast<unsigned char>(text[at - 1]);
+    if (std::isalnum(before) == 0 && before != '_') return text.substr(at + word.size());
   }
   return {};
 }

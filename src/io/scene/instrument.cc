@@ -20,13 +20,9 @@ namespace {
 constexpr std::string_view kSpherePrefix = "sphere:";
 
 geometry::Tool make_sphere(const LocatedString& mesh) {
-  try {
-    geometry::Tool tool = geometry::make_tool(mesh.value);
-    tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // all vertices are on the sphere
-    return tool;
-  } catch (const InputError& error) {
-    throw InputError(mesh.where + ": " + error.what());
-  }
+  geometry::Tool tool = with_location(mesh, [&mesh] { return geometry::make_tool(mesh.value); });
+  tool.tip_radius = tool.parts.front().mesh.vertices.front().norm();  // all vertices are on the sphere
+  return tool;
 }
 
 geometry::ToolPart read_part(const LocatedString& mesh, const std::optional<LengthUnit>& unit,
@@ -126,10 +122,11 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
   for (const JawTable& jaw : description.jaws) files.push_back(&jaw.mesh);
   const std::span<const geometry::ToolPart> parts = std::span(tool.parts).last(files.size());
   if (!files.empty()) {
-    std::string whole = tool_size_remark(parts, *files[0]);
-    for (std::size_t i = 0; whole.empty() && i < parts.size(); ++i)
-      note(part_size_remark(parts[i], *files[i]));
-    note(std::move(whole));
+    const std::string whole = tool_size_remark(parts, *files[0]);
+    note(whole);
+    if (whole.empty()) {
+      for (std::size_t i = 0; i < parts.size(); ++i) note(part_size_remark(parts[i], *files[i]));
+    }
   }
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);

@@ -217,7 +217,8 @@ void set_organ_frame(const SceneFile& scene_file, const std::string& space, Scen
   if (scene_file.organ_frame && (!is_known || declared != scene.organ_frame)) {
     notes.remarks.push_back(header + ": the scene's frame is used, " + to_string(scene.organ_frame));
   } else if (!is_known) {
-    notes.remarks.push_back(header + ", is neither RAS nor LPS, taken as RAS (--organ-frame, organ.frame)");
+    notes.remarks.push_back(header +
+                            ", which is neither RAS nor LPS: taken as RAS (--organ-frame, organ.frame)");
   } else {
     notes.remarks.push_back(header +
                             ": OpenIGTLink clients get it in RAS, with the signs of x and y changed");
@@ -230,13 +231,14 @@ void turn_clients(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
   for (std::size_t hand = 0; hand < scene.devices.size(); ++hand) {
     DeviceSetup& device = scene.devices[hand];
     if (!is_client(device)) continue;
-    if (scene_file.devices[hand].has_base) {
-      notes.remarks.push_back(fmt::format(
-          "device {}: its base is used as given, the organ is in LPS: OpenIGTLink clients send poses in RAS, "
-          "which rotation_deg = [0, 0, 180] of the base turns to LPS",
-          device.kind));
-    } else {
+    constexpr double kHalfTurn = 1.0 - 1e-9;  // |z| of the quaternion of half a turn about z
+    if (!scene_file.devices[hand].has_base) {
       device.base.rotation = Quat(0.0, 0.0, 0.0, 1.0);  // half a turn about z
+    } else if (std::abs(device.base.rotation.z()) < kHalfTurn) {
+      notes.remarks.push_back(fmt::format(
+          "device {}: its base is used as given: OpenIGTLink clients send poses in RAS, and the organ is in "
+          "LPS; rotation_deg = [0, 0, 180] in the base turns RAS to LPS",
+          device.kind));
     }
   }
 }
@@ -264,7 +266,7 @@ void load_stiffness_map(const SceneFile& scene_file, Scene& scene, MeshNotes& no
   if (!scene_file.stiffness_map) return;
   StiffnessMapOptions options = scene_file.stiffness_map_options;
   options.unit = scene_file.organ_unit.value_or(LengthUnit::kMillimetre);
-  try {
+  with_location(*scene_file.stiffness_map, [&] {
     StiffnessMapFile map = read_stiffness_map(scene_file.stiffness_map->file(), options);
     const geometry::SignedDistance surface = organ_distance_of(scene);
     for (std::size_t i = 0; i < map.points.size(); ++i) {
@@ -278,9 +280,7 @@ void load_stiffness_map(const SceneFile& scene_file, Scene& scene, MeshNotes& no
     }
     scene.stiffness = std::move(map.points);
     notes.remarks.insert(notes.remarks.end(), map.remarks.begin(), map.remarks.end());
-  } catch (const InputError& error) {
-    throw InputError(scene_file.stiffness_map->where + ": " + error.what());
-  }
+  });
 }
 
 /// @throws InputError where the tissue has a layer that is too stiff for a tick (contact::TissueLaws)

@@ -226,7 +226,7 @@ class GltfCheck final {
   }
 
   /// A buffer in its own file must be in or below the mesh file's folder; no other file is opened. Readers
-  /// keep all buffers at once, a file for each buffer that names it.
+  /// hold all buffers in memory at once, and a file once for each buffer that names it.
   void check_buffers() const {
     std::uintmax_t bytes = 0;
     for (const std::string& name : buffer_names()) {

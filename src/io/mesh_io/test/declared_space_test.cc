@@ -30,7 +30,7 @@ TEST(DeclaredSpace, IsEmptyWithoutADeclarationBeforeTheCoordinates) {
   EXPECT_EQ(declared_space({"a.stl", MeshFormat::kStl, empty_stl("test")}), "");
   EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "v 0 0 0\nv 1 0 0\n# SPACE=LPS\n"}), "");
   EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# COLORSPACE=SRGB\nv 0 0 0\n"}), "");
-  EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# COLORSPACE=SRGB SPACE=LPS\nv 0 0 0\n"}), "LPS");
+  EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# COLOR_SPACE=SRGB SPACE=LPS\nv 0 0 0\n"}), "LPS");
 }
 
 TEST(DeclaredSpace, IsReadFromTheFieldDataOfAVtkFile) {

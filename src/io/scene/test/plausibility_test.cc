@@ -259,7 +259,7 @@ TEST_F(Plausibility, AnOrganHasTheFrameThatItsHeaderDeclares) {
   EXPECT_EQ(ras.organ_frame, OrganFrame::kRas);
   EXPECT_THAT(ras.remarks, IsEmpty());
   EXPECT_THAT(declared("LAI").remarks,
-              Contains(HasSubstr("SPACE=LAI, is neither RAS nor LPS, taken as RAS")));
+              Contains(HasSubstr("SPACE=LAI, which is neither RAS nor LPS: taken as RAS")));
 }
 
 TEST_F(Plausibility, TheFrameOfAnOrganIsReportedOnlyWithOpenIGTLink) {
@@ -295,8 +295,8 @@ TEST_F(Plausibility, AClientsPosesAreTurnedToAnOrganInLps) {
   EXPECT_THAT(turned.remarks, IsEmpty());
 }
 
-TEST_F(Plausibility, ABaseCountsInsteadOfTheTurnToAnOrganInLpsAndIsReported) {
-  for (const std::string base : {"position_mm = [10, 0, 0]", ""}) {
+TEST_F(Plausibility, ABaseCountsInsteadOfTheTurnToAnOrganInLpsAndIsReportedUnlessItTurns) {
+  for (const std::string base : {"position_mm = [10, 0, 0]", "", "rotation_deg = [0, 0, 180]"}) {
     Overrides request = with_organ(20.0);
     request.scene = folder_.write("s.toml",
                                   "[organ]\nmesh = \"organ.obj\"\nunit = \"mm\"\nframe = \"lps\"\n"
@@ -306,8 +306,13 @@ TEST_F(Plausibility, ABaseCountsInsteadOfTheTurnToAnOrganInLpsAndIsReported) {
     request.organ.reset();
     request.organ_unit.reset();
     const Scene scene = load(request);
-    EXPECT_EQ(scene.devices[0].base.rotation.w(), 1.0);
-    EXPECT_THAT(scene.remarks, Contains(HasSubstr("device igtl: its base is used as given")));
+    const bool turns = base.starts_with("rotation");
+    EXPECT_NEAR(scene.devices[0].base.rotation.w(), turns ? 0.0 : 1.0, 1e-12) << base;
+    if (turns) {
+      EXPECT_THAT(scene.remarks, IsEmpty());
+    } else {
+      EXPECT_THAT(scene.remarks, Contains(HasSubstr("device igtl: its base is used as given")));
+    }
   }
 }
 
