@@ -168,8 +168,7 @@ double largest_stiffness(const World& world, const TissueLaws& laws,
   const World::Data& data = world.data();
   double largest = 0.0;
   for (const InclusionState& state : ends_of_pulses(world, inclusions)) {
-    const double radius = data.tools[tool].tip_radius;
-    const ToolTissue tissue{laws, state.now(), data.map, radius, laws.size_factor(radius)};
+    const ToolTissue tissue{laws, state.now(), data.map, data.tools[tool].tip_radius};
     Search search(data, tissue, reach);
     if (!data.map.empty()) search.map();
     for (std::size_t i = 0; i < state.now().size(); ++i) {

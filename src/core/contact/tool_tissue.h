@@ -16,8 +16,8 @@ struct ToolTissue {
   const TissueLaws& laws;
   std::span<const InclusionNow> inclusions;  // at most model::kMaxInclusions
   const StiffnessMap& map;
-  double tip_radius;   // of the tool [m]
-  double size_factor;  // laws.size_factor(tip_radius)
+  double tip_radius;                                  // of the tool [m]
+  double size_factor = laws.size_factor(tip_radius);  // a power: a tick passes the one that its tool keeps
 
   [[nodiscard]] bool uniform() const noexcept { return inclusions.empty() && map.empty(); }
 };

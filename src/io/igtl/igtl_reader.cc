@@ -180,10 +180,8 @@ void IgtlReader::read_body(const Take& take) {
     throw InputError(who + ": " + error.what());
   }
   if (is_status_) return read_status(parts.content);
-  const std::string& status = parts.has_status          ? parts.warning
-                              : warnings_[true].empty() ? warnings_[false]
-                                                        : warnings_[true];
-  read_transform(parts.content, status, take);
+  const std::string& sent = warning_.empty() ? unnamed_warning_ : warning_;
+  read_transform(parts.content, parts.has_status ? parts.warning : sent, take);
 }
 
 /// Keeps a warning until the next STATUS that is named likewise. 3D Slicer's connector begins with a STATUS
@@ -194,8 +192,8 @@ void IgtlReader::read_status(std::span<const unsigned char> content) {
   if (content.size() < sizeof kOk) return;
   const auto code = number_at<std::uint16_t>(content);
   if (code == kNone && !is_named_) return;
-  warnings_[is_named_] =
-      code == kOk ? "" : fmt::format("STATUS {}has the code {}", is_named_ ? name_ + " " : "", code);
+  std::string& warning = is_named_ ? warning_ : unnamed_warning_;
+  warning = code == kOk ? "" : fmt::format("STATUS {}has the code {}", is_named_ ? name_ + " " : "", code);
 }
 
 void IgtlReader::read_transform(std::span<const unsigned char> content, const std::string& status,

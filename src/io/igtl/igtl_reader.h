@@ -57,12 +57,13 @@ class IgtlReader final {
 
   std::array<unsigned char, kHeadBytes> head_{};
   std::size_t head_bytes_ = 0;
-  std::uint64_t to_skip_ = 0;            // bytes left of a message that is skipped
-  std::vector<unsigned char> body_;      // of a TRANSFORM of that name or a STATUS, so far
-  std::uint64_t body_bytes_ = 0;         // its size; 0: no such message has begun
-  bool is_status_ = false;               // of these, it is a STATUS
-  bool is_named_ = false;                // the message has this name
-  std::array<std::string, 2> warnings_;  // of the last STATUS without name and of this name; empty: none
+  std::uint64_t to_skip_ = 0;        // bytes left of a message that is skipped
+  std::vector<unsigned char> body_;  // of a TRANSFORM of that name or a STATUS, so far
+  std::uint64_t body_bytes_ = 0;     // its size; 0: no such message has begun
+  bool is_status_ = false;           // of these, it is a STATUS
+  bool is_named_ = false;            // the message has this name
+  std::string warning_;              // of the last STATUS of this name; empty: none
+  std::string unnamed_warning_;      // of the last STATUS without name; empty: none
   std::uint16_t version_ = 1;
   std::uint64_t checksum_ = 0;
 };

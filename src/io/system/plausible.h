@@ -35,7 +35,7 @@ inline constexpr NamedUnit kStiffnessUnits[] = {{"N/m", 1.0}, {"N/cm", 1e2}, {"N
 inline constexpr NamedUnit kTimeUnits[] = {{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
 
 // The table of plausible ranges.
-inline constexpr double kAny = std::numeric_limits<double>::infinity();  // no upper limit
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();  // no upper limit
 /// Largest side of an organ's bounding box.
 inline constexpr PlausibleRange kOrganExtent{{5e-3, 2.0}, {20e-3, 0.5}, {"mm", 1e-3}, kLengthUnits};
 /// Largest side of an instrument's bounding box.
@@ -46,7 +46,7 @@ inline constexpr PlausibleRange kToolDistance{{0.0, 50.0}, {0.0, 1.0}, {"m", 1.0
 /// 100 m of the device's origin (haptics::kFarthest).
 inline constexpr PlausibleRange kOrganDistance{{0.0, 50.0}, {0.0, 2.0}, {"m", 1.0}, kLengthUnits};
 /// Smallest distance of a tool path from the organ; every distance is possible.
-inline constexpr PlausibleRange kPathDistance{{0.0, kAny}, {0.0, 0.2}, {"m", 1.0}, kLengthUnits};
+inline constexpr PlausibleRange kPathDistance{{0.0, kNoLimit}, {0.0, 0.2}, {"m", 1.0}, kLengthUnits};
 /// Depth of a press, and deformation of a layer.
 inline constexpr PlausibleRange kDepthRange{{1e-9, 0.5}, {0.2e-3, 0.1}, {"mm", 1e-3}, kLengthUnits};
 /// Force of a press. The strongest device in docs/devices.md gives 20 N.
@@ -54,7 +54,7 @@ inline constexpr PlausibleRange kForceRange{{1e-9, 1e3}, {5e-3, 100.0}, {"N", 1.
 /// Stiffness of tissue under an indenter: brain has some N/m, cartilage 1e4 N/m.
 inline constexpr PlausibleRange kPlausibleStiffness{{1e-6, 5e4}, {0.5, 2e4}, {"N/m", 1.0}, kStiffnessUnits};
 /// Largest speed of a moving tool; every higher speed is possible.
-inline constexpr PlausibleRange kSpeedRange{{2e-6, kAny}, {1e-4, 5.0}, {"mm/s", 1e-3}, {}};
+inline constexpr PlausibleRange kSpeedRange{{2e-6, kNoLimit}, {1e-4, 5.0}, {"mm/s", 1e-3}, {}};
 
 /// [setup] "0.012 mm": a value [SI] in the unit of the range.
 [[nodiscard]] std::string in_unit(const PlausibleRange& range, double value);

@@ -107,9 +107,7 @@ double FeltMap::true_factor(std::size_t vertex) const {
   constexpr double kUsualDepth = 5e-3;  // m
   const double depth = uniform_ > 0.0 ? depth_ / uniform_ : kUsualDepth;
   const contact::World::Data& data = world_.data();
-  const double radius = world_.tip_radius(0);
-  const contact::ToolTissue tissue{data.laws, data.inclusions.now(), data.map, radius,
-                                   data.laws.size_factor(radius)};
+  const contact::ToolTissue tissue{data.laws, data.inclusions.now(), data.map, world_.tip_radius(0)};
   const geometry::NearestPoint place = data.surface.nearest(surface().vertices[vertex], -1);
   const contact::TissueAt at(tissue, {place.point, place.triangle});
   return at.force_at(data.laws.press, depth).normal /

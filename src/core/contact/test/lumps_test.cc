@@ -86,7 +86,7 @@ struct FlatTissue {
     return tissue;
   }
   [[nodiscard]] Vec3 force_at(const Vec3& tool) const {  // tool: x, y, -depth
-    const ToolTissue tissue{laws, inclusions, map, kBall, 1.0};
+    const ToolTissue tissue{laws, inclusions, map, kBall};
     const TissueAt place(tissue, {Vec3(tool.x(), tool.y(), 0.0), 0});
     const TissueAt::Force force = place.force_at(laws.press, -tool.z());
     return {force.lateral_S.x(), force.lateral_S.y(), force.normal};
@@ -211,7 +211,7 @@ TEST(Lumps, FollowedFromAnyDepthTheDepthOfANormalForceIsFound) {
   std::mt19937_64 random(9);
   for (int i = 0; i < 1000; ++i) {
     const FlatTissue flat(random, i % 2 == 0 ? model::LawKind::kSmooth : model::LawKind::kLayered);
-    const ToolTissue tissue{flat.laws, flat.inclusions, flat.map, kBall, 1.0};
+    const ToolTissue tissue{flat.laws, flat.inclusions, flat.map, kBall};
     const TissueAt place(tissue, {Vec3(between(random, -25e-3, 25e-3), 0.0, 0.0), 0});
     const double depth = between(random, 0.1e-3, 15e-3);
     const TissueAt::Force force = place.force_at(flat.laws.press, depth);
