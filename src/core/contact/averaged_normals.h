@@ -26,6 +26,7 @@ struct SurfaceView {
 struct Sides {
   std::vector<std::int32_t> first_corner;  // per side: 3 x triangle + corner; -1: no triangle has this vertex
   std::vector<std::int32_t> of_corner;     // side of each triangle corner, three per triangle
+  std::vector<Vec3> mean_normal;           // per side: SideFan::reference; zero without a triangle
 };
 
 /// [setup] Finds all sides, in the order of the triangles.
@@ -60,18 +61,19 @@ struct NormalAndSlope {
                                          const Vec3& otherwise);
 };
 
-/// [setup] Group size [m] for averaged_normals(): 0 (no groups) for small meshes, else a fixed part of the
-/// radius. So small meshes get the bits of the plain sum.
-[[nodiscard]] double group_size_for(const SurfaceView& surface, const Sides& sides, double radius);
+/// [setup] Spacing of samples [m] for averaged_normals(): 0 (every side) for small meshes, else a fixed part
+/// of the radius. So small meshes get the bits of the plain sum.
+[[nodiscard]] double sample_spacing_for(const SurfaceView& surface, const Sides& sides, double radius);
 
 /// [setup] The unit normal of every side and its slope. The normal is the area-weighted mean of the face
 /// normals within `radius` [m], of the triangles connected within that radius, with weight 1 - (r/radius)^2
 /// at the edge midpoints. Faces turned by more than 60 degrees do not count. The slope is the derivative for
-/// a fixed set of midpoints. Groups of triangles that lie within the radius and are turned by less than 49
-/// degrees are added by their moments, which is exact up to rounding (docs/decisions/0022).
-/// @param group_size largest distance [m] of a corner from the group's first triangle; 0: no groups
+/// a fixed set of midpoints. With a spacing, for fine meshes: faces are turned from the mean normal within
+/// 0.4 `radius` instead of that of the side's own triangles, whose normals may be noise, and triangles within
+/// `radius`/20 are joined to facets.
+/// @param spacing of the samples between which normals are blended [m] (normal_samples.h); 0: none
 [[nodiscard]] std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const Sides& sides,
-                                                           double radius, double group_size,
+                                                           double radius, double spacing,
                                                            const ProgressCallback& progress = {});
 
 }  // namespace palpate::contact

@@ -13,7 +13,7 @@ namespace {
 
 // Raise this whenever the arrays of any mesh change, so that older cache files are not used. A test compares
 // hashes of the arrays.
-constexpr std::uint64_t kArraysVersion = 4;
+constexpr std::uint64_t kArraysVersion = 5;
 
 // Approximate limit of triangles after refinement. It refines organs above 0.15 m^2 (with the default R_ref;
 // a large liver has 0.1 m^2) less finely. The normals' error is then up to 0.2 degrees at 450 mm and 1.3
@@ -109,7 +109,7 @@ OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
     const Sides sides = find_sides(view);
     const double radius = reference_radius / 2.0;
     const std::vector<NormalAndSlope> averaged = averaged_normals(
-        view, sides, radius, group_size_for(view, sides, radius),
+        view, sides, radius, sample_spacing_for(view, sides, radius),
         [&](double done) { share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals"); });
     store_normals(averaged, sides, arrays);
     store_sides(sides, arrays);
