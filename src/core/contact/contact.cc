@@ -239,7 +239,9 @@ World::World(const geometry::TriangleMesh& organ, const std::vector<geometry::To
   const double reference_radius = tissue.contact.reference_radius;
   auto data = std::make_unique<Data>(Data{tissue, OrganSurface(organ, reference_radius, how, distance_of),
                                           sample_tools(tools), TissueLaws(tissue, loop_period), loop_period});
-  if (!variation.stiffness.empty()) data->map = StiffnessMap(data->surface, variation.stiffness);
+  if (!variation.stiffness.empty()) {
+    data->map = StiffnessMap(data->surface, variation.stiffness, how.store.get());
+  }
   place_inclusions(variation.inclusions, *data);
   data_ = std::move(data);
 }

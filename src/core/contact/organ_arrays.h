@@ -43,7 +43,7 @@ struct OrganArrays {
   std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
 };
 
-/// Keeps the arrays of prepared organs.
+/// Keeps the arrays of prepared organs, and the stiffness maps interpolated on them.
 class OrganStore {
  public:
   virtual ~OrganStore() = default;
@@ -53,6 +53,11 @@ class OrganStore {
   /// [setup] Stores the arrays that were computed.
   virtual void store(const geometry::TriangleMesh& organ, double reference_radius,
                      const OrganArrays& arrays) const = 0;
+  /// [setup] The stored values of a stiffness map (StiffnessMap::key); empty when it was not interpolated
+  /// before.
+  [[nodiscard]] virtual std::vector<double> load_factors(const ContentHash& key) const = 0;
+  /// [setup] Stores the values that were interpolated.
+  virtual void store_factors(const ContentHash& key, const std::vector<double>& factors) const = 0;
 };
 
 /// [setup] Hash of everything that the arrays depend on: the mesh's bits, the radius [m] and kArraysVersion.

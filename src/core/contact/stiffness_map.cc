@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
 
 #include <Eigen/SparseCholesky>
 
@@ -19,7 +22,9 @@ using Sparse = Eigen::SparseMatrix<double>;
 
 constexpr double kStiffness = 10e-3;  // m, of the interpolation: nearer points are joined as by a thin plate,
                                       // farther ones as by a membrane
-constexpr double kHeld = 1e4;         // weight of a point, in units of the membrane's
+// Raise this whenever the values of any map change, so that older cache files are not used.
+constexpr std::uint64_t kValuesVersion = 1;
+constexpr double kHeld = 1e4;  // weight of a point, in units of the membrane's
 
 double cotangent(const Vec3& a, const Vec3& b) noexcept {
   const double sine = a.cross(b).norm();
@@ -74,16 +79,15 @@ Triangular triangular(const geometry::TriangleMesh& mesh, const geometry::Triang
   return made;
 }
 
-}  // namespace
+/// A point of a map on the surface.
+struct Held {
+  geometry::Triangle corners{};
+  std::array<double, 3> weight{};  // barycentric coordinates
+  double logarithm = 0.0;          // of the factor
+};
 
-StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points)
-    : surface_(&surface) {
-  const geometry::TriangleMesh& mesh = surface.mesh();
-  const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
-  const auto [laplacian, area] = laplacian_of(mesh);
-  const Eigen::VectorXd inverse = area.unaryExpr([](double a) { return a > 0.0 ? 1.0 / a : 0.0; });
-  std::vector<Eigen::Triplet<double>> held;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+std::vector<Held> held_on(const OrganSurface& surface, std::span<const model::StiffnessPoint> points) {
+  std::vector<Held> held;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const model::StiffnessPoint& one = points[i];
     const std::string name = "point " + std::to_string(i + 1) + " of the stiffness map";
@@ -94,12 +98,25 @@ StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::S
                        " mm from the organ's surface: must be at most " +
                        brief(model::kFarthestStiffnessPoint / kMillimetre, 3) + " mm");
     }
-    const geometry::Triangle& corners = mesh.triangles[at(nearest.triangle)];
-    const Triangular there = triangular(mesh, corners, nearest.point);
+    const geometry::Triangle& corners = surface.mesh().triangles[at(nearest.triangle)];
+    held.push_back(
+        {corners, triangular(surface.mesh(), corners, nearest.point).weight, portable::log(one.factor)});
+  }
+  return held;
+}
+
+/// The values at the vertices of the smoothest function through the points.
+std::vector<double> interpolated(const geometry::TriangleMesh& mesh, std::span<const Held> points) {
+  const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
+  const auto [laplacian, area] = laplacian_of(mesh);
+  const Eigen::VectorXd inverse = area.unaryExpr([](double a) { return a > 0.0 ? 1.0 / a : 0.0; });
+  std::vector<Eigen::Triplet<double>> held;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+  for (const Held& one : points) {
     for (std::size_t a = 0; a < 3; ++a) {
-      right[corners[a]] += kHeld * there.weight[a] * portable::log(one.factor);
+      right[one.corners[a]] += kHeld * one.weight[a] * one.logarithm;
       for (std::size_t b = 0; b < 3; ++b) {
-        held.emplace_back(corners[a], corners[b], kHeld * there.weight[a] * there.weight[b]);
+        held.emplace_back(one.corners[a], one.corners[b], kHeld * one.weight[a] * one.weight[b]);
       }
     }
   }
@@ -114,9 +131,46 @@ StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::S
   if (solver.info() != Eigen::Success)
     throw InputError("stiffness map: cannot be interpolated on this organ");
   const Eigen::VectorXd logarithm = solver.solve(right);
-  values_.reserve(mesh.vertices.size());
-  for (Eigen::Index v = 0; v < count; ++v) values_.push_back(portable::exp(logarithm[v]));
+  std::vector<double> values;
+  values.reserve(mesh.vertices.size());
+  for (Eigen::Index v = 0; v < count; ++v) values.push_back(portable::exp(logarithm[v]));
+  return values;
+}
 
+/// Whether stored values can be those of a map.
+bool are_factors(const std::vector<double>& values, std::size_t count) {
+  return values.size() == count && std::all_of(values.begin(), values.end(), [](double value) {
+           return value > 0.0 && std::isfinite(value);
+         });
+}
+
+}  // namespace
+
+ContentHash StiffnessMap::key(const geometry::TriangleMesh& refined,
+                              std::span<const model::StiffnessPoint> points) {
+  ContentHasher hasher;
+  hasher.add(kValuesVersion).add(std::span<const Vec3>(refined.vertices));
+  hasher.add(std::span<const geometry::Triangle>(refined.triangles));
+  for (const model::StiffnessPoint& one : points) hasher.add(one.point_S).add(one.factor);
+  return hasher.hash();
+}
+
+StiffnessMap::StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points,
+                           const OrganStore* store)
+    : surface_(&surface) {
+  const geometry::TriangleMesh& mesh = surface.mesh();
+  const std::vector<Held> held = held_on(surface, points);
+  const ContentHash name = store != nullptr ? key(mesh, points) : ContentHash{};
+  if (store != nullptr) values_ = store->load_factors(name);
+  if (!are_factors(values_, mesh.vertices.size())) {
+    values_ = interpolated(mesh, held);
+    if (store != nullptr) store->store_factors(name, values_);
+  }
+  set_gradients();
+}
+
+void StiffnessMap::set_gradients() {
+  const geometry::TriangleMesh& mesh = surface_->mesh();
   gradients_.assign(mesh.vertices.size(), Vec3::Zero());
   std::vector<double> total(mesh.vertices.size(), 0.0);
   for (const geometry::Triangle& corners : mesh.triangles) {

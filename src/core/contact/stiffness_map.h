@@ -15,9 +15,15 @@ class StiffnessMap final {
   /// The factor is 1 everywhere.
   StiffnessMap() = default;
   /// [setup] Interpolates ln k along the surface between the given points: the smoothest function through
-  /// them. @throws as model::validate(); InputError for a point farther than model::kFarthestStiffnessPoint
+  /// them. @param store keeps the interpolated values, which take seconds on a fine organ; null: none
+  /// @throws as model::validate(); InputError for a point farther than model::kFarthestStiffnessPoint
   /// from the surface.
-  StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points);
+  StiffnessMap(const OrganSurface& surface, std::span<const model::StiffnessPoint> points,
+               const OrganStore* store = nullptr);
+
+  /// [setup] Hash of everything that the values depend on.
+  [[nodiscard]] static ContentHash key(const geometry::TriangleMesh& refined,
+                                       std::span<const model::StiffnessPoint> points);
 
   [[nodiscard]] bool empty() const noexcept { return values_.empty(); }
 
@@ -38,6 +44,8 @@ class StiffnessMap final {
   [[nodiscard]] Steepness steepness_of(std::int32_t triangle) const noexcept;
 
  private:
+  void set_gradients();
+
   const OrganSurface* surface_ = nullptr;
   std::vector<double> values_;   // per vertex
   std::vector<Vec3> gradients_;  // per vertex [1/m]

@@ -21,6 +21,8 @@ namespace fs = std::filesystem;
 using contact::OrganArrays;
 
 constexpr const char* kEnding = ".organ";
+constexpr const char* kMapEnding = ".factors";
+constexpr std::uint64_t kMaxMaps = 1ULL << 28;    // bytes: several hundred maps
 constexpr std::uint64_t kMaxCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
 
 /// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
@@ -75,9 +77,28 @@ class OrganCache final : public contact::OrganStore {
     trim_cache(folder_, kEnding, kMaxCached);
   }
 
+  [[nodiscard]] std::vector<double> load_factors(const ContentHash& key) const override {
+    const fs::path file = file_of(key, kMapEnding);
+    const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
+    std::vector<double> factors;
+    if (!reader || !reader->get("factors", factors)) return {};
+    std::error_code error;
+    fs::last_write_time(file, fs::file_time_type::clock::now(), error);
+    return factors;
+  }
+
+  void store_factors(const ContentHash& key, const std::vector<double>& factors) const override {
+    if (!make_private_folder(folder_)) return;
+    ArrayFileWriter writer(file_of(key, kMapEnding), key);
+    writer.put("factors", factors);
+    if (!writer.commit())
+      report("the stiffness map could not be kept as " + to_text(file_of(key, kMapEnding)));
+    trim_cache(folder_, kMapEnding, kMaxMaps);
+  }
+
  private:
-  [[nodiscard]] fs::path file_of(const ContentHash& key) const {
-    return folder_ / (key.hexadecimal() + kEnding);
+  [[nodiscard]] fs::path file_of(const ContentHash& key, const char* ending = kEnding) const {
+    return folder_ / (key.hexadecimal() + ending);
   }
   void report(const std::string& text) const {
     if (remark_) remark_(text);

@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/contact/organ_arrays.h"
 #include "palpate/mesh.h"
@@ -31,6 +32,8 @@ inline Preparation prepared_once() {
     void store(const geometry::TriangleMesh& organ, double radius, const OrganArrays& arrays) const override {
       all().push_back({organ, radius, arrays});
     }
+    [[nodiscard]] std::vector<double> load_factors(const ContentHash&) const override { return {}; }
+    void store_factors(const ContentHash&, const std::vector<double>&) const override {}
 
    private:
     static std::deque<Prepared>& all() {

@@ -1,6 +1,7 @@
 // The cache of prepared organs in a folder.
 #include "io/scene/organ_cache.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -9,12 +10,16 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
+#include "core/base/index.h"
 #include "core/contact/organ_surface.h"
+#include "core/contact/stiffness_map.h"
 #include "core/contact/test/rig.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/mesh.h"
@@ -75,6 +80,57 @@ TEST(OrganCache, GivesTheSameBits) {
   EXPECT_NE(remark.find("does not have"), std::string::npos);
   EXPECT_EQ(prepared(organ, folder / "new" / "cache", kCachedReference, &remark), fresh);
   EXPECT_NE(remark.find("taken from the cache"), std::string::npos);
+}
+
+/// Sum of a map's factors, and the number of files of maps in the cache.
+std::pair<double, int> mapped(const fs::path& cache, double factor) {
+  contact::Preparation how;
+  use_organ_cache(how, cache);
+  const OrganSurface organ(geometry::make_ball(20e-3, 1280), kCachedReference, how);
+  const std::vector<model::StiffnessPoint> points{{Vec3(0.0, 0.0, 20e-3), factor},
+                                                  {Vec3(20e-3, 0.0, 0.0), 1.0}};
+  const contact::StiffnessMap map(organ, points, how.store.get());
+  double sum = 0.0;
+  for (std::int32_t t = 0; t < 1280; ++t) {
+    const Vec3& place = organ.mesh().vertices[at(organ.mesh().triangles[at(t)][0])];
+    sum += map.factor_at({place, t}).value;
+  }
+  const auto files = std::count_if(fs::directory_iterator(cache), {},
+                                   [](const auto& file) { return file.path().extension() == ".factors"; });
+  return {sum, static_cast<int>(files)};
+}
+
+TEST(OrganCache, KeepsAStiffnessMapForEachOfItsPoints) {
+  const TemporaryFolder folder;
+  const auto [first, one_file] = mapped(folder.path(), 2.0);
+  EXPECT_EQ(one_file, 1);
+  EXPECT_EQ(mapped(folder.path(), 2.0), std::pair(first, 1));
+  const auto [other, two_files] = mapped(folder.path(), 3.0);
+  EXPECT_GT(other, first);
+  EXPECT_EQ(two_files, 2);
+}
+
+TEST(OrganCache, TakesAStiffnessMapFromItsFile) {
+  const TemporaryFolder folder;
+  contact::Preparation how;
+  use_organ_cache(how, folder.path());
+  const OrganSurface organ(geometry::make_ball(20e-3, 1280), kCachedReference, how);
+  const std::vector<model::StiffnessPoint> points{{Vec3(0.0, 0.0, 20e-3), 2.0}};
+  const ContentHash key = contact::StiffnessMap::key(organ.mesh(), points);
+  const std::size_t vertices = organ.mesh().vertices.size();
+  how.store->store_factors(key, std::vector<double>(vertices, 7.0));
+  EXPECT_EQ(
+      contact::StiffnessMap(organ, points, how.store.get()).factor_at({organ.mesh().vertices[0], 0}).value,
+      7.0);
+  // Values that no map can have are computed again.
+  how.store->store_factors(key, std::vector<double>(vertices, -1.0));
+  EXPECT_NEAR(
+      contact::StiffnessMap(organ, points, how.store.get()).factor_at({organ.mesh().vertices[0], 0}).value,
+      2.0, 0.1);
+  how.store->store_factors(key, std::vector<double>(vertices + 1, 7.0));
+  EXPECT_NEAR(
+      contact::StiffnessMap(organ, points, how.store.get()).factor_at({organ.mesh().vertices[0], 0}).value,
+      2.0, 0.1);
 }
 
 TEST(OrganCache, KeepsAnotherMeshOrRadiusApart) {
