@@ -257,7 +257,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
   CLI::App* command = add_component_command(program, "validate");
   CLI::Option* data = command->add_option(
       "DATA", flags->files,
-      "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
+      "CSV files with the columns displacement_mm and force_N, and optionally time_s, specimen and "
+      "indenter_radius_mm");
   add_law_flags(*command, flags->law);
   command->get_option("--tissue")->required(false);  // --map reads that of its scene
   command->add_flag("--map", flags->is_map,
