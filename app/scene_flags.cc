@@ -61,8 +61,8 @@ void add_law_flags(CLI::App& command, LawFlags& flags) {
   command
       .add_option(
           "--tissue", flags.tissue,
-          "a built-in tissue (gallbladder, heart, liver, kidney: illustrative; liver-ex-vivo: measured) or a "
-          "tissue file")
+          "a built-in tissue (gallbladder, heart, liver, kidney: illustrative; liver-ex-vivo, heart-muscle: "
+          "measured) or a tissue file")
       ->required();
   add_choice(command, "--law", flags.law,
              Laws{{"layered", model::LawKind::kLayered}, {"smooth", model::LawKind::kSmooth}},

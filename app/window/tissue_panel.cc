@@ -78,7 +78,9 @@ bool relaxation_rows(model::TissueParameters& tissue) {
 }
 
 std::string evidence(const model::TissueParameters& tissue) {
-  if (!tissue.source) return "illustrative: no [tissue.source] names a measurement";
+  if (!tissue.source || tissue.source->indenter.empty()) {
+    return "illustrative: no [tissue.source] names a measurement";
+  }
   return "measured: " + tissue.source->indenter + ", radius " + brief(tissue.source->radius / kMillimetre) +
          " mm";
 }

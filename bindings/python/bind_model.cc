@@ -196,6 +196,16 @@ void bind_model(py::module_& module) {
                              doc("LayeredSpringLaw::LayeredSpringLaw"));
   bind_law<SmoothSpringLaw>(module, "SmoothSpringLaw", doc("SmoothSpringLaw"),
                             doc("SmoothSpringLaw::SmoothSpringLaw"));
+  module.def(
+      "spring_law",
+      [](const TissueParameters& tissue, const std::string& direction, double loop_period) -> py::object {
+        if (tissue.law == model::LawKind::kSmooth) {
+          return py::cast(SmoothSpringLaw(tissue, direction_of(direction), loop_period));
+        }
+        return py::cast(LayeredSpringLaw(tissue, direction_of(direction), loop_period));
+      },
+      py::arg("tissue"), py::arg("direction") = "press", py::arg("loop_period") = 1e-3,
+      "The law that the tissue has: a LayeredSpringLaw or a SmoothSpringLaw, as `tissue.law` says.");
   bind_noise(module);
 }
 

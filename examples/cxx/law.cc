@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   try {
     const auto direction =
         std::string(argv[2]) == "pull" ? palpate::model::Direction::kPull : palpate::model::Direction::kPress;
-    const palpate::model::LayeredSpringLaw law(palpate::scene::load_tissue(argv[1]), direction, 1e-3);
+    const palpate::model::SpringLaw law(palpate::scene::load_tissue(argv[1]), direction, 1e-3);
     std::cout << law.force_at(std::atof(argv[3]) * 1e-3).force << '\n';
   } catch (const palpate::InputError& error) {
     std::cerr << "law: " << error.what() << '\n';

@@ -41,8 +41,7 @@ def main():
     depth = np.linspace(0.0, 12e-3, 400)
     for name, colour in COLOURS.items():
         tissue = palpate.tissue_preset(name)
-        law = palpate.LayeredSpringLaw(tissue) if tissue.law == 'layered' else palpate.SmoothSpringLaw(tissue)
-        force.plot(1e3 * depth, law.force_at(depth), color=colour, lw=2, label=name)
+        force.plot(1e3 * depth, palpate.spring_law(tissue).force_at(depth), color=colour, lw=2, label=name)
 
         rows = palpate.simulate(organ='gallbladder', tool='sphere:5', tissue=name, noise=False)
         over_time.plot(rows['time_s'], rows['tissue_force_N'], color=colour, lw=1.5)

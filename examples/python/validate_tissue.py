@@ -17,7 +17,7 @@ def main():
     specimen_tissue.k1 *= 1.04
     depth = np.linspace(0.0, 10e-3, 60)
     sensor = 3e-3 * np.random.default_rng(7).standard_normal(depth.size)
-    force = palpate.LayeredSpringLaw(specimen_tissue).force_at(depth) + sensor
+    force = palpate.spring_law(specimen_tissue).force_at(depth) + sensor
     specimen = palpate.Specimen('liver, made here', depth, force)
 
     found = palpate.validate('liver', forces=[specimen], against=['hertz', 'linear'])['forces'][0]

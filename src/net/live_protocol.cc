@@ -370,9 +370,9 @@ model::TissueParameters edited(model::TissueParameters tissue, const TissueEdit&
   if (edit.law) tissue.law = *edit.law;
   if (edit.relaxation) tissue.relaxation = *edit.relaxation;
   for (const auto& [field, value] : edit.numbers) field->at.set(tissue, value);
-  // An edited tissue is no longer the measured one, but its size exponent still needs the radius.
+  // An edited tissue is no longer the measured one, but a size exponent, now or later, needs its radius.
   const bool measured = edit.numbers.empty() && !edit.law && !edit.relaxation;
-  if (!measured && tissue.size_exponent == 0.0) tissue.source.reset();
+  if (!measured && tissue.source) tissue.source->indenter.clear();
   return tissue;
 }
 

@@ -142,11 +142,11 @@ TEST(Surface, IsDividedUntilNoEdgeIsLongerThanAskedFor) {
 }
 
 TEST(Law, IsTheLibrarysBothWays) {
-  for (const char* tissue : {"gallbladder", "heart", "liver", "kidney"}) {
+  for (const char* tissue : {"gallbladder", "heart", "liver", "kidney", "heart-muscle"}) {
     for (const char* direction : {"press", "pull"}) {
       palpate_law* law = nullptr;
       require(palpate_law_open(tissue, direction, 1000.0, &law));
-      const model::LayeredSpringLaw wanted(
+      const model::SpringLaw wanted(
           model::tissue_preset(tissue),
           direction == std::string("pull") ? model::Direction::kPull : model::Direction::kPress, 1e-3);
       for (int i = 0; i < 80; ++i) {

@@ -15,7 +15,7 @@ def measure(folder):
     """Writes the input files that docs/python.md names."""
     liver = palpate.tissue_preset('liver')
     depth = np.linspace(0.0, 14e-3, 40)
-    force = palpate.LayeredSpringLaw(liver).force_at(depth)
+    force = palpate.spring_law(liver).force_at(depth)
     for name in ('liver.csv', 'liver-3.csv'):
         write_columns(folder / name, ('displacement_mm', 'force_N'), 1e3 * depth, force)
     r = np.linspace(0.0, 30e-3, 40)

@@ -303,7 +303,8 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
   command
       ->add_option(
           "DATA", flags->files,
-          "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen")
+          "CSV files with the columns displacement_mm and force_N, and optionally time_s, specimen and "
+          "indenter_radius_mm")
       ->required();
   command->add_option("--law", flags->law, "layered or smooth (default layered)");
   command->add_option("--direction", flags->direction,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <type_traits>
 
 #include <fmt/core.h>
@@ -9,6 +10,7 @@
 
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "palpate/units.h"
 
 #include "app/output.h"
 #include "fit/identify/fit_fields.h"
@@ -77,6 +79,22 @@ void put_estimates(const std::vector<Estimate>& estimates, std::size_t terms, Js
   }
 }
 
+Json size_json(const std::optional<identify::SizeExponent>& size) {
+  if (!size) return nullptr;
+  return {{"value", size->value},
+          {"interval_95", pair_json(size->interval, 1.0)},
+          {"determined", size->determined},
+          {"reference_radius_mm", size->reference_radius / kMillimetre}};
+}
+
+std::string size_line(const std::optional<identify::SizeExponent>& size) {
+  if (!size) return "";
+  return fmt::format("  size_exponent = {} ({} to {}){}: the force grows as (radius / {} mm)^{}\n",
+                     brief(size->value), brief(size->interval.low), brief(size->interval.high),
+                     size->determined ? "" : ", not determined", brief(size->reference_radius / kMillimetre),
+                     brief(size->value));
+}
+
 /// The fields of a specimen's fit or of the pooled fit.
 template <typename Fit>
 Json fields_json(const Fit& fit) {
@@ -86,6 +104,8 @@ Json fields_json(const Fit& fit) {
     if ((field.outputs & identify::kInJson) == 0) return;
     if constexpr (std::is_same_v<Value, std::vector<Estimate>>) {
       put_estimates(value, fit.terms, json);
+    } else if constexpr (std::is_same_v<Value, std::optional<identify::SizeExponent>>) {
+      json[field.key] = size_json(value);
     } else if constexpr (std::is_same_v<Value, model::LawKind>) {
       json[field.key] = model::to_string(value);
     } else if constexpr (std::is_same_v<Value, model::Direction>) {
@@ -182,7 +202,7 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
   }
   if (fits.size() > 1) {
     text += summary_of(pooled) + ":\n" + estimate_lines(pooled.estimates, pooled.terms) +
-            warning_lines(pooled.warnings);
+            size_line(pooled.size) + warning_lines(pooled.warnings);
   }
   return text;
 }

@@ -115,6 +115,20 @@ void hold_goals(const ValidateFlags& flags, report::Validation& validation) {
   }
 }
 
+/// Rejects a goal for a depth that was chosen so that the model agrees. @throws InputError
+void require_measured_depth(const ValidateFlags& flags, const report::Validation& validation) {
+  if (!validation.image || !validation.image->depth_fitted) return;
+  for (const auto& [flag, goal] :
+       {std::pair{"--max-nrmse", flags.max_nrmse}, std::pair{"--max-error-mm", flags.max_error_mm}}) {
+    if (!goal) continue;
+    throw InputError(
+        fmt::format("{}: {}: the tool hides the deepest place, so the depth is fitted to the line and no "
+                    "goal can be judged: "
+                    "give the measured --depth-mm (or --force-N), or leave out the goal",
+                    validation.image->comparison.measured.name, flag));
+  }
+}
+
 /// What the flags ask for, with the data read from their files. @throws InputError
 imaging::Request request_of(const ValidateFlags& flags) {
   if (!flags.out.empty() && !flags.fit_reach) throw InputError("--out: needs --fit-reach");
@@ -154,7 +168,8 @@ void write_compared_tissue(const std::string& file, const model::TissueParameter
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
   add_number(command, "--max-nrmse", flags.max_nrmse, Numbers::kNotNegative,
-             "goal: RMS error divided by the force range or the depth (0.05 is 5 %)");
+             "goal: RMS error divided by the force range or the depth (0.05 is 5 %); no goal for a profile "
+             "whose depth is fitted");
   add_number(command, "--max-error-N", flags.max_error_N, Numbers::kNotNegative,
              "goal: largest error of a force, newtons");
   add_number(command, "--max-error-mm", flags.max_error_mm, Numbers::kNotNegative,
@@ -242,7 +257,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
   CLI::App* command = add_component_command(program, "validate");
   CLI::Option* data = command->add_option(
       "DATA", flags->files,
-      "CSV files with the columns displacement_mm and force_N, and optionally time_s and specimen");
+      "CSV files with the columns displacement_mm and force_N, and optionally time_s, specimen and "
+      "indenter_radius_mm");
   add_law_flags(*command, flags->law);
   command->get_option("--tissue")->required(false);  // --map reads that of its scene
   command->add_flag("--map", flags->is_map,
@@ -277,6 +293,7 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     }
     check_validate_outputs(*flags);
     report::Validation validation = imaging::compare(request_of(*flags), kFlagNames);
+    require_measured_depth(*flags, validation);
     hold_goals(*flags, validation);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {

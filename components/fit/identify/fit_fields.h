@@ -80,6 +80,7 @@ void for_each_field(Fit& fit, const Visit& visit) {
   visit(F{.key = "nrmse", .place = 3, .phrase = ", error {} of the force range", .as_percent = true},
         fit.nrmse);
   visit(F{.key = "points"}, fit.points);
+  visit(F{.key = "size_exponent", .outputs = kInJson | kInPython}, fit.size);
   visit(F{.key = "warnings"}, fit.warnings);
   visit(F{.key = "tissue", .outputs = kInPython}, fit.tissue);
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <span>
 
 #include <fmt/core.h>
@@ -19,6 +20,7 @@
 #include "fit/identify/least_squares.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/profile_path.h"
+#include "fit/identify/size_exponent.h"
 #include "fit/identify/warnings.h"
 
 namespace palpate::identify {
@@ -171,7 +173,8 @@ void add_estimates(const LocalOptima& optima, const std::vector<Interval>& inter
   }
 }
 
-void add_errors(const LocalOptima& optima, PooledFit& pooled) {
+/// @param factors of the specimens' measured forces against the fitted ones
+void add_errors(const LocalOptima& optima, const std::vector<double>& factors, PooledFit& pooled) {
   const Solution& best = optima.all.front();
   double newtons = 0.0;
   double shares = 0.0;
@@ -179,7 +182,8 @@ void add_errors(const LocalOptima& optima, PooledFit& pooled) {
     const Part& part = optima.problem.parts[p];
     double squares = 0.0;
     for (const double r : plain_residuals(optima.problem, part, best.shared, best.own[p])) squares += r * r;
-    newtons += squares * part.ranges.force * part.ranges.force;
+    const double range = factors[p] * part.ranges.force;
+    newtons += squares * range * range;
     shares += squares / static_cast<double>(part.specimen->size());
     pooled.points += part.specimen->size();
     const LayerCount layers =
@@ -189,6 +193,24 @@ void add_errors(const LocalOptima& optima, PooledFit& pooled) {
   }
   pooled.rms = std::sqrt(newtons / static_cast<double>(pooled.points));
   pooled.nrmse = std::sqrt(shares / static_cast<double>(optima.problem.parts.size()));
+}
+
+/// Names the indenters' radius in the tissue, with the size exponent where they differ.
+void add_size(const std::vector<Specimen>& specimens, const std::optional<SizeExponent>& size,
+              PooledFit& pooled) {
+  const double radius = reference_radius(specimens);
+  if (radius > 0.0) pooled.tissue.source = model::SourceParameters{"indenter of the measurements", radius};
+  if (!size) return;
+  pooled.size = size;
+  pooled.tissue.size_exponent = size->value;
+  if (const std::string open = undetermined_size(*size); !open.empty()) pooled.warnings.push_back(open);
+}
+
+/// The fits as starts for forces of the reference indenter.
+std::vector<SpecimenFit> at_reference_stiffness(std::vector<SpecimenFit> fits,
+                                                const std::vector<double>& factors) {
+  for (std::size_t i = 0; i < fits.size(); ++i) fits[i].shared[0] -= portable::log(factors[i]);  // ln k_1
+  return fits;
 }
 
 /// An error above the limit, as a sentence; rounded up, so that it does not print as the limit.
@@ -224,12 +246,18 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
     throw InputError("pooled fit: needs at least one specimen, and a fit of each");
   }
   require_fit(fits, {});
-  if (specimens.size() == 1) return of_one(fits.front(), settings);
-  const std::vector<Specimen> used = as_pooled(specimens, settings);
+  const std::optional<SizeExponent> size = fit_size_exponent(specimens, fits, settings);
+  if (specimens.size() == 1) {
+    PooledFit one = of_one(fits.front(), settings);
+    add_size(specimens, size, one);
+    return one;
+  }
+  const std::vector<double> factors = size_factors(specimens, size);
+  const std::vector<Specimen> used = as_pooled(at_reference(specimens, size), settings);
   const std::size_t terms = most_frequent_terms(fits);
   Problem problem = make_problem(settings, terms, pooled_parts(used));
   if (progress) progress(0.05, "pooled fit");
-  const std::vector<Solution> from = specimen_starts(problem, fits);
+  const std::vector<Solution> from = specimen_starts(problem, at_reference_stiffness(fits, factors));
   const LocalOptima optima = find_local_optima(std::move(problem), from);
   const std::vector<Interval> intervals =
       intervals_of(resampled(optima, settings.seed, progress, ranks), {}, terms);
@@ -238,10 +266,11 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   pooled.terms = terms;
   pooled.specimens = specimens.size();
   add_estimates(optima, intervals, profile_intervals(optima, progress, ranks), pooled);
-  add_errors(optima, pooled);
+  add_errors(optima, factors, pooled);
   pooled.shared = optima.all.front().shared;
   pooled.own = optima.all.front().own;
   pooled.tissue = tissue_of(pooled.shared, settings);
+  add_size(specimens, size, pooled);
   require_fit({}, pooled);
   if (const std::string poor = poor_fit({}, pooled); !poor.empty()) pooled.warnings.push_back(poor);
   constexpr std::size_t kFewSpecimens = 6;

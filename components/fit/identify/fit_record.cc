@@ -167,7 +167,7 @@ double number_of(const nlohmann::ordered_json& json) {
 }
 
 std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 5;  // version of the line format
+  constexpr std::uint64_t kFormat = 6;  // version of the line format
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);
@@ -175,7 +175,7 @@ std::string record_key(const Specimen& specimen, const Settings& settings, std::
   hasher.add(std::as_bytes(std::span<const char>(specimen.name)));
   hasher.add(std::span<const double>(specimen.time));
   hasher.add(std::span<const double>(specimen.displacement));
-  hasher.add(std::span<const double>(specimen.force));
+  hasher.add(std::span<const double>(specimen.force)).add(specimen.tip_radius);
   hasher.add(static_cast<int>(settings.law)).add(static_cast<int>(settings.direction));
   hasher.add(settings.relaxation ? 1 : 0).add(settings.period).add(settings.t1);
   hasher.add(settings.bootstrap).add(settings.seed).add(job);
@@ -239,6 +239,7 @@ std::string bytes_of(const std::vector<Specimen>& specimens) {
     put(bytes, bytes_of(std::span<const double>(specimen.displacement)));
     put(bytes, bytes_of(std::span<const double>(specimen.force)));
     put(bytes, std::to_string(specimen.empty_rows));
+    put(bytes, bytes_of(std::span<const double>(&specimen.tip_radius, 1)));
   }
   return bytes;
 }
@@ -252,6 +253,7 @@ std::vector<Specimen> specimens_of(const std::string& bytes) {
     specimen.displacement = doubles_of(take(bytes, at));
     specimen.force = doubles_of(take(bytes, at));
     specimen.empty_rows = std::stoul(take(bytes, at));
+    specimen.tip_radius = doubles_of(take(bytes, at)).at(0);
     specimens.push_back(std::move(specimen));
   }
   return specimens;

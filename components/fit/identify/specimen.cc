@@ -31,10 +31,13 @@ std::vector<double> means(const std::vector<double>& values, std::size_t block) 
   return out;
 }
 
-enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen };
+enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen, kRadius };
 
-const std::vector<CsvColumn> kColumns = {
-    {"time_s", false, false, true}, {"displacement_mm"}, {"force_N"}, {"specimen", false, true}};
+const std::vector<CsvColumn> kColumns = {{"time_s", false, false, true},
+                                         {"displacement_mm"},
+                                         {"force_N"},
+                                         {"specimen", false, true},
+                                         {"indenter_radius_mm", false}};
 constexpr double kLargest = 1e9;  // mm, N or s: larger values would overflow the precision of sums of squares
 constexpr std::size_t kMaxSpecimens = 10'000;  // per file; more indicates a wrong column
 
@@ -54,6 +57,19 @@ void add_row(Specimen& specimen, const CsvTable& table) {
   }
   specimen.displacement.push_back(displacement);
   specimen.force.push_back(force);
+}
+
+/// The row's radius of the indenter [m]; 0 without that column. @throws InputError
+double radius_of(const CsvTable& table) {
+  constexpr double kSmallest = 1e-3;  // mm
+  constexpr double kLargestTip = 1e3;
+  if (!table.has(kRadius)) return 0.0;
+  const double radius = table.number(kRadius);
+  if (!(radius > 0.0)) table.fail(kRadius, "must be > 0");
+  if (radius < kSmallest || radius > kLargestTip) {
+    table.fail(kRadius, "must be within 0.001 and 1000: is it in mm?");
+  }
+  return radius * kMillimetre;
 }
 
 /// Whether the force does not rise out of its noise anywhere.
@@ -145,17 +161,19 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
   const std::string stem = file.stem().string();
   CsvTable table(file, kColumns, kLargest);
   std::vector<Specimen> all;
-  std::map<std::string, std::size_t, std::less<>> indices;
+  std::map<std::pair<std::string, double>, std::size_t> indices;  // by name and indenter
   while (table.next_row()) {
     const std::string_view cell = table.text(kSpecimen);
-    auto found = indices.find(cell);
+    const double radius = radius_of(table);
+    auto found = indices.find({std::string(cell), radius});
     if (found == indices.end()) {
       if (all.size() == kMaxSpecimens) {
         table.fail(fmt::format("specimen = {}: more than {} specimens, is this the right column?",
                                excerpt(cell), kMaxSpecimens));
       }
-      found = indices.emplace(cell, all.size()).first;
+      found = indices.emplace(std::pair(std::string(cell), radius), all.size()).first;
       all.emplace_back().name = excerpt(cell.empty() ? std::string_view(stem) : cell);
+      all.back().tip_radius = radius;
     }
     add_row(all[found->second], table);
   }

@@ -24,6 +24,7 @@
 #include "fit/identify/least_squares.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/profile_path.h"
+#include "fit/identify/size_exponent.h"
 
 namespace palpate::identify {
 namespace {
@@ -82,7 +83,7 @@ class Target final {
          const Settings& settings)
       : pooled_(number == specimens.size()) {
     if (pooled_) {
-      used_ = as_pooled(specimens, settings);
+      used_ = as_pooled(at_reference(specimens, fits.pooled.size), settings);
       problem_ = make_problem(settings, fits.pooled.terms, pooled_parts(used_));
       best_ = {fits.pooled.shared, fits.pooled.own};
       for (const SpecimenFit& fit : fits.specimens) {

@@ -55,7 +55,9 @@ Validation compare(const Request& request, const RequestNames& names) {
   validation.law = request.law;
   const validate::Zeros zeros{request.first_contact.value_or(0.0), request.offset.value_or(0.0)};
   for (const identify::Specimen& specimen : request.forces) {
-    validation.forces.push_back(validate::compare_forces(specimen, request.law, zeros, request.zeros_fitted));
+    validate::Law law = request.law;
+    if (specimen.tip_radius > 0.0) law.tissue = model::for_tool(law.tissue, specimen.tip_radius);
+    validation.forces.push_back(validate::compare_forces(specimen, law, zeros, request.zeros_fitted));
   }
   if (!request.profiles.empty()) {
     std::vector<validate::Deformation> profiles;

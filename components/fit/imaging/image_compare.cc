@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "palpate/surface.h"
@@ -50,14 +51,26 @@ validate::Deformation deformation_of(const ImageMeasurement& measured, const std
   return deformation;
 }
 
+double deepest_visible(const ImageMeasurement& measured, double pixel, double tip_radius) {
+  double deepest = std::numeric_limits<double>::infinity();
+  for (const ImagePoint& point : measured.points) {
+    if (point.r > tip_radius + kPixelRange * pixel) continue;
+    const double r = point.r + kPixelError * pixel;
+    const double above = r < tip_radius ? tip_radius - std::sqrt(tip_radius * tip_radius - r * r) : r;
+    deepest = std::min(deepest, point.u + point.uncertainty + above);
+  }
+  return deepest;
+}
+
 double nearest_depth(const validate::Deformation& deformation, const model::FalloffRatios& reach,
-                     double tip_radius) {
+                     double tip_radius, double deepest) {
   constexpr int kSteps = 100;
   constexpr double kMax = 10.0;  // a tool may hide most of the depth
   const double largest = *std::max_element(deformation.displacement.begin(), deformation.displacement.end());
   double best = largest;
   double low = 0.7 * largest;
-  double high = kMax * largest;
+  double high = std::max(largest, std::min(kMax * largest, deepest));
+  const double end = high;
   for (int round = 0; round < 4; ++round) {  // each round is a grid around the optimum of the previous one
     const double step = (high - low) / kSteps;
     double least = 1e300;
@@ -70,7 +83,7 @@ double nearest_depth(const validate::Deformation& deformation, const model::Fall
       }
     }
     low = best - step;
-    high = best + step;
+    high = std::min(end, best + step);
   }
   return std::max(best, largest);
 }
@@ -86,7 +99,10 @@ ImageSet compare_photographs(const std::filesystem::path& before, const std::fil
   const validate::Deformation deformation = deformation_of(set.measured, after.string());
   if (!(depth > 0.0)) depth = deformation.depth;
   if (!(depth > 0.0)) {
-    depth = nearest_depth(deformation, law.tissue.reach, tip_radius);
+    const bool ball = law.direction == model::Direction::kPress;
+    const double deepest = ball ? deepest_visible(set.measured, settings.pixel, tip_radius)
+                                : std::numeric_limits<double>::infinity();
+    depth = nearest_depth(deformation, law.tissue.reach, tip_radius, deepest);
     set.depth_fitted = true;
   }
   set.comparison = validate::compare_deformation(deformation, law.tissue.reach, depth, tip_radius);

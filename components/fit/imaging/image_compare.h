@@ -33,13 +33,27 @@ struct Validation : validate::Validation {
 /// largest u when the deepest point is seen, else 0.
 [[nodiscard]] validate::Deformation deformation_of(const ImageMeasurement& measured, const std::string& name);
 
-/// [setup] Least-squares depth D [m] of u(r) of model.md for a profile, between its largest u and ten times
-/// that; for pictures in which the tool hides the deepest point.
+/// Distance from the ball, in pixels, within which a visible place of the line bounds the depth: beside an
+/// instrument the line is not detected in up to about so many columns.
+inline constexpr double kPixelRange = 20.0;
+/// Error of a place's r, in pixels: of the centre and of the ball's edge.
+inline constexpr double kPixelError = 2.0;
+
+/// [setup] Largest depth D [m] of a pressed ball that the line beside it allows. No part of the line lies
+/// above the lower half of the ball, so D <= u(r) + R - sqrt(R^2 - r^2) for r < R; beside the ball, where the
+/// line is taken to rise by at most 45 degrees, D <= u(r) + r. Both allow for the uncertainty of u and for
+/// kPixelError. Infinite when no place is visible within kPixelRange of the ball. @param pixel its size [m]
+/// @param tip_radius R [m]
+[[nodiscard]] double deepest_visible(const ImageMeasurement& measured, double pixel, double tip_radius);
+
+/// [setup] Least-squares depth D [m] of u(r) of model.md for a profile, between its largest u and the smaller
+/// of ten times that and `deepest` [m]; for pictures in which the tool hides the deepest point.
 [[nodiscard]] double nearest_depth(const validate::Deformation& deformation,
-                                   const model::FalloffRatios& reach, double tip_radius);
+                                   const model::FalloffRatios& reach, double tip_radius, double deepest);
 
 /// [setup] Measures the displacement in two photographs and compares it with the tissue's u(r).
-/// @param depth D [m]; 0: the largest u or, where the tool hides it, the fitted depth @param tip_radius R [m]
+/// @param depth D [m]; 0: the largest u or, where the tool hides it, the fitted depth, when pressed at most
+/// deepest_visible() @param tip_radius R [m]
 /// @throws InputError as read_picture() and measure_pictures().
 [[nodiscard]] ImageSet compare_photographs(const std::filesystem::path& before,
                                            const std::filesystem::path& after, const ImageSettings& settings,

@@ -26,9 +26,11 @@ std::vector<double> list_of(const Numbers& numbers, const char* name) {
 }
 
 Specimen make_specimen(std::string name, const Numbers& displacement, const Numbers& force,
-                       const std::optional<Numbers>& time) {
+                       const std::optional<Numbers>& time, std::optional<double> tip_radius) {
   Specimen specimen{std::move(name), {}, list_of(displacement, "displacement"), list_of(force, "force")};
   if (time) specimen.time = list_of(*time, "time");
+  if (tip_radius && !(*tip_radius > 0.0)) throw ParameterError("tip_radius", *tip_radius, "> 0 (m)");
+  specimen.tip_radius = tip_radius.value_or(0.0);
   const std::size_t size = specimen.force.size();
   if (size < identify::kFewestPoints) {
     throw InputError("force: has " + std::to_string(size) + " points, must be at least " +
@@ -83,6 +85,12 @@ void put_fields(const Fit& fit, py::dict& result) {
       model::TissueParameters tissue = value;
       if (tissue.name.empty()) tissue.name = "fitted";  // a tissue file needs a name
       result[key] = tissue;
+    } else if constexpr (std::is_same_v<Value, std::optional<identify::SizeExponent>>) {
+      if (value) {
+        result[key] = py::make_tuple(value->value, value->interval.low, value->interval.high);
+      } else {
+        result[key] = py::none();
+      }
     } else {
       result[key] = value;
     }
@@ -136,8 +144,9 @@ py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string
 void bind_fit(py::module_& module) {
   py::class_<Specimen>(module, "Specimen", doc("Specimen"))
       .def(py::init(&make_specimen), py::arg("name"), py::arg("displacement"), py::arg("force"),
-           py::arg("time") = py::none())
+           py::arg("time") = py::none(), py::arg("tip_radius") = py::none())
       .def_readonly("name", &Specimen::name)
+      .def_readonly("tip_radius", &Specimen::tip_radius, doc("Specimen::tip_radius"))
       .def_property_readonly(
           "displacement", [](const Specimen& one) { return array_of(one.displacement); },
           doc("Specimen::displacement"))
@@ -153,7 +162,8 @@ void bind_fit(py::module_& module) {
       "Fits each specimen and all specimens together, as `palpate fit` does. Returns a dictionary. "
       "`specimens` is a list with one dictionary per specimen: `parameters` (name to value, low and "
       "high end of the 95 % interval, in the unit of the name), rms_N, nrmse, leave_out_nrmse, points, "
-      "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `tissue` is "
+      "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `size_exponent` "
+      "(value, low, high) comes from specimens with different tip_radius, else None; its `tissue` is "
       "named fitted, or None where the error is over 20 % of the force range. Raises InputError.");
 }
 

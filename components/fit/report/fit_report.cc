@@ -111,6 +111,12 @@ void write_summary(Page& page, const std::vector<identify::SpecimenFit>& fits,
         "One set of parameters for all, each specimen with its own first contact and sensor offset: error " +
         percent(pooled.nrmse) + ". The intervals come from drawing the specimens again.");
     page.table(estimate_table(pooled.estimates, pooled.terms));
+    if (pooled.size) {
+      page.paragraph(fmt::format(
+          "Size exponent {} ({} to {}): the force grows as (radius / {} mm)^{}.", brief(pooled.size->value),
+          brief(pooled.size->interval.low), brief(pooled.size->interval.high),
+          brief(pooled.size->reference_radius / kMillimetre), brief(pooled.size->value)));
+    }
     page.list(pooled.warnings);
   }
 }

@@ -359,8 +359,10 @@ std::string image_text(const ImageSet& set) {
       measured.points.size(), digits(measured.uncertainty / kMillimetre),
       digits(measured.uncertainty / pixel), measured.confidence, measured.confidence_text,
       percent(set.within_uncertainty, 1),
-      set.depth_fitted ? "; the tool hides the deepest place: the depth is the one that suits the line best"
-                       : "");
+      set.depth_fitted
+          ? "; the tool hides the deepest place: the depth is the one that suits the line best, so only "
+            "the shape is compared"
+          : "");
 }
 
 void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {

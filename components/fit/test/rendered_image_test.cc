@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -134,6 +135,23 @@ TEST_F(RenderedImage, AWrongDepthMissesItsGoal) {
           {"validate", "--image", "before.png", "after.png", "--scale-mm-per-px", "0.1", "--tissue", "liver",
            "--depth-mm", "3", "--tip-radius-mm", "5", "--fixed-camera", "--max-nrmse", "0.05", "--json"});
   EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
+}
+
+// The ball hides the deepest place.
+TEST_F(RenderedImage, NoGoalIsJudgedOnAFittedDepth) {
+  const std::vector<std::string> words = {
+      "validate",          "--image", "before.png",      "after.png", "--tissue", "liver", "--fixed-camera",
+      "--scale-mm-per-px", "0.1",     "--tip-radius-mm", "5",         "--report", "page"};
+  for (const std::string flag : {"--max-nrmse", "--max-error-mm"}) {
+    std::vector<std::string> asked = words;
+    asked.insert(asked.end(), {flag, "100"});
+    const Outcome outcome = run(*folder_, asked);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.out;
+    EXPECT_NE(outcome.err.find(flag + ": the tool hides the deepest place"), std::string::npos)
+        << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(*folder_ / "page/report.html"));
+  }
+  EXPECT_EQ(run(*folder_, words).exit_code, 0);
 }
 
 }  // namespace

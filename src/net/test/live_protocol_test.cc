@@ -228,11 +228,17 @@ TEST(LiveProtocol, ATissueStaysWhereAnEditDoesNotNameIt) {
   EXPECT_EQ(made.name, "heart");
 }
 
-TEST(LiveProtocol, AnEditedTissueKeepsItsSourceOnlyForItsSizeExponent) {
+TEST(LiveProtocol, AnEditedTissueKeepsTheRadiusOfItsSourceForASizeExponentNowOrLater) {
   model::TissueParameters tissue = model::tissue_preset("heart");
   tissue.source = model::SourceParameters{"ball", 3e-3};
   const auto edit = read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"k1_N_per_m":33}})");
-  EXPECT_FALSE(edited(tissue, edit.edit).source.has_value());
+  model::TissueParameters stiffer = edited(tissue, edit.edit);
+  EXPECT_EQ(stiffer.source->radius, 3e-3);
+  EXPECT_EQ(stiffer.source->indenter, "");
+  const auto sized = read_as<SetTissue>(R"({"do":"set_tissue","tissue":{"size_exponent":0.5}})");
+  stiffer = edited(stiffer, sized.edit);
+  EXPECT_NO_THROW(model::validate(stiffer));
+  EXPECT_EQ(stiffer.source->radius, 3e-3);
   tissue.size_exponent = 0.5;
   EXPECT_EQ(edited(tissue, edit.edit).source->radius, 3e-3);
   EXPECT_EQ(edited(tissue, edit.edit).max_depth, 15e-3);

@@ -341,9 +341,10 @@ Facts tissue_facts(const scene::Scene& scene, model::Direction direction) {
     facts.emplace_back("relaxation", fmt::format("by {} of the force, time constant {}", shortest(term.g),
                                                  number(term.tau, "s")));
   }
-  facts.emplace_back("fitted with", tissue.source ? tissue.source->indenter + ", radius " +
-                                                        millimetres(tissue.source->radius)
-                                                  : "no [tissue.source] names a measurement: illustrative");
+  facts.emplace_back("fitted with",
+                     tissue.source && !tissue.source->indenter.empty()
+                         ? tissue.source->indenter + ", radius " + millimetres(tissue.source->radius)
+                         : "no [tissue.source] names a measurement: illustrative");
   return facts;
 }
 

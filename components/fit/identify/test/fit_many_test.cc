@@ -131,10 +131,12 @@ TEST(FitRecord, AKeyChangesWithDataFlagsAndNumber) {
 TEST(FitRecord, SpecimensGoBetweenRanksUnchanged) {
   std::vector<Specimen> specimens = {measured_curve(1), measured_curve(2)};
   specimens[1].time = {0.5, 1.5};
+  specimens[1].tip_radius = 3e-3;
   const std::vector<Specimen> back = specimens_of(bytes_of(specimens));
   ASSERT_EQ(back.size(), 2U);
   EXPECT_EQ(back[0].name, "curve 1");
   EXPECT_EQ(back[1].time, specimens[1].time);
+  EXPECT_EQ(back[1].tip_radius, 3e-3);
   EXPECT_EQ(back[0].force, specimens[0].force);
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -101,6 +102,23 @@ TEST(Image, MeasuresAPull) {
   upwards.depth_mm = 5.0;
   EXPECT_LT(worst_error(found, upwards), 1.0);
   EXPECT_GT(found.depth, 1e-3);
+}
+
+// Organs of 120 and 60 mm radius: over 900 columns their outline falls by 84 and 169 rows to both sides.
+TEST(Image, MeasuresAPressOnACurvedOrgan) {
+  for (const double dome : {337.5, 675.0}) {
+    SideView before = rest();
+    SideView after = pressed();
+    before.dome = dome;
+    after.dome = dome;
+    const ImageMeasurement found = measure(before, after);
+    std::vector<double> errors;
+    for (const ImagePoint& point : found.points) {
+      const double r_px = std::abs(point.x - after.centre_x);
+      errors.push_back(std::abs(point.u / 1e-4 - test::true_u(after, r_px)));
+    }
+    EXPECT_LT(median(errors), 0.5) << dome;
+  }
 }
 
 TEST(Image, TakesOutTurnAndShiftBetweenThePictures) {
@@ -253,6 +271,38 @@ TEST(Robust, TheMostPointsWin) {
   const std::vector<double> line = robust_polynomial(x, y, 1, 0.1);
   EXPECT_NEAR(line[0], 2.0, 1e-2);
   EXPECT_NEAR(line[1], 0.5, 1e-3);
+}
+
+// At r = 3 mm a ball of 5 mm radius is 1 mm above its lowest point, at 4 mm 2 mm above. A line that rises by
+// 45 degrees from 5.5 mm to the ball's side is 0.5 mm higher there, 5 mm above the lowest point.
+TEST(ComparePhotographs, TheVisibleBallBoundsTheDepth) {
+  ImageMeasurement measured;
+  ImagePoint point;
+  point.r = 3e-3;
+  point.u = 2e-3;
+  point.uncertainty = 0.1e-3;
+  measured.points = {point};
+  EXPECT_NEAR(deepest_visible(measured, 0.0, 5e-3), 3.1e-3, 1e-12);
+  EXPECT_NEAR(deepest_visible(measured, 1e-3 / kPixelError, 5e-3), 4.1e-3, 1e-12);
+  measured.points[0].r = 5.5e-3;
+  EXPECT_NEAR(deepest_visible(measured, 0.5e-3 / kPixelRange, 5e-3), 7.65e-3, 1e-12);
+  EXPECT_EQ(deepest_visible(measured, 0.4e-3 / kPixelRange, 5e-3), std::numeric_limits<double>::infinity());
+}
+
+// A tissue of half the picture's width fits best with a much deeper ball. The ball is 5 mm deep.
+TEST(ComparePhotographs, AFittedDepthIsNoDeeperThanTheVisibleBall) {
+  const test::SideView after = pressed();
+  const ImageMeasurement found = measure(rest(), after);
+  ASSERT_TRUE(found.tip_hidden);
+  model::FalloffRatios narrow;
+  narrow.contact_ratio = 0.6;
+  const double tip_radius = after.tip_mm * 1e-3;
+  const validate::Deformation line = deformation_of(found, "after.png");
+  const double deepest = deepest_visible(found, 1e-4, tip_radius);
+  EXPECT_GT(deepest, 5e-3);
+  EXPECT_LT(deepest, 8e-3);
+  EXPECT_GT(nearest_depth(line, narrow, tip_radius, 1.0), 1.2 * deepest);
+  EXPECT_LE(nearest_depth(line, narrow, tip_radius, deepest), deepest);
 }
 
 TEST(ComparePhotographs, NamesAPictureThatIsNotThere) {

@@ -43,6 +43,7 @@ struct Specimen {
   std::vector<double> force;         // N
   std::size_t empty_rows = 0;        // number of rows that read_specimens() omitted
   Preparation preparation = {};      // of prepared(); empty before
+  double tip_radius = 0.0;           // m, of the indenter; 0: not known
 
   [[nodiscard]] std::size_t size() const noexcept { return force.size(); }
 };
@@ -50,13 +51,14 @@ struct Specimen {
 inline constexpr std::size_t kFewestPoints = 10;
 
 /// [setup] Reads the specimens of a CSV file. Columns, by header name: displacement_mm, force_N and
-/// optionally time_s and specimen. Lines that begin with # and blank lines are ignored. A file without a
-/// specimen column is one specimen, named after the file. Rows of 0 mm and 0 N after other rows are omitted:
+/// optionally time_s, specimen and indenter_radius_mm. Lines that begin with # and blank lines are ignored. A
+/// file without a specimen column is one specimen, named after the file. Rows of another indenter are another
+/// specimen. Rows of 0 mm and 0 N after other rows are omitted:
 /// a rig that stops at its force limit writes them.
 /// @throws InputError that names file, line, column and value, or file and specimen. Causes: no such file, a
-/// missing or unknown header, a value that is not a finite number, times that do not increase, fewer than
-/// kFewestPoints rows. Causes in a specimen: a constant displacement or force, a force that does not rise out
-/// of its noise, wrong signs.
+/// missing or unknown header, a value that is not a finite number, a radius that no indenter has, times that
+/// do not increase, fewer than kFewestPoints rows. Causes in a specimen: a constant displacement or force, a
+/// force that does not rise out of its noise, wrong signs.
 [[nodiscard]] std::vector<Specimen> read_specimens(const std::filesystem::path& file);
 
 /// [setup] Reduces a specimen to at most `most` points, each the mean of neighbours: neighbours in time or,
@@ -198,6 +200,17 @@ struct SpecimenFit {
   std::vector<Point> local_optima;  // other local optima, best first: shared, then own parameters
 };
 
+/// How the force grows with the indenter's radius: as (radius / reference_radius)^value.
+struct SizeExponent {
+  static constexpr double kWidest =
+      1.0;  // of an interval that still tells a ball (0.5) from 0 or a punch (1)
+
+  double value = 0.0;             // within 0 to 2
+  Interval interval;              // 95 %, from how the specimens differ; 0 to 2 with two specimens
+  bool determined = false;        // three specimens or more, and the interval is not wider than kWidest
+  double reference_radius = 0.0;  // m, one of the specimens'
+};
+
 /// Pooled fit of all specimens: one set of shared parameters, own parameters for each specimen.
 struct PooledFit {
   model::Direction direction = model::Direction::kPress;
@@ -209,6 +222,7 @@ struct PooledFit {
   double nrmse = 0.0;  // root of the mean over specimens of (rms/range)^2
   std::size_t points = 0;
   std::size_t specimens = 0;
+  std::optional<SizeExponent> size;  // of specimens with clearly different indenters
   std::vector<std::string> warnings;
   model::TissueParameters tissue;
   Point shared;            // of the best fit
@@ -236,7 +250,9 @@ using Progress = std::function<void(double, const std::string&)>;
 /// [setup] Fits all specimens together. `fits` holds the fit of each specimen; the pooled fit starts from
 /// them and uses the most frequent number of relaxation terms. All specimens have the same weight. The
 /// intervals are those of the mean tissue: they unite a bootstrap over the specimens (how much specimens
-/// differ) and the profile of each law parameter. For one specimen the result is its own fit.
+/// differ) and the profile of each law parameter. For one specimen the result is its own fit. Specimens with
+/// clearly different indenters give the size exponent, and are fitted as the reference indenter would have
+/// measured them. The tissue has the radius of the indenters as its source.
 /// @param ranks share the resamples and must all make this call; null: this process only
 [[nodiscard]] PooledFit fit_pooled(const std::vector<Specimen>& specimens,
                                    const std::vector<SpecimenFit>& fits, const Settings& settings,

@@ -39,7 +39,7 @@ def assert_zeros_are(ours, theirs):
 def test_validate_takes_the_zeros_that_the_program_takes(program, tmp_path, zeros):
     depth = np.linspace(0.0, 12e-3, 40)
     # Contact begins 0.3 mm late, and the sensor has an offset of 0.02 N.
-    force = 0.02 + palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(np.maximum(0.0, depth - 3e-4))
+    force = 0.02 + palpate.spring_law(palpate.tissue_preset('liver')).force_at(np.maximum(0.0, depth - 3e-4))
     file = tmp_path / 'late.csv'
     write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth, force)
     said = program.json('validate', file, '--tissue', 'liver', '--zeros', zeros)['sets'][0]
@@ -91,7 +91,7 @@ def test_validate_finds_of_profiles_what_the_program_finds(program, tmp_path):
     assert found['reach']['depth_exponent_kept'] and said['reach']['depth_exponent_kept']
     assert found['tissue'].depth_exponent == 0.5
     assert 'depth_exponent' not in found['reach']['at_limit']
-    by_load = palpate.LayeredSpringLaw(palpate.tissue_preset('liver')).force_at(4e-3)
+    by_load = palpate.spring_law(palpate.tissue_preset('liver')).force_at(4e-3)
     deformation = palpate.Deformation('side', distance, u)
     again = palpate.validate('liver', profiles=[deformation], force=float(by_load), tip_radius=5e-3)
     assert again['profiles'][0]['depth'] == pytest.approx(4e-3, abs=5e-10)

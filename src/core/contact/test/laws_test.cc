@@ -109,6 +109,7 @@ model::TissueParameters random_tissue(std::mt19937_64& random) {
   static constexpr const char* kNames[] = {"gallbladder", "heart", "liver", "kidney"};
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   model::TissueParameters tissue = model::tissue_preset(kNames[random() % 4]);
+  tissue.law = model::LawKind::kLayered;
   tissue.contact.friction = 0.0;
   if (random() % 2 == 0) {  // otherwise the unchanged preset
     tissue.k1 *= 0.3 + unit(random);

@@ -18,7 +18,8 @@ namespace {
 constexpr double kTissueInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
 
-const std::vector<std::string> kPresetNames{"gallbladder", "heart", "liver", "kidney", "liver-ex-vivo"};
+const std::vector<std::string> kPresetNames{"gallbladder", "heart",         "liver",
+                                            "kidney",      "liver-ex-vivo", "heart-muscle"};
 
 // One bad value of one field, and its form in the message.
 struct BadValue {
@@ -193,7 +194,8 @@ TEST(TissuePreset, GallbladderAndHeartHaveThePapersFigures) {
 TEST(TissuePreset, OnlyAMeasuredOneHasASource) {
   EXPECT_THAT(tissue_preset_names(), testing::ElementsAreArray(kPresetNames));
   for (const std::string& name : kPresetNames) {
-    EXPECT_EQ(tissue_preset(name).source.has_value(), name == "liver-ex-vivo") << name;
+    const bool measured = name == "liver-ex-vivo" || name == "heart-muscle";
+    EXPECT_EQ(tissue_preset(name).source.has_value(), measured) << name;
     EXPECT_TRUE(tissue_preset(name).max_depth.has_value()) << name;
   }
 }
@@ -208,6 +210,28 @@ TEST(TissuePreset, LiverExVivoIsWithinFivePercentOfTheRangeOfTheMeasuredMedians)
                                                        {2.5e-3, 0.698}};
   for (const auto& [depth, force] : medians)
     EXPECT_NEAR(law.force_at(depth).force, force, 0.05 * 0.698) << depth;
+}
+
+// Of 14 of 15 curves (one ends at 0.5 mm), docs/tissues.md.
+TEST(TissuePreset, HeartMuscleIsWithinTenPercentOfTheRangeOfTheMeasuredMedians) {
+  const std::vector<std::pair<double, double>> pressed{
+      {0.2e-3, 0.0177}, {0.4e-3, 0.0457}, {0.6e-3, 0.0857}, {0.8e-3, 0.1678}, {1e-3, 0.3618}};
+  const std::vector<std::pair<double, double>> pulled{
+      {0.2e-3, 0.0135}, {0.4e-3, 0.0308}, {0.6e-3, 0.0545}, {0.8e-3, 0.0916}, {1e-3, 0.1767}};
+  const SpringLaw press(tissue_preset("heart-muscle"), Direction::kPress, 1e-3);
+  const SpringLaw pull(tissue_preset("heart-muscle"), Direction::kPull, 1e-3);
+  for (const auto& [depth, force] : pressed)
+    EXPECT_NEAR(press.force_at(depth).force, force, 0.02 * 0.3618) << depth;
+  for (const auto& [depth, force] : pulled)
+    EXPECT_NEAR(pull.force_at(depth).force, force, 0.1 * 0.1767) << depth;
+}
+
+// Of the layered law a hand feels the steps, so only the paper's tissues have it.
+TEST(TissuePreset, OnlyThePapersTissuesHaveItsLayeredLaw) {
+  for (const std::string& name : kPresetNames) {
+    const bool papers = name == "gallbladder" || name == "heart";
+    EXPECT_EQ(tissue_preset(name).law, papers ? LawKind::kLayered : LawKind::kSmooth) << name;
+  }
 }
 
 TEST(TissuePreset, RefusesUnknownNamesAndListsTheKnownOnes) {

@@ -266,11 +266,12 @@ TEST(TissueFile, WrittenTextReadsBackTheSame) {
     EXPECT_EQ(back.contact.tangential_stiffness, 123.0);
     EXPECT_EQ(back.source->indenter, "a \"ball\"");
     EXPECT_DOUBLE_EQ(back.source->radius, 0.003);
-    EXPECT_EQ(back.max_depth, 0.015);
+    EXPECT_EQ(back.max_depth, tissue.max_depth);
+    EXPECT_EQ(back.law, tissue.law);
     tissue.source.reset();
     const model::TissueParameters bare = read_tissue_file(folder.write("bare.toml", to_toml(tissue)));
     EXPECT_FALSE(bare.source.has_value());
-    EXPECT_EQ(bare.max_depth, 0.015);
+    EXPECT_EQ(bare.max_depth, tissue.max_depth);
   }
 }
 
