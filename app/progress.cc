@@ -20,12 +20,17 @@ constexpr int kBarWidth = 30;
 constexpr std::int64_t kRedraw_ns = 50'000'000;
 constexpr const char* kClearLine = "\r\033[K";
 
+constexpr std::int64_t kNextLine_ns = 10'000'000'000;  // between lines where no terminal is
+
 constexpr std::int64_t kSilent_ns = 300'000'000;  // delay of the bar: a small organ is ready earlier
 
 }  // namespace
 
-Progress::Progress(const std::string& title)
-    : title_(escaped(title, false)), terminal_(isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(const std::string& title, WithoutTerminal otherwise)
+    : title_(escaped(title, false)),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      otherwise_(otherwise),
+      next_draw_ns_(terminal_ ? 0 : monotonic_ns() + kNextLine_ns) {}
 
 Progress::~Progress() { clear(); }
 
@@ -37,12 +42,18 @@ void Progress::clear() {
 }
 
 void Progress::update(double share, const std::string& what) {
-  if (!terminal_) return;
+  if (!terminal_ && otherwise_ == WithoutTerminal::kNothing) return;
   const std::int64_t now = monotonic_ns();
   if (now < next_draw_ns_) return;
+  share = share > 0.0 ? std::min(share, 1.0) : 0.0;
+  if (!terminal_) {
+    next_draw_ns_ = now + kNextLine_ns;
+    write_text(STDERR_FILENO,
+               fmt::format("{}: {} % {}\n", title_, static_cast<int>(100.0 * share), escaped(what, false)));
+    return;
+  }
   next_draw_ns_ = now + kRedraw_ns;
   drawn_ = true;
-  share = share > 0.0 ? std::min(share, 1.0) : 0.0;
   const int filled = static_cast<int>(share * kBarWidth);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), '.');

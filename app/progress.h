@@ -6,11 +6,14 @@
 
 namespace palpate::app {
 
-/// A progress bar on standard error. Without a terminal every call does nothing. For one thread.
+/// What a progress bar shows where standard error is no terminal: nothing, or a line every ten seconds.
+enum class WithoutTerminal { kNothing, kLines };
+
+/// A progress bar on standard error. For one thread.
 class Progress final {
  public:
   /// [setup] @param title text before the bar, e.g. "bench"
-  explicit Progress(const std::string& title);
+  explicit Progress(const std::string& title, WithoutTerminal otherwise = WithoutTerminal::kNothing);
   /// Clears the bar's line.
   ~Progress();
   Progress(const Progress&) = delete;
@@ -26,6 +29,7 @@ class Progress final {
  private:
   std::string title_;
   bool terminal_;
+  WithoutTerminal otherwise_;
   bool drawn_ = false;
   std::int64_t next_draw_ns_ = 0;
 };

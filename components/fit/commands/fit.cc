@@ -155,13 +155,13 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   std::vector<identify::Specimen> specimens = read_for(*ranks, flags);
   identify::ManyFits many;
   {
-    Progress bar("fit");
+    Progress bar("fit", WithoutTerminal::kLines);
     many = identify::fit_many(specimens, settings, *ranks, results,
                               [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
   identify::Sweeps sweeps;
   if (!requests.empty()) {
-    Progress bar("sweep");
+    Progress bar("sweep", WithoutTerminal::kLines);
     sweeps = identify::sweep_many(std::move(specimens), many, requests, settings, *ranks, results,
                                   [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
@@ -274,7 +274,7 @@ void fit_one_map(const FitFlags& flags) {
   identify::DescribedMap map;
   std::optional<identify::MapTissue> tissue;
   try {
-    Progress bar("fit");
+    Progress bar("fit", WithoutTerminal::kLines);
     map = identify::describe_map(rows, settings,
                                  [&bar](double share, const std::string& what) { bar.update(share, what); });
     if (!files.tissue.empty()) tissue = identify::tissue_of_map(map.predictor, deepest_row(rows));

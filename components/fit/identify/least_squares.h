@@ -88,7 +88,8 @@ void residuals(const Problem& problem, const Part& part, std::span<const double>
                              int held = -1, double tolerance = 1e-9);
 
 /// [setup] Jacobian of a part's residuals in row-major order: one row per residual, shared parameters first.
-/// Derivatives by k_1 and offset are exact, the others are central differences.
+/// Derivatives by beta, q, L_1 and the relaxation times are central differences, the others are exact. All
+/// NaN where the parameters are not a valid law.
 [[nodiscard]] std::vector<double> jacobian(const Problem& problem, const Part& part,
                                            std::span<const double> shared, std::span<const double> own);
 

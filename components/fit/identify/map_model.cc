@@ -7,10 +7,12 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/base/parallel.h"
 #include "io/system/csv_table.h"
 #include "palpate/units.h"
 
 #include "fit/identify/map_fit.h"
+#include "fit/identify/map_problem.h"
 #include "fit/identify/plausible_specimen.h"
 
 namespace palpate::identify {
@@ -65,19 +67,87 @@ MapModel::Foot MapModel::foot(double x, double y) const {
   return {{x, y, height / total}, normal.normalized()};
 }
 
-double MapModel::background(std::span<const double> values, const MapRow& row) const {
+std::array<double, 5> MapModel::powers_at(const MapRow& row) const {
   const Vec3 at = frame_.local(row.point) / frame_.extent;
-  const std::array<double, 5> powers{at.x(), at.y(), at.x() * at.x(), at.x() * at.y(), at.y() * at.y()};
+  return {at.x(), at.y(), at.x() * at.x(), at.x() * at.y(), at.y() * at.y()};
+}
+
+PlacedLump MapModel::placed(std::span<const double> inclusion) const {
+  const double h = inclusion[2] * kMillimetre;
+  const Foot above = foot(inclusion[0] * kMillimetre, inclusion[1] * kMillimetre);
+  return {above.point - h * above.normal, h * h,
+          model::InclusionLaw(h * std::exp(inclusion[3]), h, std::exp(inclusion[4]))};
+}
+
+double MapModel::background(std::span<const double> values, const MapRow& row) const {
+  const std::array<double, 5> powers = powers_at(row);
   double logarithm = values[0];
   for (std::size_t i = 0; i + 1 < map_terms_; ++i) logarithm += values[kMapTissue + i] * powers[i];
   return std::exp(logarithm) * std::pow(row.depth / kMillimetre + values[2], values[1]);
 }
 
+namespace {
+
+/// An inclusion, the laws of its depth, radius or ratio a little larger, and how the square of the distance
+/// from it changes with its place and depth.
+struct MovedLump {
+  PlacedLump here;
+  std::array<model::InclusionLaw, 3> laws;
+  std::array<Vec3, 3> centre_by{};  // d(centre) by x, y and h
+  double square_by_depth = 0.0;     // d(h^2) by h
+  double length = 0.0;              // mm, by which h is larger in the first of the laws
+};
+
+double square_of(const PlacedLump& lump, const Vec3& at) {
+  return std::max(0.0, (at - lump.centre).squaredNorm() - lump.depth_squared);
+}
+
+model::InclusionLaw::Extra extra_of(const PlacedLump& lump, const model::PressedTip& tip, const Vec3& at) {
+  return lump.law.at(tip, square_of(lump, at));
+}
+
+/// The factor 1 + e of an inclusion at a point of the surface, its rise d(ln factor)/dD, and how the
+/// logarithm of the factor and the rise change with the inclusion's numbers.
+struct LumpSlopes {
+  double factor = 1.0;
+  double rise = 0.0;
+  std::array<double, kMapInclusion> logarithm_by{}, rise_by{};
+};
+
+LumpSlopes slopes_of(const MovedLump& lump, const model::PressedTip& tip, const Vec3& at, double step) {
+  const double square = square_of(lump.here, at);
+  const model::InclusionLaw::Extra here = lump.here.law.at(tip, square);
+  LumpSlopes made;
+  made.factor = 1.0 + here.energy;
+  const double inverse = 1.0 / made.factor;
+  made.rise = here.by_depth * inverse;
+  const auto add = [&](std::size_t k, double energy, double by_depth) {
+    made.logarithm_by.at(k) += energy * inverse;
+    made.rise_by.at(k) += (by_depth - made.rise * energy) * inverse;
+  };
+  if (square > 0.0) {  // else the centre's foot is here, and the square does not change with the place
+    const double length = step * lump.here.depth_squared;
+    const double steeper = (lump.here.law.at(tip, square + length).by_depth - here.by_depth) / length;
+    for (std::size_t k = 0; k < lump.centre_by.size(); ++k) {
+      const double further = -2.0 * (at - lump.here.centre).dot(lump.centre_by.at(k)) -
+                             (k == kDepthBelow ? lump.square_by_depth : 0.0);
+      add(k, here.by_square * further, steeper * further);
+    }
+  }
+  for (std::size_t k = 0; k < lump.laws.size(); ++k) {
+    const model::InclusionLaw::Extra moved = lump.laws.at(k).at(tip, square);
+    const double unit = k == 0 ? lump.length : step;
+    add(k + kDepthBelow, (moved.energy - here.energy) / unit, (moved.by_depth - here.by_depth) / unit);
+  }
+  return made;
+}
+
+}  // namespace
+
 LumpFactor factor_of(std::span<const PlacedLump> lumps, const model::PressedTip& tip, const Vec3& at) {
   LumpFactor made;
   for (const PlacedLump& one : lumps) {
-    const double square = std::max(0.0, (at - one.centre).squaredNorm() - one.depth_squared);
-    const model::InclusionLaw::Extra extra = one.law.at(tip, square);
+    const model::InclusionLaw::Extra extra = extra_of(one, tip, at);
     made.value *= 1.0 + extra.energy;
     made.by_depth += extra.by_depth / (1.0 + extra.energy);
   }
@@ -90,12 +160,9 @@ LumpFactor factor_of(std::span<const PlacedLump> lumps, const model::PressedTip&
 }
 
 std::vector<double> MapModel::forces(std::span<const double> values, std::span<const MapRow> rows) const {
-  std::vector<PlacedLump> placed;
+  std::vector<PlacedLump> lumps_at;
   for (std::size_t i = first_inclusion(); i + kMapInclusion <= values.size(); i += kMapInclusion) {
-    const double h = values[i + 2] * kMillimetre;
-    const Foot above = foot(values[i] * kMillimetre, values[i + 1] * kMillimetre);
-    placed.push_back({above.point - h * above.normal, h * h,
-                      model::InclusionLaw(h * std::exp(values[i + 3]), h, std::exp(values[i + 4]))});
+    lumps_at.push_back(placed(values.subspan(i, kMapInclusion)));
   }
   std::vector<double> forces;
   forces.reserve(rows.size());
@@ -105,10 +172,92 @@ std::vector<double> MapModel::forces(std::span<const double> values, std::span<c
     const double energy = uniform * depth / (values[1] + 1.0);  // the integral of D^p
     const model::PressedTip tip(tip_radius_, depth);
     const Vec3 at = frame_.local(row.point);
-    const LumpFactor lumps = factor_of(placed, tip, at);
+    const LumpFactor lumps = factor_of(lumps_at, tip, at);
     forces.push_back(lumps.value * (uniform + energy * lumps.by_depth));
   }
   return forces;
+}
+
+std::vector<double> MapModel::slopes(std::span<const double> values, std::span<const MapRow> rows) const {
+  constexpr double kPlaceStep = 1e-5;  // mm, of central differences
+  constexpr double kStep = 1e-7;       // of logarithms, of the depth and of h^2: forward differences
+  constexpr std::size_t kGrain = 512;  // rows
+  constexpr double kRoom = model::kLargestEnergyFactor - model::kUncappedFactor;
+  const std::size_t columns = values.size();
+  const std::size_t first = first_inclusion();
+  std::vector<MovedLump> lumps;
+  for (std::size_t i = first; i + kMapInclusion <= columns; i += kMapInclusion) {
+    const auto own = values.subspan(i, kMapInclusion);
+    const double h = own[2] * kMillimetre;
+    const double radius = h * std::exp(own[3]);
+    const double ratio = std::exp(own[4]);
+    MovedLump& lump = lumps.emplace_back();
+    lump.here = placed(own);
+    lump.laws = {model::InclusionLaw(radius * (1.0 + kStep), h * (1.0 + kStep), ratio),
+                 model::InclusionLaw(radius * (1.0 + kStep), h, ratio),
+                 model::InclusionLaw(radius, h, ratio * (1.0 + kStep))};
+    for (std::size_t k = 0; k < lump.centre_by.size(); ++k) {
+      std::array<double, kMapInclusion> above{};
+      std::copy(own.begin(), own.end(), above.begin());
+      std::array<double, kMapInclusion> below = above;
+      above.at(k) += kPlaceStep;
+      below.at(k) -= kPlaceStep;
+      lump.centre_by.at(k) = (placed(above).centre - placed(below).centre) / (2.0 * kPlaceStep);
+    }
+    lump.square_by_depth = 2.0 * h * kMillimetre;
+    lump.length = own[2] * kStep;
+  }
+  std::vector<double> out(rows.size() * columns, 0.0);
+  const auto add_row = [&](std::size_t r, std::vector<LumpSlopes>& by) {
+    const std::span<double> line(out.data() + r * columns, columns);
+    const MapRow& row = rows[r];
+    const double depth = row.depth + values[2] * kMillimetre;
+    if (!(depth > 0.0)) return;  // no force, whatever the values
+    const double uniform = background(values, row);
+    const double energy = uniform * depth / (values[1] + 1.0);
+    const Vec3 at = frame_.local(row.point);
+    const model::PressedTip tip(tip_radius_, depth);
+    const model::PressedTip deeper(tip_radius_, depth * (1.0 + kStep));
+    // F = V (u + E B) = V u + E S Q P, with P the product of the factors, V(P) the capped one, Q = dV/dP and
+    // S = d(ln P)/dD.
+    double product = 1.0;
+    double rise = 0.0;           // S
+    double rise_by_depth = 0.0;  // dS/dD
+    for (std::size_t j = 0; j < lumps.size(); ++j) {
+      by[j] = slopes_of(lumps[j], tip, at, kStep);
+      product *= by[j].factor;
+      rise += by[j].rise;
+      const model::InclusionLaw::Extra further = extra_of(lumps[j].here, deeper, at);
+      rise_by_depth += (further.by_depth / (1.0 + further.energy) - by[j].rise) / (kStep * depth);
+    }
+    const model::CappedFactor capped = model::cap_factor(product);
+    const double value = capped.value;
+    const double bend = product > model::kUncappedFactor  // dQ/dP
+                            ? -2.0 * capped.slope * (value - model::kUncappedFactor) / (kRoom * kRoom)
+                            : 0.0;
+    // by the logarithm of P, and by S
+    const double by_product =
+        product * (uniform * capped.slope + energy * rise * (capped.slope + product * bend));
+    const double by_rise = energy * capped.slope * product;
+    const double force = uniform * value + by_rise * rise;
+    line[0] = force;
+    line[1] = force * std::log(depth / kMillimetre) - by_rise * rise / (values[1] + 1.0);
+    line[2] = kMillimetre * (value * uniform * values[1] / depth + uniform * capped.slope * product * rise +
+                             by_product * rise + by_rise * rise_by_depth);
+    const std::array<double, 5> powers = powers_at(row);
+    for (std::size_t i = 0; i + 1 < map_terms_; ++i) line[kMapTissue + i] = force * powers.at(i);
+    for (std::size_t j = 0; j < lumps.size(); ++j) {
+      for (std::size_t k = 0; k < kMapInclusion; ++k) {
+        line[first + j * kMapInclusion + k] =
+            by_product * by[j].logarithm_by.at(k) + by_rise * by[j].rise_by.at(k);
+      }
+    }
+  };
+  for_ranges(rows.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<LumpSlopes> by(lumps.size());
+    for (std::size_t r = begin; r < end; ++r) add_row(r, by);
+  });
+  return out;
 }
 
 Vec3 MapModel::outside(const Vec3& local) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,10 @@ class MapModel final {
   /// Forces [N] at the rows, with all inclusions.
   [[nodiscard]] std::vector<double> forces(std::span<const double> values,
                                            std::span<const MapRow> rows) const;
+  /// Derivatives of the forces by the values, in row-major order: one line per row. They are exact but for
+  /// differences of an inclusion's law alone, of its depth, radius and ratio, of s^2 and of the tip's depth.
+  [[nodiscard]] std::vector<double> slopes(std::span<const double> values,
+                                           std::span<const MapRow> rows) const;
   /// Depth [m] of a point below the nearest surface.
   [[nodiscard]] double depth_below(const Vec3& point) const;
   /// The centre of an inclusion, and the point of the surface above it [m].
@@ -71,6 +76,9 @@ class MapModel final {
     Vec3 point, normal;
   };
   [[nodiscard]] Foot foot(double x, double y) const;
+  [[nodiscard]] PlacedLump placed(std::span<const double> inclusion) const;
+  /// Powers of a point that the polynomial ln k has beside its constant.
+  [[nodiscard]] std::array<double, 5> powers_at(const MapRow& row) const;
   [[nodiscard]] Vec3 outside(const Vec3& local) const;  // from the map's frame
 
   MapFrame frame_;

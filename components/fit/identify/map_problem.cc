@@ -21,6 +21,14 @@ Values MapProblem::residuals(std::span<const double> values) const {
   return forces;
 }
 
+Values MapProblem::slopes(std::span<const double> values) const {
+  Values all = model_.slopes(values, rows_);
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    for (std::size_t k = 0; k < values.size(); ++k) all[i * values.size() + k] *= weights_[i];
+  }
+  return all;
+}
+
 double MapProblem::sum_of_squares(std::span<const double> values) const {
   const Values all = residuals(values);
   return std::inner_product(all.begin(), all.end(), all.begin(), 0.0);
@@ -52,14 +60,34 @@ MapBounds MapProblem::bounds(std::size_t size) const {
 
 namespace {
 
-struct MapCost {
-  const MapProblem* problem;
-  std::size_t size;
-  bool operator()(double const* const* blocks, double* out) const {
-    const Values all = problem->residuals({blocks[0], size});
-    std::copy(all.begin(), all.end(), out);
-    return std::all_of(all.begin(), all.end(), [](double value) { return std::isfinite(value); });
+/// Residuals and their derivatives for Ceres.
+class MapCost final : public ceres::CostFunction {
+ public:
+  MapCost(const MapProblem& map, std::size_t size) : map_(map), size_(size) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(size));
+    set_num_residuals(static_cast<int>(map.rows().size()));
   }
+
+  bool Evaluate(double const* const* blocks, double* out, double** derivatives) const override {
+    const auto finite = [](double value) { return std::isfinite(value); };
+    const std::span<const double> values(blocks[0], size_);
+    if (derivatives == nullptr || derivatives[0] == nullptr) {
+      const Values all = map_.residuals(values);
+      std::copy(all.begin(), all.end(), out);
+      return std::all_of(all.begin(), all.end(), finite);
+    }
+    const Values slopes = map_.slopes(values);
+    std::copy(slopes.begin(), slopes.end(), derivatives[0]);
+    for (std::size_t i = 0; i < map_.rows().size(); ++i) {
+      const double force = slopes[i * size_];  // the force is proportional to K, whose logarithm is first
+      out[i] = force - map_.weighted_force(i);
+    }
+    return std::all_of(slopes.begin(), slopes.end(), finite);
+  }
+
+ private:
+  const MapProblem& map_;
+  std::size_t size_;
 };
 
 }  // namespace
@@ -69,10 +97,7 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = std::clamp(values[i], bounds.low[i], bounds.high[i]);
   }
-  auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<MapCost, ceres::CENTRAL>>(
-      new MapCost{&map, values.size()});
-  cost->AddParameterBlock(static_cast<int>(values.size()));
-  cost->SetNumResiduals(static_cast<int>(map.rows().size()));
+  auto cost = std::make_unique<MapCost>(map, values.size());
   ceres::Problem problem;
   problem.AddResidualBlock(cost.release(), nullptr, values.data());
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -87,9 +112,10 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
     problem.SetManifold(values.data(), manifold.release());  // the problem owns it
   }
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
   options.function_tolerance = 1e-9;
+  options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC takes a Jacobian at every trial
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   ceres::Solver::Summary summary;

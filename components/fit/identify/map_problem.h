@@ -30,6 +30,10 @@ class MapProblem final {
   [[nodiscard]] const std::vector<MapRow>& rows() const { return rows_; }
 
   [[nodiscard]] Values residuals(std::span<const double> values) const;
+  /// Derivatives of the residuals by the values, in row-major order.
+  [[nodiscard]] Values slopes(std::span<const double> values) const;
+  /// The measured force of a row with its weight: what its residual subtracts.
+  [[nodiscard]] double weighted_force(std::size_t row) const { return weights_[row] * rows_[row].force; }
   [[nodiscard]] double sum_of_squares(std::span<const double> values) const;
   /// The Bayesian information criterion.
   [[nodiscard]] double criterion(std::span<const double> values) const;

@@ -75,6 +75,27 @@ void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std
                   brief(error / kMillimetre, 2), brief(at / kMillimetre, 3), percent(largest, 0)));
 }
 
+/// A curve whose first row is already in contact: only the law's shape says where contact is. Where the first
+/// reading was subtracted, a note says so.
+void add_start_at_depth(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
+  constexpr double kNoticeable = 0.01;  // of the force range
+  const Part& part = problem.parts.front();
+  const Preparation& preparation = part.specimen->preparation;
+  if (preparation.contact || preparation.zero > 0.0) return;
+  const double first = part.ranges.lowest_displacement;
+  const Specimen first_row{"", {}, {first}, {0.0}};
+  double force = 0.0;
+  predict(first_row, part.ranges, problem.settings, fit.shared, Point{fit.own[0], 0.0}, {&force, 1});
+  if (!(force > kNoticeable * part.ranges.force)) return;
+  out.push_back(fmt::format(
+      "no row shows first contact: at the first row, {} mm, the fitted tissue already carries {} N, {} of "
+      "the "
+      "range of force, and only the law's shape puts contact at {} mm. The force may be far off: start 1 mm "
+      "above the tissue, or tare the sensor",
+      brief(first / kMillimetre, 3), brief(force, 2), percent(force / part.ranges.force, 0),
+      brief(fit.own[0] * part.ranges.displacement / kMillimetre, 3)));
+}
+
 void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
   constexpr double kDoubted = 1.3;  // of the noise of a point
   const Problem& problem = optima.problem;
@@ -174,6 +195,7 @@ std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vecto
   std::vector<std::string> out;
   add_data(optima, fit, out);
   add_contact(optima.problem, fit, out);
+  add_start_at_depth(optima.problem, fit, out);
   add_undetermined(identifiability_of(optima, points), fit, out);
   for (std::string& warning : correlated_warnings(curvature.correlations, labels(fit.terms))) {
     out.push_back(std::move(warning));

@@ -148,6 +148,68 @@ TEST(MapFit, ASmallHardInclusionIsSaidNotToBeDeterminedApartFromALargeSoftOne) {
   EXPECT_GE(fit.inclusions[0].ratio.interval.high, 30.0);
 }
 
+/// Largest difference of the slopes of a map's model from central differences of its forces, relative to the
+/// largest slope by the same value.
+double farthest_slope(const MapModel& model, std::vector<double> values, const std::vector<MapRow>& rows) {
+  const std::vector<double> slopes = model.slopes(values, rows);
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    constexpr double kStep = 1e-5;
+    const double there = values[k];
+    values[k] = there + kStep;
+    const std::vector<double> above = model.forces(values, rows);
+    values[k] = there - kStep;
+    const std::vector<double> below = model.forces(values, rows);
+    values[k] = there;
+    double largest = 0.0;
+    double difference = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double expected = (above[i] - below[i]) / (2.0 * kStep);
+      largest = std::max(largest, std::abs(expected));
+      difference = std::max(difference, std::abs(slopes[i * values.size() + k] - expected));
+    }
+    EXPECT_GT(largest, 0.0) << "value " << k;
+    farthest = std::max(farthest, difference / largest);
+  }
+  return farthest;
+}
+
+/// A probe on a curved surface at each point of a grid, with rows of several depths.
+std::vector<MapRow> curved_map() {
+  std::vector<MapRow> rows;
+  for (int probe = 0; probe < 49; ++probe) {
+    const double x = 4e-3 * (probe % 7 - 3);
+    const double y = 4e-3 * (probe / 7 - 3);
+    const double height = -5.0 * (x * x + 0.5 * y * y);
+    for (const double depth : {0.5e-3, 1.5e-3, 3e-3}) {
+      rows.push_back({probe, Vec3(x, y, height), Vec3(10.0 * x, 5.0 * y, 1.0), depth, 0.1});
+    }
+  }
+  return rows;
+}
+
+TEST(MapModel, SlopesAreThoseOfTheForces) {
+  const std::vector<MapRow> rows = curved_map();
+  const MapModel model(rows, kMapBall, 6);
+  std::vector<double> values{-2.0, 1.4, 0.3, 0.1, -0.2, 0.05, 0.1, -0.1};  // tissue and polynomial
+  for (const double own : {2.1, 3.3, 6.0, -0.6, 2.5, -5.2, 1.4, 9.0, -0.4, -1.2}) values.push_back(own);
+  EXPECT_LT(farthest_slope(model, values, rows), 1e-5);
+}
+
+TEST(MapModel, SlopesAreThoseOfTheForcesWhereTheirFactorIsCapped) {
+  const std::vector<MapRow> rows = curved_map();
+  const MapModel model(rows, kMapBall, 1);
+  std::vector<double> values{-2.0, 1.4, 0.3};
+  for (const double own : {0.5, 0.4, 4.0, -0.05, 4.0, 1.5, -0.6, 4.5, -0.05, 4.0}) values.push_back(own);
+  double largest = 0.0;  // force over that of the tissue
+  const std::vector<double> forces = model.forces(values, rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    largest = std::max(largest, forces[i] / model.background(values, rows[i]));
+  }
+  EXPECT_GT(largest, model::kUncappedFactor);
+  EXPECT_LT(farthest_slope(model, values, rows), 1e-5);
+}
+
 /// A map whose middle is `factor` times as stiff at the deepest row: more than the law of inclusions gives.
 std::vector<MapRow> map_with_a_steep_bell(double factor) {
   std::mt19937_64 random(8);

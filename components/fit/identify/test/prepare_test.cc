@@ -77,6 +77,31 @@ TEST(Prepared, ASensorThatIsNotTaredGivesTheTissueOfATaredOne) {
   }
 }
 
+/// Forces of 0.02 d^2 N at every 0.15 mm from a depth to 10 mm, counted from contact.
+Specimen quadratic_from(double first_mm) {
+  Specimen specimen;
+  specimen.name = "quadratic";
+  for (double mm = first_mm; mm < 10.0; mm += 0.15) {
+    specimen.displacement.push_back(1e-3 * mm);
+    specimen.force.push_back(mm > 0.0 ? 0.02 * mm * mm : 0.0);
+  }
+  return specimen;
+}
+
+TEST(Prepared, ACurveThatStartsAtDepthSaysThatNoRowShowsFirstContact) {
+  for (const double first : {1.0, 1.7}) {
+    const SpecimenFit fit = fit_specimen(quadratic_from(first), smooth(), 0, {});
+    EXPECT_THAT(fit.warnings, Contains(HasSubstr("no row shows first contact: at the first row, " +
+                                                 std::string(first == 1.0 ? "1" : "1.7") + " mm")))
+        << first;
+  }
+}
+
+TEST(Prepared, ACurveThatStartsAboveTheTissueShowsFirstContact) {
+  const SpecimenFit fit = fit_specimen(quadratic_from(-1.0), smooth(), 0, {});
+  EXPECT_THAT(fit.warnings, testing::Not(Contains(HasSubstr("no row shows first contact"))));
+}
+
 TEST(Prepared, AZeroThatNoRowBeforeContactShowsIsSubtractedWithAQuestion) {
   for (const double zero : {-0.5, 20.68}) {
     const SpecimenFit fit = fit_specimen(pressed({0.0, zero, 0.0}), smooth(), 0, {});

@@ -22,14 +22,12 @@ Problem bent_problem(const Specimen& specimen) {
   return problem;
 }
 
-TEST(Residuals, TheirDerivativesAreTheirDifferences) {
-  const Specimen specimen = springs({}, 1);
-  const Problem problem = bent_problem(specimen);
+/// Expects the derivatives of the residuals to be their differences.
+void expect_differences(const Problem& problem, const Point& at) {
   const Part& part = problem.parts.front();
-  const Point at = {std::log(30.0), std::log(1.5), std::log(0.7), std::log(5e-3), 0.01, 0.02};
-  constexpr std::size_t kShared = 4;
+  const std::size_t shared = at.size() - kOwnParameters;
   const std::span<const double> all(at);
-  const std::vector<double> derivatives = jacobian(problem, part, all.first(kShared), all.subspan(kShared));
+  const std::vector<double> derivatives = jacobian(problem, part, all.first(shared), all.subspan(shared));
   const std::size_t rows = residual_count(part);
   ASSERT_EQ(derivatives.size(), rows * at.size());
   constexpr double kStep = 1e-5;
@@ -40,13 +38,31 @@ TEST(Residuals, TheirDerivativesAreTheirDifferences) {
       Point moved = at;
       moved[c] += sign * kStep;
       const std::span<const double> there(moved);
-      residuals(problem, part, there.first(kShared), there.subspan(kShared), sign > 0.0 ? above : below);
+      residuals(problem, part, there.first(shared), there.subspan(shared), sign > 0.0 ? above : below);
     }
     for (std::size_t r = 0; r < rows; ++r) {
       EXPECT_NEAR(derivatives[r * at.size() + c], (above[r] - below[r]) / (2.0 * kStep), 1e-6)
           << r << " " << c;
     }
   }
+}
+
+TEST(Residuals, TheirDerivativesAreTheirDifferences) {
+  const Specimen specimen = springs({}, 1);
+  expect_differences(bent_problem(specimen),
+                     {std::log(30.0), std::log(1.5), std::log(0.7), std::log(5e-3), 0.01, 0.02});
+}
+
+TEST(Residuals, TheirDerivativesAreTheirDifferencesWithRelaxationOverUnequalSteps) {
+  Specimen specimen = springs({}, 1);
+  for (std::size_t i = 0; i < specimen.size(); ++i) {
+    const auto n = static_cast<double>(i);
+    specimen.time.push_back(0.01 * n + 1e-4 * n * n);
+  }
+  Problem problem = bent_problem(specimen);
+  problem.terms = 2;
+  expect_differences(problem, {std::log(30.0), std::log(1.5), std::log(0.7), std::log(5e-3), std::log(0.5),
+                               std::log(1.5), std::log(0.3), std::log(0.1), 0.01, 0.02});
 }
 
 TEST(Residuals, TheSensorsZeroMovesThemAlikeAndALossThemLess) {
