@@ -203,7 +203,8 @@ class Bench final {
   void measure_pictures(const Subject& subject) {
     show(0.0, "pictures of the " + subject.task + " scene");
     try {
-      account_.pictures.push_back(time_pictures(subject.task, subject.organ_triangles));
+      for (const render::Quality quality : {render::Quality::kBalanced, render::Quality::kFast})
+        account_.pictures.push_back(time_pictures(subject.task, subject.organ_triangles, quality));
     } catch (const std::runtime_error& error) {
       account_.remarks.emplace_back(error.what());
     }

@@ -79,10 +79,11 @@ void to_json(Json& row, const PictureAccount& picture) {
          {"organ_triangles", picture.organ_triangles},
          {"driver", picture.driver},
          {"pictures", picture.frame.samples},
-         {"fast_share", picture.fast_share}};
+         {"quality", picture.quality}};
   add_times(row, picture.deformation, "deformation_");
   add_times(row, picture.frame, "frame_");
   add_times(row, picture.frame_computed, "frame_computed_");
+  add_times(row, picture.redraw_computed, "redraw_computed_");
 }
 
 void to_json(Json& row, const PeerAccount& peer) {

@@ -80,10 +80,11 @@ struct PictureAccount {
   std::string scene;
   std::size_t organ_triangles = 0;  // of the organ's mesh; the renderer may subdivide it
   std::string driver;               // OpenGL's name of the renderer
-  double fast_share = 0.0;          // fraction of pictures drawn with Quality::kFast to keep the frame time
+  std::string quality;              // balanced or fast
   TimeStatistics deformation;       // CPU time of deformation and upload
   TimeStatistics frame;             // wall time of a picture
   TimeStatistics frame_computed;    // CPU time of all threads for a picture
+  TimeStatistics redraw_computed;   // CPU time of all threads where all of each picture is drawn
 };
 
 /// Time that another library needs for its own answer on the same organ and path.

@@ -59,13 +59,15 @@ void add_loop(Rows& rows, const LoopAccount& loop) {
 }
 
 void add_picture(Rows& rows, const PictureAccount& picture) {
-  const auto add = [&](const char* name, const TimeStatistics& times) {
-    rows.push_back({"picture", name, picture.scene, "contact", picture.organ_triangles, 0, times});
+  const auto add = [&](const std::string& name, const TimeStatistics& times) {
+    rows.push_back({"picture", name + (", " + picture.quality), picture.scene, "contact",
+                    picture.organ_triangles, 0, times});
   };
   add("deformation and upload", picture.deformation);
   add("whole picture", picture.frame);
-  rows.back().note = fmt::format("by {}, {:.0f} % drawn fast", picture.driver, 100.0 * picture.fast_share);
+  rows.back().note = "by " + picture.driver;
   add("whole picture, all threads", picture.frame_computed);
+  add("all drawn anew, all threads", picture.redraw_computed);
 }
 
 void add_peer(Rows& rows, const PeerAccount& peer) {

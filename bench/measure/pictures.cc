@@ -42,9 +42,30 @@ std::vector<haptics::Snapshot> moments_of(const scene::Scene& scene) {
   return moments;
 }
 
+// A renderer and the times of its frames [us].
+struct Frames {
+  Frames(const render::Subject& subject, render::Quality quality)
+      : renderer(subject, kWidth, kHeight, quality) {}
+
+  void time(const haptics::Snapshot& moment, const render::Camera& camera) {
+    const std::int64_t begun = monotonic_ns();
+    const std::int64_t spent = process_cpu_ns();
+    renderer.draw_and_keep(moment, camera);
+    renderer.finish();
+    wall.push_back(static_cast<double>(monotonic_ns() - begun) / kNanosecondsPerMicrosecond);
+    computed.push_back(static_cast<double>(process_cpu_ns() - spent) / kNanosecondsPerMicrosecond);
+    deformation.push_back(renderer.update_ms() * 1e3);
+  }
+
+  render::OffscreenRenderer renderer;
+  std::vector<double> deformation;
+  std::vector<double> wall;
+  std::vector<double> computed;
+};
+
 }  // namespace
 
-PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles) {
+PictureAccount time_pictures(const std::string& task, std::size_t organ_triangles, render::Quality quality) {
   const scene::Scene scene = bench_scene(task, 0, 0);
   const std::vector<haptics::Snapshot> moments = moments_of(scene);
   render::Subject drawn{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name};
@@ -53,30 +74,26 @@ PictureAccount time_pictures(const std::string& task, std::size_t organ_triangle
   PictureAccount account;
   account.scene = scene.name;
   account.organ_triangles = drawn.organ.triangles.size();
-  render::OffscreenRenderer renderer(drawn, kWidth, kHeight, render::Quality::kBalanced);
-  renderer.adapt_to_time();
-  account.driver = renderer.driver();
+  account.quality = quality == render::Quality::kFast ? "fast" : "balanced";
+  Frames changes(drawn, quality);
+  Frames redraws(drawn, quality);
+  account.driver = changes.renderer.driver();
   const contact::ToolResult& middle = moments.at(moments.size() / 2).results[0];
   const render::Camera camera =
       render::frame_contact(drawn, moments.at(moments.size() / 2), middle.contact_W, middle.normal_W, false);
-  for (std::size_t i = 0; i < kPictureWarmUp; ++i) renderer.draw_and_keep(moments.front(), camera);
-  std::vector<double> deformation;
-  std::vector<double> wall;
-  std::vector<double> computed;
-  for (const haptics::Snapshot& moment : moments) {
-    const std::int64_t begun = monotonic_ns();
-    const std::int64_t spent = process_cpu_ns();
-    account.fast_share += renderer.quality() == render::Quality::kFast ? 1.0 : 0.0;
-    renderer.draw_and_keep(moment, camera);
-    renderer.finish();
-    wall.push_back(static_cast<double>(monotonic_ns() - begun) / kNanosecondsPerMicrosecond);
-    computed.push_back(static_cast<double>(process_cpu_ns() - spent) / kNanosecondsPerMicrosecond);
-    deformation.push_back(renderer.update_ms() * 1e3);
+  for (std::size_t i = 0; i < kPictureWarmUp; ++i) {
+    changes.renderer.draw_and_keep(moments.front(), camera);
+    redraws.renderer.draw_and_keep(moments.front(), camera);
   }
-  account.fast_share /= static_cast<double>(moments.size());
-  account.deformation = figures_of(std::move(deformation));
-  account.frame = figures_of(std::move(wall));
-  account.frame_computed = figures_of(std::move(computed));
+  for (const haptics::Snapshot& moment : moments) {
+    changes.time(moment, camera);
+    redraws.renderer.redraw_all();
+    redraws.time(moment, camera);
+  }
+  account.deformation = figures_of(std::move(changes.deformation));
+  account.frame = figures_of(std::move(changes.wall));
+  account.frame_computed = figures_of(std::move(changes.computed));
+  account.redraw_computed = figures_of(std::move(redraws.computed));
   return account;
 }
 

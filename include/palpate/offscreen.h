@@ -168,6 +168,9 @@ class OffscreenRenderer final {
   void show_inclusions(std::vector<model::Inclusion> inclusions);
   /// [setup] Switches the studio lamps, initially on. Off: ambient light only.
   void switch_lamps(bool on);
+  /// [setup] Draws all of the next picture. Other pictures for motion (kBalanced, kFast) draw only what
+  /// changed since the last one, where the camera and all settings are the same; their pixels are the same.
+  void redraw_all();
   /// [setup] Adapts the quality to the frame time, as in a window.
   void adapt_to_time();
 

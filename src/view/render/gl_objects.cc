@@ -165,6 +165,13 @@ void GpuMesh::draw() const {
   glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
 }
 
+void GpuMesh::draw(std::size_t first, std::size_t count) const {
+  if (count == 0) return;
+  glBindVertexArray(array_);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
+                 offset(first * sizeof(std::uint32_t)));
+}
+
 void GpuMesh::draw_fullscreen() const {
   glBindVertexArray(array_);
   glDisableVertexAttribArray(0);

@@ -63,6 +63,8 @@ class GpuMesh final {
   /// Sets the attributes for a map of values. Without them no vertex is known.
   void set_map(std::span<const MapVertex> vertices);
   void draw() const;
+  /// Draws a range of its corners.
+  void draw(std::size_t first, std::size_t count) const;
   /// Draws one triangle over the whole target; the vertex shader generates its corners.
   void draw_fullscreen() const;
 

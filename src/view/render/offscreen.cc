@@ -63,14 +63,14 @@ struct OffscreenRenderer::Impl {
   }
 
   void upload_organ_at_rest() {
-    GpuMesh& mesh = painter.organ().mesh;
+    DeformingMesh& mesh = painter.organ().mesh;
     std::vector<std::uint32_t> corners;
     corners.reserve(organ.rest().triangles.size() * 3);
     for (const geometry::Triangle& t : organ.rest().triangles)
       for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
-    mesh.set_triangles(corners);
-    mesh.set_static(tissue_pattern(organ.rest(), look));
-    mesh.set_moving(organ.vertices());
+    mesh.set(corners, organ.vertices());
+    mesh.gpu().set_static(tissue_pattern(organ.rest(), look));
+    painter.redraw_all();
     static_cast<void>(organ.take_changes());
     assign_values();
   }
@@ -84,7 +84,7 @@ struct OffscreenRenderer::Impl {
   void upload_values() {
     painter.show_values(!values.values.empty());
     if (!values.values.empty())
-      painter.organ().mesh.set_map(
+      painter.organ().mesh.gpu().set_map(
           map.attributes(organ.rest().triangles, values.values, values.low, values.high));
   }
 
@@ -102,6 +102,7 @@ struct OffscreenRenderer::Impl {
         solid->mesh.set_triangles(corners);
         solid->mesh.set_static(still);
         solid->mesh.set_moving(vertices);
+        solid->blocks = RigidBlocks(vertices);
         painter.tools().push_back(std::move(solid));
       }
     }
@@ -123,7 +124,7 @@ struct OffscreenRenderer::Impl {
       return;
     }
     for (const deform::DeformedSurface::Range& range : organ.take_changes())
-      painter.organ().mesh.change_moving(range.first, organ.vertices().subspan(range.first, range.count));
+      painter.organ().mesh.change(range.first, organ.vertices().subspan(range.first, range.count));
   }
 
   void follow_time() {
@@ -279,6 +280,8 @@ void OffscreenRenderer::show_inclusions(std::vector<model::Inclusion> inclusions
 }
 
 void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
+
+void OffscreenRenderer::redraw_all() { impl_->painter.redraw_all(); }
 
 void OffscreenRenderer::adapt_to_time() {
   const Current current(context_.get());

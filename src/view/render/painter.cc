@@ -11,7 +11,7 @@ namespace palpate::render {
 namespace {
 
 constexpr int kShadowSize = 2048;  // texels per side
-constexpr int kSoftShadowSize = 256;
+constexpr int kSoftShadowSize = ChangedShadow::kEntries;
 constexpr double kSoftShadowLift = 0.4e-3;  // m
 constexpr double kPenumbra = 0.018;         // radius, as a fraction of the picture's height at the target
 constexpr double kOcclusionReach = 0.16;    // as a fraction of the picture's height at the target
@@ -38,6 +38,18 @@ Eigen::Matrix4f matrix_of(const Pose& pose) {
 
 Eigen::Vector2f texel_of(const Target& target) {
   return {1.0F / static_cast<float>(target.width()), 1.0F / static_cast<float>(target.height())};
+}
+
+bool same(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
+}
+
+bool same(const Camera& a, const Camera& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
+}
+
+void limit_drawing(const PixelBox& box) {
+  glScissor(box.left, box.low, box.right - box.left, box.high - box.low);
 }
 
 }  // namespace
@@ -115,6 +127,7 @@ struct Painter::Live {
         copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
         shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
         softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        softest(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
         backdrop(Target::Kind::kColour, width, height),
         picture(Target::Kind::kColourWithDepth, width, height) {}
 
@@ -123,7 +136,8 @@ struct Painter::Live {
   Program smooth_edges;
   Program copy;
   Target shadow;
-  Target softer;
+  Target softer;   // softened along x
+  Target softest;  // along both
   Target backdrop;
   Target picture;
   bool backdrop_drawn = false;
@@ -154,6 +168,7 @@ Painter::Painter(const TissueAppearance& look, int width, int height, Quality qu
 Painter::~Painter() = default;
 
 void Painter::set_quality(Quality quality) {
+  if (quality != quality_) redraw_all();
   quality_ = quality;
   if (!materials()) materials() = std::make_unique<Materials>(quality);
   if (quality == Quality::kFull) {
@@ -169,6 +184,7 @@ void Painter::set_quality(Quality quality) {
 void Painter::resize(int width, int height) {
   width_ = width;
   height_ = height;
+  redraw_all();
   resolved_.resize(width, height);
   if (still_) still_ = std::make_unique<Still>(width, height);
   if (live_) {
@@ -187,7 +203,7 @@ void Painter::draw_tools(const Program& program) const {
 
 void Painter::draw_scene(const Program& program) const {
   program.set("model", matrix_of(organ_.pose_W));
-  organ_.mesh.draw();
+  organ_.mesh.gpu().draw();
   draw_tools(program);
 }
 
@@ -294,7 +310,7 @@ const Program& Painter::tissue_program() {
   return *program;
 }
 
-void Painter::draw_materials(const View& view, bool each_sample) {
+void Painter::draw_materials(const View& view, const PixelBox& pixels, bool each_sample) {
   const Program& tissue = tissue_program();
   set_studio(tissue, view);
   tissue.set("vessel_colour", look_.vessel);
@@ -306,7 +322,11 @@ void Painter::draw_materials(const View& view, bool each_sample) {
     tissue.set("values_shown", values_shown_ ? 1.0F : 0.0F);
     set_marks(tissue, view);
   }
-  organ_.mesh.draw();
+  if (quality_ == Quality::kFull) {
+    organ_.mesh.gpu().draw();
+  } else {
+    organ_.mesh.draw(pixels);
+  }
   const Program& steel = materials()->steel;
   set_studio(steel, view);
   steel.set("map_range", 0.0F);
@@ -328,12 +348,64 @@ void Painter::draw_still(const View& view) {
   background_.use();
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
-  draw_materials(view, true);  // per-sample shading, because fine teeth glitter otherwise
+  draw_materials(view, whole().pixels, true);  // per-sample shading, because fine teeth glitter otherwise
   still_->picture.resolve_to(resolved_);
 }
 
-void Painter::draw_soft_shadow(const View& view) {
+Projection Painter::projection_of(const View& view, const Pose& pose_W) const {
+  const Eigen::Matrix4f model = matrix_of(pose_W);
+  return {view.projection * model,
+          view.light * model,
+          static_cast<float>(width_),
+          static_cast<float>(height_),
+          static_cast<float>(view.near_plane),
+          static_cast<float>(kSoftShadowLift)};
+}
+
+Painter::Part Painter::whole() const noexcept {
+  return {{0, 0, width_, height_}, {0, 0, kSoftShadowSize, kSoftShadowSize}};
+}
+
+Painter::Part Painter::changed_part(const View& view, const Camera& camera, const LitRegion& region) {
+  const Projection organ = projection_of(view, organ_.pose_W);
+  const bool same_view = drawn_ && same(drawn_->camera, camera) && drawn_->region.middle == region.middle &&
+                         drawn_->region.radius == region.radius && same(drawn_->organ_W, organ_.pose_W);
+  Drawn now{camera, region, organ_.pose_W, {}};
+  for (const auto& tool : tools_) now.tools_W.push_back(tool->pose_W);
+  const std::optional<Drawn> before = std::exchange(drawn_, std::move(now));
+  if (!same_view) {
+    organ_.mesh.place(organ);
+    return whole();
+  }
+
+  ScreenBox box;
+  ChangedShadow shadow;
+  organ_.mesh.add_changes(organ, box);
+  bool bounded = !organ_.mesh.is_cut();
+  for (std::size_t i = 0; i < tools_.size(); ++i) {
+    if (same(before->tools_W[i], tools_[i]->pose_W)) continue;
+    for (const Pose& pose_W : {before->tools_W[i], tools_[i]->pose_W}) {
+      const Projection projection = projection_of(view, pose_W);
+      bounded = tools_[i]->blocks.add_pixels(projection, box) && bounded;
+      tools_[i]->blocks.add_shadow(projection, shadow);
+    }
+  }
+  for (const auto& tool : tools_) {
+    const Projection projection = projection_of(view, tool->pose_W);
+    if (!shadow.empty() && tool->blocks.is_shaded(projection, shadow))
+      bounded = tool->blocks.add_pixels(projection, box) && bounded;
+  }
+  if (!shadow.empty()) organ_.mesh.add_shaded(shadow, box);
+  if (!bounded) return whole();
+  return {pixels_of(box, width_, height_), shadow.entries()};
+}
+
+// Softens the tools' shadow first along x, then along y. The steps before are kept for the next picture.
+void Painter::draw_soft_shadow(const View& view, const PixelBox& changed) {
+  if (changed.empty()) return;
+  constexpr int kBlur = ChangedShadow::kBlur;
   live_->shadow.bind();
+  limit_drawing(changed);
   glClearColor(1.0F, 1.0F, 0.0F, 0.0F);
   glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
   clamp_depths(true);
@@ -348,31 +420,44 @@ void Painter::draw_soft_shadow(const View& view) {
   live_->soften.use();
   live_->soften.set("source", 0);
   live_->softer.bind();
+  limit_drawing(changed.grown(kBlur, 0, kSoftShadowSize, kSoftShadowSize));
   live_->shadow.bind_texture(0);
   live_->soften.set("along", 1, 0);
   nothing_.draw_fullscreen();
-  live_->shadow.bind();
+  live_->softest.bind();
+  limit_drawing(changed.grown(kBlur, kBlur, kSoftShadowSize, kSoftShadowSize));
   live_->softer.bind_texture(0);
   live_->soften.set("along", 0, 1);
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
 }
 
-void Painter::draw_live(const View& view) {
-  if (!live_->backdrop_drawn) {
-    live_->backdrop.bind();
-    glDisable(GL_DEPTH_TEST);
-    background_.use();
-    nothing_.draw_fullscreen();
-    glEnable(GL_DEPTH_TEST);
-    live_->backdrop_drawn = true;
-  }
-  draw_soft_shadow(view);
+void Painter::draw_backdrop() {
+  if (live_->backdrop_drawn) return;
+  live_->backdrop.bind();
+  glDisable(GL_DEPTH_TEST);
+  background_.use();
+  nothing_.draw_fullscreen();
+  glEnable(GL_DEPTH_TEST);
+  live_->backdrop_drawn = true;
+}
+
+void Painter::draw_live(const View& view, const Part& part) {
+  finished_ = quality_ == Quality::kFast ? &live_->picture : &resolved_;
+  draw_backdrop();
+  glEnable(GL_SCISSOR_TEST);
+  draw_soft_shadow(view, part.shadow);
+  if (!part.pixels.empty()) draw_part(view, part.pixels);
+  glDisable(GL_SCISSOR_TEST);
+}
+
+void Painter::draw_part(const View& view, const PixelBox& pixels) {
   Target& drawn = live_->picture;
   drawn.bind();
+  limit_drawing(pixels);
   glClear(GL_DEPTH_BUFFER_BIT);
-  live_->shadow.bind_texture(0);
-  draw_materials(view, false);
+  live_->softest.bind_texture(0);
+  draw_materials(view, pixels, false);
   // The background last, only where nothing covers it.
   live_->backdrop.bind_texture(0);
   live_->copy.use();
@@ -382,18 +467,17 @@ void Painter::draw_live(const View& view) {
   nothing_.draw_fullscreen();
   glDepthMask(GL_TRUE);
   glDepthFunc(GL_LESS);
-  if (quality_ == Quality::kFast) {
-    finished_ = &drawn;
-    return;
+  if (quality_ != Quality::kFast) {
+    glDisable(GL_DEPTH_TEST);
+    resolved_.bind();
+    limit_drawing(pixels.grown(1, 1, width_, height_));  // it looks at the neighbours of a pixel
+    drawn.bind_texture(0);
+    live_->smooth_edges.use();
+    live_->smooth_edges.set("source", 0);
+    live_->smooth_edges.set("last", drawn.width() - 1, drawn.height() - 1);
+    nothing_.draw_fullscreen();
+    glEnable(GL_DEPTH_TEST);
   }
-  glDisable(GL_DEPTH_TEST);
-  resolved_.bind();
-  drawn.bind_texture(0);
-  live_->smooth_edges.use();
-  live_->smooth_edges.set("source", 0);
-  live_->smooth_edges.set("last", drawn.width() - 1, drawn.height() - 1);
-  nothing_.draw_fullscreen();
-  glEnable(GL_DEPTH_TEST);
 }
 
 void Painter::draw(const Camera& camera, const LitRegion& region) {
@@ -405,7 +489,7 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
   if (quality_ == Quality::kFull) {
     draw_still(view);
   } else {
-    draw_live(view);
+    draw_live(view, changed_part(view, camera, region));
   }
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "palpate/offscreen.h"
+#include "view/render/changed_region.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
 #include "view/render/tissue_pattern.h"
@@ -17,9 +19,16 @@ struct LitRegion {
   double radius = 0.1;  // m
 };
 
-/// A mesh and its pose.
+/// The organ's mesh and its pose.
+struct DeformingSolid {
+  DeformingMesh mesh;
+  Pose pose_W;
+};
+
+/// A rigid part of an instrument and its pose.
 struct Solid {
   GpuMesh mesh;
+  RigidBlocks blocks;
   Pose pose_W;
 };
 
@@ -33,6 +42,12 @@ struct PlacedMark {
 [[nodiscard]] Image read_pixels(int width, int height);
 
 /// Draws tissue and steel in studio lighting. All members: [setup], with the context current.
+///
+/// In the qualities for moving pictures it draws only what changed since its last picture, where camera,
+/// light, organ pose, size and settings are the same: a box around the tools that moved, the triangles of the
+/// organ that moved, before and after, and the triangles that the tools' shadow moved on. Only blocks of the
+/// organ's triangles in that box are drawn, and only the changed part of the shadow map. The picture is the
+/// same, bit for bit, as if all of it were drawn.
 class Painter final {
  public:
   Painter(const TissueAppearance& look, int width, int height, Quality quality);
@@ -41,22 +56,39 @@ class Painter final {
   Painter& operator=(const Painter&) = delete;
 
   /// The organ to draw; kept between pictures.
-  Solid& organ() noexcept { return organ_; }
+  DeformingSolid& organ() noexcept { return organ_; }
   std::vector<std::unique_ptr<Solid>>& tools() noexcept { return tools_; }
+  /// Draws all of the next picture. Required after a change of the organ's triangles or static attributes.
+  void redraw_all() noexcept { drawn_.reset(); }
   /// Displacement [m] that the colour map covers; 0: natural colours.
-  void set_map_range(double range) noexcept { map_range_ = range; }
-  /// Whether the organ's map attributes give its colours.
-  void show_values(bool shown) noexcept { values_shown_ = shown; }
+  void set_map_range(double range) noexcept {
+    map_range_ = range;
+    redraw_all();
+  }
+  /// Whether the organ's map attributes give its colours. Required after each change of them.
+  void show_values(bool shown) noexcept {
+    values_shown_ = shown;
+    redraw_all();
+  }
   /// Marks drawn on the organ's surface, at most kMaxMarks.
-  void show_marks(std::vector<PlacedMark> marks) { marks_ = std::move(marks); }
+  void show_marks(std::vector<PlacedMark> marks) {
+    marks_ = std::move(marks);
+    redraw_all();
+  }
   /// Whether values, marks or inclusions are shown. The first picture with them in each quality takes long.
   [[nodiscard]] bool annotated() const noexcept {
     return values_shown_ || !marks_.empty() || !inclusions_.empty();
   }
   /// The inclusions to draw inside the organ, at most model::kMaxInclusions; organ frame.
-  void show_inclusions(std::vector<model::Inclusion> inclusions) { inclusions_ = std::move(inclusions); }
+  void show_inclusions(std::vector<model::Inclusion> inclusions) {
+    inclusions_ = std::move(inclusions);
+    redraw_all();
+  }
   /// Switches the studio lamps; initially on.
-  void switch_lamps(bool on) noexcept { lamps_ = on; }
+  void switch_lamps(bool on) noexcept {
+    lamps_ = on;
+    redraw_all();
+  }
   /// Selects the quality. The first use of each compiles its shaders, which takes long; they are kept.
   void set_quality(Quality quality);
   [[nodiscard]] Quality quality() const noexcept { return quality_; }
@@ -77,6 +109,18 @@ class Painter final {
   struct Still;  // resources for kFull
   struct Live;   // resources for the other qualities
   struct Materials;
+  // What the kept picture shows.
+  struct Drawn {
+    Camera camera;
+    LitRegion region;
+    Pose organ_W;
+    std::vector<Pose> tools_W;
+  };
+  // The part of a picture to draw.
+  struct Part {
+    PixelBox pixels;
+    PixelBox shadow;  // entries of the shadow map before it is softened
+  };
   [[nodiscard]] std::unique_ptr<Materials>& materials() noexcept {
     return materials_[static_cast<std::size_t>(quality_)];
   }
@@ -86,12 +130,17 @@ class Painter final {
   void set_inclusions(const Program& program) const;
   [[nodiscard]] const Program& tissue_program();
   void set_marks(const Program& program, const View& view) const;
-  void draw_materials(const View& view, bool each_sample);
+  void draw_materials(const View& view, const PixelBox& pixels, bool each_sample);
   void draw_shadow(const View& view);
   void draw_occlusion(const View& view);
   void draw_still(const View& view);
-  void draw_soft_shadow(const View& view);
-  void draw_live(const View& view);
+  [[nodiscard]] Projection projection_of(const View& view, const Pose& pose_W) const;
+  [[nodiscard]] Part whole() const noexcept;
+  [[nodiscard]] Part changed_part(const View& view, const Camera& camera, const LitRegion& region);
+  void draw_backdrop();
+  void draw_soft_shadow(const View& view, const PixelBox& changed);
+  void draw_live(const View& view, const Part& part);
+  void draw_part(const View& view, const PixelBox& pixels);
 
   TissueAppearance look_;
   Quality quality_;
@@ -102,7 +151,7 @@ class Painter final {
   bool lamps_ = true;
   std::vector<model::Inclusion> inclusions_;
   std::vector<PlacedMark> marks_;
-  Solid organ_;
+  DeformingSolid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw
   Program background_;
@@ -111,6 +160,7 @@ class Painter final {
   std::unique_ptr<Live> live_;
   Target resolved_;
   const Target* finished_ = &resolved_;  // the newest picture
+  std::optional<Drawn> drawn_;           // nothing: the next picture is drawn as a whole
 };
 
 }  // namespace palpate::render

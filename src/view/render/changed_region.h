@@ -1,0 +1,161 @@
+#pragma once
+#include <array>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/deform/surface_blocks.h"
+#include "view/render/gl_objects.h"
+
+namespace palpate::render {
+
+/// A rectangle of a picture [pixels from the lower left corner] or of the shadow map [entries].
+struct ScreenBox {
+  float left = std::numeric_limits<float>::infinity();
+  float low = std::numeric_limits<float>::infinity();
+  float right = -std::numeric_limits<float>::infinity();
+  float high = -std::numeric_limits<float>::infinity();
+
+  [[nodiscard]] bool empty() const noexcept { return !(left <= right && low <= high); }
+  void add(const Eigen::Vector2f& point) noexcept;
+  void add(const ScreenBox& other) noexcept;
+  [[nodiscard]] bool touches(const ScreenBox& other) const noexcept {
+    return left <= other.right && other.left <= right && low <= other.high && other.low <= high;
+  }
+};
+
+/// Whole pixels of a picture; right and top are the first ones outside.
+struct PixelBox {
+  int left = 0;
+  int low = 0;
+  int right = 0;
+  int high = 0;
+
+  [[nodiscard]] bool empty() const noexcept { return left >= right || low >= high; }
+  /// Larger by these numbers of pixels on each side, within a picture of this size.
+  [[nodiscard]] PixelBox grown(int x, int y, int width, int height) const noexcept;
+};
+
+/// [any] The pixels of a picture of this size that something drawn in a box can cover: one more on each side
+/// than computed here in single precision.
+[[nodiscard]] PixelBox pixels_of(const ScreenBox& box, int width, int height) noexcept;
+
+/// Where points of a mesh are drawn in the picture and in the shadow map.
+struct Projection {
+  Eigen::Matrix4f to_picture;  // from the mesh's frame to clip coordinates
+  Eigen::Matrix4f to_light;    // from the mesh's frame to the shadow map's clip coordinates
+  float width = 1.0F;          // pixels
+  float height = 1.0F;
+  float near_plane = 0.0F;  // m before the camera
+  float lift = 0.0F;        // m along the normal: where a point's shadow is looked up
+};
+
+/// The part of the shadow map of the tools that has changed, in square cells, and how close to the light it
+/// changed. Only surface behind something that moved can have another shadow than before.
+class ChangedShadow final {
+ public:
+  static constexpr int kEntries = 256;  // of the shadow map, on each side
+  static constexpr int kBlur = 3;       // entries to each side that the map is softened over
+
+  ChangedShadow() { clear(); }
+  void clear() noexcept;
+  /// Adds a caster's bounding box in the shadow map: entries, and the depth [0 to 1] nearest to the light.
+  void add(const ScreenBox& entries, float nearest) noexcept;
+  [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
+  /// The entries of the map, before it is softened, that may have changed.
+  [[nodiscard]] PixelBox entries() const noexcept { return pixels_of(entries_, kEntries, kEntries); }
+  /// Whether the shadow may have changed on something with this bounding box in the map.
+  [[nodiscard]] bool falls_on(const ScreenBox& entries, float farthest) const noexcept;
+
+ private:
+  static constexpr int kCell = 4;  // entries
+  static constexpr int kCells = kEntries / kCell;
+  struct Cells {
+    std::size_t left, low, right, high;
+  };
+  [[nodiscard]] static Cells cells_of(const ScreenBox& entries, float margin) noexcept;
+
+  ScreenBox entries_;
+  std::array<float, static_cast<std::size_t>(kCells* kCells)> nearest_{};
+};
+
+/// The boxes around blocks of a rigid mesh's triangles, and where they are in picture and shadow map.
+class RigidBlocks final {
+ public:
+  RigidBlocks() = default;
+  /// [setup] @param corners three per triangle
+  explicit RigidBlocks(std::span<const deform::SurfaceVertex> corners);
+
+  /// [any] Adds the pixels that the mesh may cover. @return false where it passes the camera's near plane, so
+  /// that no box bounds it
+  [[nodiscard]] bool add_pixels(const Projection& projection, ScreenBox& box) const;
+  /// [any] Adds the mesh as a caster.
+  void add_shadow(const Projection& projection, ChangedShadow& shadow) const;
+  /// [any] Whether the shadow on the mesh may have changed.
+  [[nodiscard]] bool is_shaded(const Projection& projection, const ChangedShadow& shadow) const;
+
+ private:
+  struct Block {
+    Eigen::Vector3f low;
+    Eigen::Vector3f high;
+  };
+  std::vector<Block> blocks_;
+};
+
+/// A deforming mesh on the graphics card in blocks of triangles. It knows where it was drawn last, so that
+/// only blocks in the changed part of a picture are drawn. All members: [setup], with the context current.
+class DeformingMesh final {
+ public:
+  [[nodiscard]] GpuMesh& gpu() noexcept { return gpu_; }
+  [[nodiscard]] const GpuMesh& gpu() const noexcept { return gpu_; }
+  /// Replaces triangles and vertices.
+  void set(std::span<const std::uint32_t> corners, std::span<const deform::SurfaceVertex> vertices);
+  /// Replaces vertices, starting at index `first`.
+  void change(std::size_t first, std::span<const deform::SurfaceVertex> vertices);
+
+  /// Computes where all of the mesh is drawn.
+  void place(const Projection& projection);
+  /// Adds the pixels of all triangles that changed since the last place() or add_changes(), where they were
+  /// and where they are, and computes where they are drawn. The projection must be the one of that call.
+  void add_changes(const Projection& projection, ScreenBox& box);
+  /// Adds the pixels of the triangles that this shadow may fall on.
+  void add_shaded(const ChangedShadow& shadow, ScreenBox& box) const;
+  /// Whether the mesh passes the camera's near plane, so that no box bounds it.
+  [[nodiscard]] bool is_cut() const noexcept { return cut_; }
+  /// Draws the blocks with a triangle in these pixels.
+  void draw(const PixelBox& pixels) const;
+
+ private:
+  static constexpr std::size_t kTriangles = 64;  // per block
+  struct Block {
+    std::size_t first = 0;              // corner
+    std::size_t count = 0;              // corners
+    std::vector<std::uint32_t> groups;  // of kGroup vertices with one of this block
+    ScreenBox pixels;
+    ScreenBox entries;      // in the shadow map
+    float farthest = 0.0F;  // from the light
+  };
+  struct Placed {
+    Eigen::Vector2f pixel;
+    Eigen::Vector2f entry;
+    float depth;
+  };
+  static constexpr std::size_t kGroup = deform::SurfaceBlocks::kBlock;
+  void place_vertex(const Projection& projection, std::size_t vertex);
+  void bound(Block& block) const;
+  [[nodiscard]] bool is_seen(std::size_t corner) const;
+  void add_touched(const Block& block, ScreenBox& box) const;
+
+  GpuMesh gpu_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<deform::SurfaceVertex> vertices_;
+  std::vector<Placed> placed_;
+  std::vector<Block> blocks_;
+  std::vector<char> touched_;         // one per vertex
+  std::vector<char> touched_groups_;  // one per kGroup vertices
+  bool cut_ = false;
+};
+
+}  // namespace palpate::render
