@@ -176,7 +176,6 @@ Solution solve(const Problem& problem, const Solution& start, int most_iteration
   options.num_threads = 1;
   options.max_num_iterations = most_iterations;
   options.function_tolerance = tolerance;
-  use_few_jacobians(options);
   options.parameter_tolerance = 1e-9;
   options.gradient_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
