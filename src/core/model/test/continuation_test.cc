@@ -82,7 +82,9 @@ TEST(Continuation, APresetIsFiniteAndRisesByAtMostTheLastTangentAsDeepAsAHandRea
       ASSERT_GT(here.force, before) << depth;
       ASSERT_GT(here.stiffness, 0.0) << depth;
       ASSERT_LE(here.stiffness, tangent) << depth;
-      if (depth > deepest) ASSERT_EQ(here.stiffness, tangent) << depth;
+      if (depth > deepest) {
+        ASSERT_EQ(here.stiffness, tangent) << depth;
+      }
       ASSERT_LE(here.force - before, tangent * kDeepestHand / 6000 * (1.0 + 1e-9)) << depth;
       ASSERT_EQ(here.extrapolated, depth > deepest) << depth;
       before = here.force;
