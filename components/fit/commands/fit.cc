@@ -21,6 +21,7 @@
 
 #include "app/commands.h"
 #include "app/components.h"
+#include "app/jobs.h"
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/progress.h"
@@ -336,6 +337,7 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "--stiffness-map", flags->stiffness_map,
       "with --map: CSV file of the tissue's stiffness at every probe, for [organ.stiffness] (default: "
       "beside --out)");
+  add_jobs(*command);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

@@ -22,6 +22,7 @@
 
 #include "app/commands.h"
 #include "app/components.h"
+#include "app/jobs.h"
 #include "app/messages.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -222,6 +223,7 @@ void add_sweep(CLI::App& program, int& exit_code) {
   command->add_option("--duration-s", flags->request.duration_s,
                       "simulated time of each run: exactly round(S x rate) ticks");
   command->add_flag("--no-cache", flags->no_cache, "prepare organs again and do not cache them");
+  add_jobs(*command);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

@@ -1,7 +1,9 @@
 #include "fit/identify/fit_many.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -28,15 +30,15 @@ class Fitting final {
         record_(results_file, ranks, check_line),
         fits_(specimens_.size()) {}
 
-  /// Each specimen is fitted by one rank.
+  /// Each specimen is fitted by one rank, or by one thread of a single process.
   void by_specimen() {
-    std::size_t done = 0;
+    std::atomic<std::size_t> done = 0;
     const auto key = [&](std::size_t i) {
       return record_key(specimens_[i], settings_, static_cast<std::uint32_t>(i));
     };
     const auto run = [&](std::size_t i) {
       const Progress within = [&](double share, const std::string& what) {
-        report_progress((static_cast<double>(done) + share), specimens_[i].name + ": " + what);
+        report_progress((static_cast<double>(done.load()) + share), specimens_[i].name + ": " + what);
       };
       return fitted(i, ranks_.size() == 1 ? within : Progress{}, nullptr);
     };
@@ -44,7 +46,7 @@ class Fitting final {
       report_progress(static_cast<double>(++done), specimens_[i].name + ": done");
     };
     if (ranks_.rank() == 0) report_progress(0.0, "fits");
-    auto [lines, resumed] = for_each_task(&ranks_, {specimens_.size(), run, key, arrived}, &record_);
+    auto [lines, resumed] = for_each_task(&ranks_, {specimens_.size(), run, key, arrived, true}, &record_);
     lines_ = std::move(lines);
     resumed_ = resumed;
   }
@@ -89,6 +91,7 @@ class Fitting final {
   }
 
   void report_progress(double done, const std::string& what) const {
+    const std::lock_guard lock(progress_mutex_);
     const double pooled = specimens_.size() > 1 ? kPooledShare : 0.0;
     if (progress_) progress_(done / (static_cast<double>(specimens_.size()) * (1.0 + pooled)), what);
   }
@@ -97,6 +100,7 @@ class Fitting final {
   const Settings& settings_;
   tasks::Communicator& ranks_;
   const Progress& progress_;
+  mutable std::mutex progress_mutex_;
   bool needs_lines_;
   tasks::Record record_;
   std::vector<std::optional<SpecimenFit>> fits_;  // those of this rank

@@ -92,7 +92,7 @@ std::vector<Point> resampled(const LocalOptima& optima, std::uint64_t seed, cons
     if (progress) progress(0.3 + 0.4 * ++done / kResamples, "pooled intervals");
   };
   std::vector<Point> points;
-  for (const std::string& bytes : for_each_task(ranks, {kResamples, resample, {}, arrived}).results) {
+  for (const std::string& bytes : for_each_task(ranks, {kResamples, resample, {}, arrived, true}).results) {
     points.push_back(doubles_of(bytes));
   }
   return points;
@@ -140,7 +140,7 @@ std::vector<Interval> profile_intervals(const LocalOptima& optima, const Progres
     if (progress) progress(0.7 + 0.3 * ++done / (2.0 * kLawParameters), "what the specimens leave open");
   };
   const std::vector<std::string> ends =
-      for_each_task(ranks, {2 * kLawParameters, end_of, {}, arrived}).results;
+      for_each_task(ranks, {2 * kLawParameters, end_of, {}, arrived, true}).results;
   std::vector<Interval> intervals;
   for (std::size_t i = 0; i < kLawParameters; ++i) {
     intervals.push_back({doubles_of(ends[2 * i]).front(), doubles_of(ends[2 * i + 1]).front()});

@@ -62,7 +62,7 @@ std::vector<Point> bootstrap(const LocalOptima& optima, int count, std::uint64_t
     if (progress) progress(static_cast<double>(++done) / count);
   };
   std::vector<Point> points;
-  const tasks::Tasks tasks{static_cast<std::size_t>(count), resample, {}, arrived};
+  const tasks::Tasks tasks{static_cast<std::size_t>(count), resample, {}, arrived, true};
   for (const std::string& bytes : for_each_task(ranks, tasks).results) points.push_back(doubles_of(bytes));
   return points;
 }

@@ -416,7 +416,7 @@ Sweeps sweep_many(std::vector<Specimen> specimens, const ManyFits& fits,
   };
   if (progress && ranks.rank() == 0) progress(0.0, "sweeps");
   tasks::Record record(results_file, ranks, check_line);
-  const auto [lines, resumed] = for_each_task(&ranks, {pieces.size(), run, key, arrived}, &record);
+  const auto [lines, resumed] = for_each_task(&ranks, {pieces.size(), run, key, arrived, true}, &record);
   Sweeps sweeps;
   sweeps.resumed = resumed;
   for (std::size_t i = 0; i < pieces.size(); i += 2) {

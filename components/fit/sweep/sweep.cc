@@ -262,7 +262,7 @@ SweepResult run_sweep(const SweepRequest& request, tasks::Communicator& ranks, c
   tasks::Record record(request.record, ranks, [&request](const std::string& line) {
     if (row_of(line, request.axes).failed()) throw InputError("is run again");
   });
-  auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived}, &record);
+  auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived, true}, &record);
   result.resumed = resumed;
   result.record_failure = record.failure();
   for (const std::string& line : lines) result.rows.push_back(row_of(line, request.axes));

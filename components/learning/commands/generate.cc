@@ -18,6 +18,7 @@
 
 #include "app/commands.h"
 #include "app/components.h"
+#include "app/jobs.h"
 #include "app/numbers.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -133,6 +134,7 @@ void add_generate(CLI::App& program, int& exit_code) {
             "also observe the displacements of so many points of the surface (default 0)");
   add_organ_and_tool_flags(*command, request.scene);
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
+  add_jobs(*command);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

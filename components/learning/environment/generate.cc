@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -212,33 +214,62 @@ class Output final {
   double sum_ = 0.0;
 };
 
+/// Environments of one request: as many as threads run episodes at once. An episode does not depend on those
+/// before it in its environment.
+class Environments final {
+ public:
+  explicit Environments(const GenerateRequest& request) : request_(request) {}
+
+  [[nodiscard]] std::unique_ptr<Environment> take() {
+    const std::lock_guard lock(
+        mutex_);  // also while one is made: the first one fills the cache for the others
+    if (!idle_.empty()) {
+      std::unique_ptr<Environment> one = std::move(idle_.back());
+      idle_.pop_back();
+      return one;
+    }
+    const scene::Overrides scene = with_defaults(request_.settings.task, request_.scene);
+    return std::make_unique<Environment>(scene::load(scene), request_.settings, request_.preparation);
+  }
+
+  void give_back(std::unique_ptr<Environment> one) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(one));
+  }
+
+ private:
+  const GenerateRequest& request_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Environment>> idle_;
+};
+
 }  // namespace
 
 GenerateSummary generate(const GenerateRequest& request, tasks::Communicator& ranks,
                          const Progress& progress) {
   constexpr std::uint64_t kBatch = 64U << 20U;  // bytes of episodes that are in memory at a time
-  std::optional<Environment> environment;
+  Environments environments(request);
   std::optional<Output> output;
-  const auto open = [&] {
-    if (environment) return;
-    const scene::Overrides scene = with_defaults(request.settings.task, request.scene);
-    environment.emplace(scene::load(scene), request.settings, request.preparation);
-  };
   tasks::on_rank_zero(ranks, [&] {
     check(request);
-    open();
+    std::unique_ptr<Environment> environment = environments.take();
     std::error_code error;  // of a folder: opening the file reports it
     if (request.creates_folder) std::filesystem::create_directories(request.out.parent_path(), error);
     output.emplace(request, *environment);
+    environments.give_back(std::move(environment));
   });
   const std::uint64_t batch = std::clamp<std::uint64_t>(kBatch / largest_episode(request.settings), 1, 1000);
   GenerateSummary summary;
   for (std::uint64_t first = 0; first < request.episodes; first += batch) {
     tasks::Tasks work;
     work.count = std::min(batch, request.episodes - first);
+    work.on_threads = true;
     work.run = [&](std::size_t i) {
-      open();
-      return packed(run_episode(*environment, request.policy, seed_of(request.seed, first + i)));
+      std::unique_ptr<Environment> environment = environments.take();
+      std::string result =
+          packed(run_episode(*environment, request.policy, seed_of(request.seed, first + i)));
+      environments.give_back(std::move(environment));
+      return result;
     };
     std::uint64_t done = first;
     work.done = [&](std::size_t) {

@@ -9,6 +9,7 @@
 #include "run/tasks/communicator.h"
 
 #include "app/commands.h"
+#include "app/jobs.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
 #include "study/session/power.h"
@@ -68,6 +69,7 @@ void add_study_power(CLI::App& study, int& exit_code) {
   command->add_option("--participants", flags->request.participants, "numbers of people, default 12,16,24")
       ->delimiter(',');
   command->add_option("--groups", flags->request.groups, "simulated groups, default 200");
+  add_jobs(*command);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
       "Examples:\n"

@@ -12,6 +12,7 @@
 #include "run/tasks/for_each_task.h"
 
 #include "app/commands.h"
+#include "app/jobs.h"
 #include "app/messages.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
@@ -80,6 +81,7 @@ int simulate(const SimulateFlags& flags) {
   std::size_t finished = 0;
   tasks::Tasks work;
   work.count = ids.size();
+  work.on_threads = !flags.rendered;
   work.run = [&](std::size_t i) {
     if (!flags.rendered) {
       return study::simulate_log(study, key, static_cast<std::uint32_t>(i), flags.observer);
@@ -126,6 +128,7 @@ void add_study_simulate(CLI::App& study, int& exit_code) {
   command->add_flag(
       "--rendered", flags->rendered,
       "answer to the force that the haptic loop renders, with recordings; without it by formulas");
+  add_jobs(*command);
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->footer(
       "Examples:\n  palpate study prepare touch-noise.toml try --participants 24\n"

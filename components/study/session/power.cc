@@ -184,6 +184,7 @@ Power simulate_power(const Study& study, PowerRequest request, tasks::Communicat
     }
     return json.dump();
   };
+  all.on_threads = true;
   all.done = [&](std::size_t) {
     if (progress) progress(static_cast<double>(++finished) / static_cast<double>(all.count));
   };

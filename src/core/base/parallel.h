@@ -13,6 +13,21 @@ namespace palpate {
 void for_ranges(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t begin, std::size_t end)>& body);
 
+/// Limits the threads of for_ranges() during its lifetime, the calling one included. A smaller limit that
+/// lives beside it counts.
+class ThreadLimit final {
+ public:
+  /// [setup] @param most at least 1
+  explicit ThreadLimit(std::size_t most);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+};
+
 /// Keeps the worker threads of for_ranges() during its lifetime. The destructor waits until they have ended
 /// (unless another thread still uses them), so that none wakes up beside a real-time loop.
 class WorkerThreads final {

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "palpate/error.h"
 
 namespace palpate::tasks {
@@ -120,7 +121,15 @@ std::vector<Outcome> run_all(Communicator& ranks, const Tasks& tasks, const std:
     outcomes[index] = std::move(outcome);
   };
   if (ranks.size() == 1) {
-    for (std::size_t i = 0; i < missing.size(); ++i) take_in(i, run_task(tasks, missing[i]));
+    std::mutex mutex;
+    for_ranges(missing.size(), tasks.on_threads ? 1 : missing.size(),
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t i = begin; i < end; ++i) {
+                   Outcome outcome = run_task(tasks, missing[i]);
+                   const std::lock_guard lock(mutex);
+                   take_in(i, std::move(outcome));
+                 }
+               });
     return outcomes;
   }
   if (ranks.rank() == 0) {

@@ -11,6 +11,10 @@ struct WorkerThreads::Handle {};
 WorkerThreads::WorkerThreads() = default;
 WorkerThreads::~WorkerThreads() = default;
 
+struct ThreadLimit::Handle {};
+ThreadLimit::ThreadLimit(std::size_t /*most*/) {}
+ThreadLimit::~ThreadLimit() = default;
+
 void for_ranges(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t begin, std::size_t end)>& body) {
   grain = std::max<std::size_t>(grain, 1);

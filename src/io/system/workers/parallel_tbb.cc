@@ -20,6 +20,15 @@ WorkerThreads::WorkerThreads() : handle_(std::make_unique<Handle>()) {}
 
 WorkerThreads::~WorkerThreads() { static_cast<void>(tbb::finalize(handle_->scheduler, std::nothrow)); }
 
+struct ThreadLimit::Handle {
+  tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(std::size_t most)
+    : handle_(new Handle{{tbb::global_control::max_allowed_parallelism, std::max<std::size_t>(most, 1)}}) {}
+
+ThreadLimit::~ThreadLimit() = default;
+
 void for_ranges(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t begin, std::size_t end)>& body) {
   grain = std::max<std::size_t>(grain, 1);

@@ -1,18 +1,22 @@
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
 #include <deque>
 #include <fstream>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "core/base/parallel.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "run/tasks/communicator.h"
@@ -129,6 +133,41 @@ TEST(ForEachTask, GivesEveryRankTheSameOnAnyNumberOfRanks) {
     });
     EXPECT_THAT(each, testing::Each(testing::StrEq("|0 |0 1 8 27 64 ||0 1 8 27 64 |"))) << count;
   }
+}
+
+TEST(ForEachTask, OnThreadsKeepsTheOrderAndReportsOneTaskAtATime) {
+  std::set<std::size_t> reported;  // without a lock
+  bool inside = false;
+  Tasks tasks{200, [](std::size_t i) { return std::to_string(i * i); }, {}, {}, true};
+  tasks.done = [&](std::size_t i) {
+    EXPECT_FALSE(std::exchange(inside, true));
+    EXPECT_TRUE(reported.insert(i).second);
+    inside = false;
+  };
+  const std::vector<std::string> results = for_each_task(nullptr, tasks).results;
+  ASSERT_EQ(results.size(), 200U);
+  for (std::size_t i = 0; i < 200; ++i) EXPECT_EQ(results[i], std::to_string(i * i));
+  EXPECT_EQ(reported.size(), 200U);
+}
+
+TEST(ForEachTask, UsesAsManyThreadsAsAllowed) {
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  const auto run = [&](std::size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    const std::lock_guard lock(mutex);
+    threads.insert(std::this_thread::get_id());
+    return std::string();
+  };
+  for_each_task(nullptr, {100, run, {}, {}, false});
+  EXPECT_EQ(threads, std::set{std::this_thread::get_id()});
+  {
+    const ThreadLimit one(1);
+    for_each_task(nullptr, {100, run, {}, {}, true});
+    EXPECT_EQ(threads, std::set{std::this_thread::get_id()});
+  }
+  for_each_task(nullptr, {100, run, {}, {}, true});
+  EXPECT_EQ(threads.size() > 1, std::thread::hardware_concurrency() > 1);
 }
 
 TEST(ForEachTask, ReportsEachTaskToTheFirstRankOnce) {
