@@ -67,7 +67,7 @@ void add_picture(Rows& rows, const PictureAccount& picture) {
   add("whole picture", picture.frame);
   rows.back().note = "by " + picture.driver;
   add("whole picture, all threads", picture.frame_computed);
-  add("all drawn anew, all threads", picture.redraw_computed);
+  add("full redraw, all threads", picture.redraw_computed);
 }
 
 void add_peer(Rows& rows, const PeerAccount& peer) {

@@ -96,7 +96,7 @@ class Flood final {
     const double inverse = 1.0 / (radius_ * radius_);
     const double weight = std::max(0.0, 3.0 - inverse * (3.0 * squared + facet.squares));
     const double cosine = reference_.dot(facet.area) / facet.area.norm();
-    if (cosine <= kSharpCosine) return true;
+    if (!(cosine > kSharpCosine)) return true;  // NaN: a triangle without area
     if (cosine < kFullCosine) {
       constexpr double kPerCosine = 1.0 / (kFullCosine - kSharpCosine);
       sum_.turn += (weight * kPerCosine / facet.area.norm()) * facet.area * facet.area.transpose();

@@ -226,6 +226,28 @@ TEST(AveragedNormals, FromSamplesKeepBothSidesOfSharpEdges) {
   }
 }
 
+TEST(AveragedNormals, FromSamplesAreNotChangedByATriangleWithoutArea) {
+  const Surface whole(shaken(geometry::make_ball(20e-3, 81920), 0.02e-3));
+  TriangleMesh mesh = whole.mesh;
+  const auto [a, b, c] = mesh.triangles[0];
+  const auto same_place = static_cast<std::int32_t>(mesh.vertices.size());  // as a
+  mesh.vertices.push_back(Vec3(mesh.vertices[at(a)]));
+  mesh.triangles[0] = {same_place, b, c};
+  mesh.triangles.push_back({a, same_place, c});
+  mesh.triangles.push_back({a, b, same_place});
+  const Surface split(mesh);
+  const auto expected = averaged_normals(whole.view(), whole.sides, kRadius, kRadius / 4.0);
+  const auto normals = averaged_normals(split.view(), split.sides, kRadius, kRadius / 4.0);
+  std::vector<double> angles;
+  for (std::size_t v = 0; v < whole.mesh.vertices.size(); ++v) {
+    if ((mesh.vertices[v] - mesh.vertices[at(a)]).norm() > kRadius) continue;
+    angles.push_back((normals[v].normal - expected[v].normal).norm() / kDegree);
+  }
+  std::sort(angles.begin(), angles.end());
+  ASSERT_GT(angles.size(), 100U);
+  EXPECT_LT(angles[angles.size() * 9 / 10], 0.1);
+}
+
 TEST(AveragedNormals, FromSamplesHaveTheSlopeOfABall) {
   // On a ball of radius r a normal turns by 1/r per metre.
   const Surface surface(geometry::make_ball(20e-3, 81920));
