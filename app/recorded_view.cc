@@ -34,8 +34,12 @@ std::uint32_t RecordedView::hands() const noexcept {
 
 render::Subject RecordedView::subject() const {
   const scene::Scene& scene = recording_.scene;
-  return {scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
-          scene::visible_inclusions(scene.inclusions)};
+  return {scene.organ,
+          scene.tools,
+          scene.tissue.reach,
+          scene.tissue.name,
+          scene::visible_inclusions(scene.inclusions),
+          scene.support};
 }
 
 const haptics::TickRow& RecordedView::row(std::uint64_t tick, std::uint32_t hand) const {

@@ -22,6 +22,14 @@ void add_organ_and_tool_flags(CLI::App& command, scene::Overrides& request) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       .add_option(
+          "--organ-support", request.organ_support,
+          "what holds the organ, so that all of it gives way: bed:X,Y,Z[,SHARE] (direction towards the "
+          "bed), faces:X,Y,Z (held faces look away from it), at:X,Y,Z,RADIUS (mm), or none; repeat "
+          "the flag to add up")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option(
           "--inclusion", request.inclusions,
           "nodule, stone, plaque, vessel, cyst or none, under the place that the default path presses, "
           "instead of the scene's; repeat the flag for several")

@@ -57,8 +57,12 @@ void Window::make_renderer() {
 
 render::Subject Window::subject() const {
   const scene::Scene& scene = run_->session().scene();
-  return {scene.organ, scene.tools, now_.tissue.reach, scene.tissue.name,
-          scene::visible_inclusions(now_.inclusions)};
+  return {scene.organ,
+          scene.tools,
+          now_.tissue.reach,
+          scene.tissue.name,
+          scene::visible_inclusions(now_.inclusions),
+          scene.support};
 }
 
 void Window::take_rows() {

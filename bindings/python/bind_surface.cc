@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/scene/support_reader.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/surface.h"
@@ -45,9 +46,15 @@ Indentation make_indentation(const Numbers& point, const Numbers& direction, dou
 
 geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
                                         const std::vector<Indentation>& indentations,
-                                        const TissueArgument& tissue) {
+                                        const TissueArgument& tissue,
+                                        const std::vector<std::string>& organ_support) {
   const model::TissueParameters parameters = tissue_of(tissue);
-  deform::SurfaceDeformer deformer(mesh);
+  std::shared_ptr<const deform::OrganResponse> response;
+  if (const auto stated = scene::support_by_flags(organ_support)) {
+    scene::check_support(*stated, mesh);
+    response = deform::prepare_response(mesh, stated->support);
+  }
+  deform::SurfaceDeformer deformer(mesh, response);
   geometry::TriangleMesh moved;
   moved.triangles = mesh.triangles;
   deformer.deform(parameters.reach, indentations, moved.vertices);
@@ -57,7 +64,8 @@ geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
 }  // namespace
 
 Surface surface_of(const record::Recording& recording, std::uint64_t tick, double surface_edge, bool cache) {
-  deform::SurfaceDeformer deformer(visible_surface(recording.scene, surface_edge));
+  deform::SurfaceDeformer deformer(visible_surface(recording.scene, surface_edge),
+                                   deform::prepare_response(recording.scene.organ, recording.scene.support));
   return surface_at(record::snapshots_at(recording, {tick}, preparation_of(cache)).front(), deformer);
 }
 
@@ -92,10 +100,12 @@ void bind_surface(py::module_& module) {
       .def_readonly("half_width", &Indentation::half_width, doc("Indentation::half_width"));
   module.def(
       "deformed_surface", &deformed_surface, py::arg("mesh"), py::arg("indentations"), py::arg("tissue"),
-      others_may_run,
+      py::arg("organ_support") = std::vector<std::string>{}, others_may_run,
       "The mesh deformed by all indentations together: the displacement profile u(r) of docs/model.md "
       "with the falloff ratios of the tissue (a Tissue, a built-in name or a tissue file), r along the "
-      "surface. Vertices beyond the profile do not change. Raises InputError.");
+      "surface. Vertices beyond the profile do not change. With `organ_support` (as the flag "
+      "--organ-support, "
+      "a list), all of a closed mesh gives way. Raises InputError.");
 }
 
 }  // namespace palpate::python

@@ -37,7 +37,7 @@ SceneArguments parse_scene_arguments(
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
     std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
     std::optional<std::vector<InclusionArgument>> inclusions,
-    const std::optional<StiffnessArgument>& stiffness_map) {
+    const std::optional<StiffnessArgument>& stiffness_map, const std::vector<std::string>& organ_support) {
   if (scene && scene_text) throw InputError("scene and scene_text are both given, must be at most one");
   SceneArguments arguments;
   scene::Overrides& request = arguments.request;
@@ -47,6 +47,7 @@ SceneArguments parse_scene_arguments(
   request.organ = organ;
   request.organ_unit = organ_unit;
   request.organ_motion = organ_motion;
+  request.organ_support = organ_support;
   if (tissue && std::holds_alternative<std::string>(*tissue)) {
     request.tissue = std::get<std::string>(*tissue);
   } else if (tissue) {

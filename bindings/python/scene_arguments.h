@@ -45,7 +45,7 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
     std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
     std::optional<std::vector<InclusionArgument>> inclusions,
-    const std::optional<StiffnessArgument>& stiffness_map);
+    const std::optional<StiffnessArgument>& stiffness_map, const std::vector<std::string>& organ_support);
 
 /// Options for preparing the organ, with or without the user's cache.
 [[nodiscard]] contact::Preparation preparation_of(bool cache);
@@ -61,7 +61,8 @@ using TissueArgument = std::variant<model::TissueParameters, std::string>;
                          py::arg("organ_motion") = std::vector<std::string>{}, py::arg("tissue") = none,
                          py::arg("tool") = none, py::arg("tool_unit") = none, py::arg("device") = none,
                          py::arg("rate_Hz") = none, py::arg("seed") = none, py::arg("noise") = true,
-                         py::arg("inclusions") = none, py::arg("stiffness_map") = none);
+                         py::arg("inclusions") = none, py::arg("stiffness_map") = none,
+                         py::arg("organ_support") = std::vector<std::string>{});
 }
 
 /// Wraps a function of a scene and `More` arguments: the result takes the arguments of
@@ -76,11 +77,12 @@ auto of_a_scene(Function function) {
                     const std::optional<std::string>& tool_unit, const std::optional<std::string>& device,
                     std::optional<double> rate_Hz, std::optional<std::uint64_t> seed, bool noise,
                     std::optional<std::vector<InclusionArgument>> inclusions,
-                    const std::optional<StiffnessArgument>& stiffness_map, More... more) {
-    return function(
-        parse_scene_arguments(scene, scene_text, task, organ, organ_unit, organ_motion, tissue, tool,
-                              tool_unit, device, rate_Hz, seed, noise, std::move(inclusions), stiffness_map),
-        std::move(more)...);
+                    const std::optional<StiffnessArgument>& stiffness_map,
+                    const std::vector<std::string>& organ_support, More... more) {
+    return function(parse_scene_arguments(scene, scene_text, task, organ, organ_unit, organ_motion, tissue,
+                                          tool, tool_unit, device, rate_Hz, seed, noise,
+                                          std::move(inclusions), stiffness_map, organ_support),
+                    std::move(more)...);
   };
 }
 

@@ -30,8 +30,12 @@ using palpate::render::Quality;
 namespace {
 
 palpate::render::Subject subject_of(const palpate::scene::Scene& scene) {
-  return {scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
-          palpate::scene::visible_inclusions(scene.inclusions)};
+  return {scene.organ,
+          scene.tools,
+          scene.tissue.reach,
+          scene.tissue.name,
+          palpate::scene::visible_inclusions(scene.inclusions),
+          scene.support};
 }
 
 /// Copies a snapshot that came from another instance. @throws UseError for other bytes

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,6 +76,7 @@ struct Subject {
   model::FalloffRatios reach;
   std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
   std::vector<model::Inclusion> inclusions{};  // the visible ones, at most model::kMaxInclusions
+  std::optional<geometry::Support> support{};  // with it, the whole organ gives way
 };
 
 /// Values at points of the rest surface, drawn as a colour map.

@@ -14,6 +14,7 @@
 #include "palpate/mesh.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
+#include "palpate/support.h"
 #include "palpate/tissue.h"
 #include "palpate/tool.h"
 #include "palpate/touch_noise.h"
@@ -204,9 +205,11 @@ struct Scene {
   model::TissueParameters tissue;
   std::vector<InclusionSetup> inclusions;        // at most model::kMaxInclusions
   std::vector<model::StiffnessPoint> stiffness;  // of the stiffness map; empty: the factor is 1
-  SearchSetup search;                            // only for task palpate
-  std::vector<geometry::Tool> tools;             // one per hand
-  std::vector<DeviceSetup> devices;              // one per hand
+  std::optional<geometry::Support>
+      support;                        // what holds the organ; empty: only the surface near a contact moves
+  SearchSetup search;                 // only for task palpate
+  std::vector<geometry::Tool> tools;  // one per hand
+  std::vector<DeviceSetup> devices;   // one per hand
   noise::NoiseSettings noise;
   SafetySetup safety;
   // Shown to the user, stored in recordings, printed in reports:
@@ -237,10 +240,11 @@ struct Overrides {
   std::optional<std::string> organ_unit;
   std::optional<std::string> organ_frame;  // ras | lps
   bool igtl = false;  // the run has an OpenIGTLink server, so remarks about organ_frame matter
-  std::vector<std::string> organ_motion;  // breathing, heartbeat, none; replaces the scene's motions
-  std::vector<std::string> inclusions;    // presets, or none; replace the scene's inclusions
-  std::optional<std::string> tissue;      // built-in name or tissue file
-  std::vector<std::string> tools;         // one entry: the tool; several: the jaws of one tool
+  std::vector<std::string> organ_motion;   // breathing, heartbeat, none; replaces the scene's motions
+  std::vector<std::string> inclusions;     // presets, or none; replace the scene's inclusions
+  std::vector<std::string> organ_support;  // bed:.., faces:.., at:.., none; replace the scene's support
+  std::optional<std::string> tissue;       // built-in name or tissue file
+  std::vector<std::string> tools;          // one entry: the tool; several: the jaws of one tool
   std::optional<std::string> tool_unit;
   std::optional<std::string> device;  // KIND[:PATH]
   std::optional<double> rate_Hz;

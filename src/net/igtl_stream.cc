@@ -87,7 +87,7 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
 IgtlStream::IgtlStream(const scene::Scene& scene)
     : rate_Hz_(scene.rate_Hz),
       lps_(scene.organ_frame == scene::OrganFrame::kLps),
-      deformer_(finely_divided(scene.organ)),
+      deformer_(finely_divided(scene.organ), deform::prepare_response(scene.organ, scene.support)),
       surface_("PalpateOrgan", deformer_.rest().triangles) {}
 
 /// A vector or point of the world as R, A, S.

@@ -50,7 +50,8 @@ Json list(const Quat& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 }  // namespace
 
-LiveSurface::LiveSurface(const geometry::TriangleMesh& organ) : deformer_(checked(organ)) {}
+LiveSurface::LiveSurface(const geometry::TriangleMesh& organ, const std::optional<geometry::Support>& support)
+    : deformer_(checked(organ), deform::prepare_response(organ, support)) {}
 
 Json LiveSurface::at_rest() const { return mesh_json(deformer_.rest()); }
 

@@ -18,7 +18,8 @@ class LiveSurface final {
   static constexpr std::size_t kMaxTriangles = 20'000;
 
   /// @throws LiveError when the organ has more triangles than kMaxTriangles.
-  explicit LiveSurface(const geometry::TriangleMesh& organ);
+  explicit LiveSurface(const geometry::TriangleMesh& organ,
+                       const std::optional<geometry::Support>& support = {});
 
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
   [[nodiscard]] nlohmann::ordered_json at_rest() const;

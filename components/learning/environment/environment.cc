@@ -137,7 +137,9 @@ Environment::Environment(scene::Scene scene, const Settings& settings, const con
     lump_places_S_ = lump_places_of(scene_);
     lump_S_ = lump_places_S_.front();
   }
-  if (settings_.surface_points > 0) deformer_.emplace(scene_.organ);
+  if (settings_.surface_points > 0) {
+    deformer_.emplace(scene_.organ, deform::prepare_response(scene_.organ, scene_.support));
+  }
   list_channels();
   // Rejects now what the bounds of a range would make of the tissue and the noise.
   for (const bool high : {false, true}) {

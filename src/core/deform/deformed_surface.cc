@@ -191,7 +191,7 @@ DeformedSurface::TrackedContact& DeformedSurface::contact_for(const contact::Sur
 }
 
 void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indentation,
-                              const contact::SurfacePoint& place) {
+                              const contact::SurfacePoint& place, double share) {
   contact.used = true;
   contact.last_used = frame_;
   contact.place = place;
@@ -200,10 +200,7 @@ void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indent
   const Vector3f normal = normal_at(place);
   const Vector3f direction = indentation.direction.cast<float>();
   const float along_normal = direction.dot(normal);
-  double depth = indentation.depth;
-  if (along_normal < 0.0F)
-    depth = limited_depth(depth,
-                          grid_.far_side(place.point, indentation.direction, depth / kFreeShareOfThickness));
+  const double depth = drawn_depth(indentation, place);
   const DisplacementProfile profile(reach_, depth, indentation.tip_radius, indentation.half_width);
   const auto drawn = static_cast<float>(depth);
   field.normal_part = drawn * along_normal * normal;
@@ -215,6 +212,11 @@ void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indent
   field.limit = end_ * field.side_reach;
   contact.wanted =
       along_normal < 0.0F ? std::max(field.limit, static_cast<float>(kImprintReach)) : field.limit;
+  if (share < 1.0) {
+    field.normal_part *= static_cast<float>(share);
+    field.side_part *= static_cast<float>(share);
+    if (share <= 0.0) field.limit = 0.0F;
+  }
 }
 
 int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle) {
@@ -326,6 +328,7 @@ void DeformedSurface::move_blocks(bool settle) {
   std::vector<const ContactField*> fields;
   for (const TrackedContact* contact : now_)
     if (contact != nullptr) fields.push_back(&contact->field);
+  const bool whole = whole_ != nullptr && !whole_->is_zero();
   std::vector<const ContactField*> near;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
     near.clear();
@@ -337,7 +340,7 @@ void DeformedSurface::move_blocks(bool settle) {
     }
     BlockState& state = state_[block];
     SurfaceVertex* const out = &vertices_[blocks_.first(block)];
-    if (near.empty()) {
+    if (near.empty() && !whole) {
       if (state.moved) {
         blocks_.rest(block, out);
         state.changed = true;
@@ -346,11 +349,102 @@ void DeformedSurface::move_blocks(bool settle) {
       continue;
     }
     if (!settle && !state.lowered) {
-      state.error += added_error(block);
+      if (!near.empty()) state.error += added_error(block);
+      if (whole) {
+        state.error += whole_change(block);
+        close = close || near_whole_contact(block);
+      }
       if (state.error <= (close ? 0.0F : kMaxError)) continue;
     }
-    const bool moves = blocks_.move(block, near, profile_, out);
+    bool moves = false;
+    if (near.empty()) {
+      blocks_.rest(block, out);
+    } else {
+      moves = blocks_.move(block, near, profile_, out);
+    }
+    if (whole) {
+      move_whole(block);
+      moves = true;
+    }
     state = {moves, false, state.changed || state.moved || moves, 0.0F};
+  }
+}
+
+void DeformedSurface::set_response(std::shared_ptr<const OrganResponse> response) {
+  whole_ = response ? std::make_unique<ResponseField>(std::move(response)) : nullptr;
+  places_.clear();
+  if (whole_ == nullptr) return;
+  places_.reserve(rest_.vertices.size());
+  for (const Vec3& v : rest_.vertices) places_.push_back(whole_->place_of(v));
+  block_nodes_.clear();
+  first_node_ = {0};
+  for (std::size_t block = 0; block < blocks_.count(); ++block) {
+    const std::size_t begin = block_nodes_.size();
+    for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v)
+      for (const std::uint32_t node : whole_->nodes_of(places_[v])) block_nodes_.push_back(node);
+    const auto own = block_nodes_.begin() + static_cast<std::ptrdiff_t>(begin);
+    std::sort(own, block_nodes_.end());
+    block_nodes_.erase(std::unique(own, block_nodes_.end()), block_nodes_.end());
+    first_node_.push_back(block_nodes_.size());
+  }
+  const bool touched = std::any_of(contacts_.begin(), contacts_.end(), [](const auto& c) { return c->used; });
+  whole_share_ = touched ? 0.0F : 1.0F;
+}
+
+double DeformedSurface::drawn_depth(const Indentation& indentation,
+                                    const contact::SurfacePoint& place) const {
+  if (!(indentation.direction.dot(normal_at(place).cast<double>()) < 0.0)) return indentation.depth;
+  return limited_depth(indentation.depth, grid_.far_side(place.point, indentation.direction,
+                                                         indentation.depth / kFreeShareOfThickness));
+}
+
+void DeformedSurface::set_whole(std::span<const Indentation> indentations, bool settle) {
+  std::vector<ResponseField::Contact> contacts;
+  std::vector<std::size_t> owner;
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    const contact::SurfacePoint place = grid_.nearest(indentations[i].point);
+    if (!(indentations[i].depth > 0.0) || place.triangle < 0) continue;
+    contacts.push_back({place.point, normal_at(place).cast<double>(),
+                        drawn_depth(indentations[i], place) * indentations[i].direction,
+                        indentations[i].tip_radius});
+    owner.push_back(i);
+  }
+  whole_share_ = settle || contacts.empty() ? 1.0F : std::min(1.0F, whole_share_ + 1.0F / kFadeUpdates);
+  whole_->set(contacts, whole_share_);
+  local_shares_.assign(indentations.size(), 0.0);
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const auto share = static_cast<double>(whole_share_);
+    local_shares_[owner[c]] = 1.0 - share * (1.0 - whole_->missing(c));
+  }
+}
+
+float DeformedSurface::whole_change(std::size_t block) const {
+  float change = 0.0F;
+  for (std::size_t n = first_node_[block]; n < first_node_[block + 1]; ++n)
+    change = std::max(change, whole_->change(block_nodes_[n]));
+  return change;
+}
+
+bool DeformedSurface::near_whole_contact(std::size_t block) const {
+  for (std::size_t i = 0; i < whole_->contacts(); ++i)
+    if (blocks_.near(block, whole_->contact(i), whole_->near_reach())) return true;
+  return false;
+}
+
+void DeformedSurface::move_whole(std::size_t block) {
+  const std::size_t first = blocks_.first(block);
+  for (std::size_t v = first; v < first + blocks_.size(block); ++v) {
+    const PlaceMotion motion = whole_->at(surface_.vertices[v], places_[v]);
+    SurfaceVertex& vertex = vertices_[v];
+    vertex.position += motion.displacement;
+    // The transposed adjugate of I + J transforms normals.
+    const Eigen::Matrix3f j = Eigen::Matrix3f::Identity() + motion.gradient;
+    const Vector3f& n = vertex.normal;
+    const Vector3f normal = n.x() * j.col(1).cross(j.col(2)) + n.y() * j.col(2).cross(j.col(0)) +
+                            n.z() * j.col(0).cross(j.col(1));
+    if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+    const Vector3f moved = vertex.position - surface_.vertices[v];
+    vertex.moved = moved.dot(rest_normals_[v]) < 0.0F ? -moved.norm() : moved.norm();
   }
 }
 
@@ -359,15 +453,17 @@ void DeformedSurface::update(std::span<const Indentation> indentations, int step
   const bool settle = steps == kSettle;
   int left = steps;
   const std::vector<double> shares = opposition_factors(indentations);
+  std::vector<Indentation> limited(indentations.begin(), indentations.end());
+  for (std::size_t i = 0; i < limited.size(); ++i) limited[i].depth *= shares[i];
+  if (whole_ != nullptr) set_whole(limited, settle);
   for (std::size_t i = 0; i < indentations.size(); ++i) {
-    Indentation indentation = indentations[i];
-    indentation.depth *= shares[i];
+    const Indentation& indentation = limited[i];
     now_.push_back(nullptr);
     if (!(indentation.depth > 0.0)) continue;
     const contact::SurfacePoint place = grid_.nearest(indentation.point);
     if (place.triangle < 0) continue;
     TrackedContact& contact = contact_for(place);
-    prepare(contact, indentation, place);
+    prepare(contact, indentation, place, whole_ != nullptr ? local_shares_[i] : 1.0);
     const int taken = run_fronts(contact, left, settle);
     lower_to_front(contact);
     update_least_distances(contact);
@@ -376,6 +472,7 @@ void DeformedSurface::update(std::span<const Indentation> indentations, int step
   }
   find_changes();
   move_blocks(settle);
+  growing_ = growing_ || (whole_ != nullptr && whole_share_ < 1.0F);
 }
 
 }  // namespace palpate::deform

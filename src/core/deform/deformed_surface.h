@@ -10,6 +10,7 @@
 #include "core/deform/field_change.h"
 #include "core/deform/geodesic_front.h"
 #include "core/deform/profile_table.h"
+#include "core/deform/response_field.h"
 #include "core/deform/surface_blocks.h"
 #include "core/deform/triangle_grid.h"
 #include "palpate/surface.h"
@@ -40,6 +41,10 @@ class DeformedSurface final {
   DeformedSurface(const DeformedSurface&) = delete;
   DeformedSurface& operator=(const DeformedSurface&) = delete;
 
+  /// [setup] Moves the whole organ by its response from the next update() on; while something touches it,
+  /// over kFadeUpdates updates. Null: the profile alone.
+  void set_response(std::shared_ptr<const OrganResponse> response);
+
   /// [setup] Displaces the surface by these indentations only. For the rendering thread.
   /// @param steps largest number of vertices that fronts settle in this call; kSettle: no limit, so the
   /// result does not depend on earlier calls
@@ -54,6 +59,8 @@ class DeformedSurface final {
   [[nodiscard]] std::vector<std::int32_t> moved() const;
   /// [any] Whether fronts still have to advance.
   [[nodiscard]] bool growing() const noexcept { return growing_; }
+  /// Updates over which the profile gives way to a response that arrives during a contact.
+  static constexpr int kFadeUpdates = 12;
 
   /// A range of vertices.
   struct Range {
@@ -81,7 +88,11 @@ class DeformedSurface final {
   };
   void begin_frame();
   TrackedContact& contact_for(const contact::SurfacePoint& place);
-  void prepare(TrackedContact& contact, const Indentation& indentation, const contact::SurfacePoint& place);
+  // @param share of the depth that the profile draws
+  void prepare(TrackedContact& contact, const Indentation& indentation, const contact::SurfacePoint& place,
+               double share);
+  // Depth [m] of an indentation, limited by the organ's thickness.
+  [[nodiscard]] double drawn_depth(const Indentation& indentation, const contact::SurfacePoint& place) const;
   int run_fronts(TrackedContact& contact, int steps, bool settle);
   void lower_to_front(TrackedContact& contact);
   void update_least_distances(TrackedContact& contact);
@@ -89,6 +100,10 @@ class DeformedSurface final {
   void find_changes();
   [[nodiscard]] float added_error(std::size_t block);
   void move_blocks(bool settle);
+  void set_whole(std::span<const Indentation> indentations, bool settle);
+  [[nodiscard]] float whole_change(std::size_t block) const;
+  [[nodiscard]] bool near_whole_contact(std::size_t block) const;
+  void move_whole(std::size_t block);
   [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
   geometry::TriangleMesh rest_;
@@ -110,6 +125,12 @@ class DeformedSurface final {
   std::vector<NearChange> near_changes_;
   std::vector<Range> changes_;
   std::vector<Range> near_;
+  std::unique_ptr<ResponseField> whole_;      // null: the profile alone
+  std::vector<ResponseField::Place> places_;  // of the vertices
+  std::vector<double> local_shares_;          // per indentation: share of its depth that the profile draws
+  float whole_share_ = 1.0F;                  // of the response
+  std::vector<std::uint32_t> block_nodes_;    // of the response, that move each block's vertices
+  std::vector<std::size_t> first_node_;       // per block: in block_nodes_; one more at the end
 };
 
 }  // namespace palpate::deform

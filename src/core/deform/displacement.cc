@@ -170,8 +170,11 @@ DisplacementProfile DisplacementProfile::widened(double factor) const noexcept {
   return wide;
 }
 
-SurfaceDeformer::SurfaceDeformer(geometry::TriangleMesh rest)
-    : surface_(std::make_unique<DeformedSurface>(std::move(rest), reach_, 0.0, 0.0F)) {}
+SurfaceDeformer::SurfaceDeformer(geometry::TriangleMesh rest, std::shared_ptr<const OrganResponse> response)
+    : response_(std::move(response)),
+      surface_(std::make_unique<DeformedSurface>(std::move(rest), reach_, 0.0, 0.0F)) {
+  surface_->set_response(response_);
+}
 
 SurfaceDeformer::~SurfaceDeformer() = default;
 SurfaceDeformer::SurfaceDeformer(SurfaceDeformer&& other) noexcept = default;
@@ -184,6 +187,7 @@ void SurfaceDeformer::deform(const model::FalloffRatios& reach, std::span<const 
   if (!(reach == reach_)) {
     reach_ = reach;
     surface_ = std::make_unique<DeformedSurface>(rest(), reach, 0.0, 0.0F);
+    surface_->set_response(response_);
   }
   surface_->update(indentations, DeformedSurface::kSettle);
   vertices = rest().vertices;

@@ -245,6 +245,24 @@ void fields(auto& io, Is<scene::InclusionSetup> auto& setup) {
   io("pulse_period_s", setup.inclusion.pulse_period);
 }
 
+void fields(auto& io, Is<geometry::Bed> auto& bed) {
+  io("direction", bed.direction);
+  io("share", bed.share, 0.0, geometry::kLargestBedShare);
+}
+
+void fields(auto& io, Is<geometry::HeldFaces> auto& faces) { io("away_from", faces.away_from); }
+
+void fields(auto& io, Is<geometry::Attachment> auto& attachment) {
+  io("point_m", attachment.point);
+  io("radius_m", attachment.radius, geometry::kSmallestAttachment, geometry::kLargestAttachment);
+}
+
+void fields(auto& io, Is<geometry::Support> auto& support) {
+  io("bed", support.bed);
+  io("faces", support.faces);
+  io.list("attachments", support.attachments, geometry::kMaxAttachments);
+}
+
 void fields(auto& io, Is<model::RelaxationTerm> auto& term) {
   io("share", term.g);
   io("time_s", term.tau);
@@ -350,6 +368,7 @@ void fields(auto& io, Is<scene::Scene> auto& scene) {
     if (organ.there("inclusions", !scene.inclusions.empty())) {
       organ.list("inclusions", scene.inclusions, model::kMaxInclusions);
     }
+    if (organ.there("support", scene.support.has_value())) organ("support", scene.support);
     if (organ.there("stiffness", !scene.stiffness.empty())) {
       organ.list("stiffness", scene.stiffness, model::kMaxStiffnessPoints);
     }

@@ -86,6 +86,7 @@ void override_meshes(const Overrides& request, SceneFile& scene_file) {
     scene_file.organ_frame = parse_organ_frame(flag("--organ-frame", *request.organ_frame));
   }
   if (!request.organ_motion.empty()) scene_file.organ_motion = organ_motions_by_flags(request.organ_motion);
+  if (!request.organ_support.empty()) scene_file.support = support_by_flags(request.organ_support);
   if (!request.inclusions.empty()) scene_file.inclusions = inclusions_by_flags(request.inclusions);
   if (request.tissue) scene_file.tissue = flag("--tissue", *request.tissue);
   if (!request.tools.empty()) {
@@ -512,6 +513,10 @@ Scene load(const Overrides& request) {
   const PathSummaries paths = load_hands(scene_file, scene, notes);
   load_organ(scene_file, scene, notes);
   turn_clients(scene_file, scene, notes);
+  if (scene_file.support) {
+    check_support(*scene_file.support, scene.organ);
+    scene.support = scene_file.support->support;
+  }
   add_questions(scene_file, paths, scene, notes);
   place_inclusions(scene_file.inclusions, scene);
   if (scene.task == Task::kPalpate) {

@@ -86,7 +86,7 @@ class SceneReader final {
     scene.organ_location = root_.location("organ") + ": organ.mesh";
     const std::optional<TomlTable> table = root_.table("organ");
     if (!table) return;
-    table->allow_only(keys_in("organ", {"pose", "motion", "inclusion", "stiffness"}));
+    table->allow_only(keys_in("organ", {"pose", "motion", "inclusion", "stiffness", "support"}));
     scene.organ = stated(*table, "mesh");
     scene.organ_unit = read_unit(*table);
     if (const auto frame = stated(*table, "frame")) scene.organ_frame = parse_organ_frame(*frame);
@@ -94,6 +94,7 @@ class SceneReader final {
     scene.organ_pose = read_pose(*table, "pose");
     scene.organ_motion = read_organ_motions(*table);
     scene.inclusions = read_inclusions(*table);
+    scene.support = read_support(*table);
     if (const std::optional<TomlTable> stiffness = table->table("stiffness")) {
       stiffness->allow_only(keys_in("organ.stiffness"));
       scene.stiffness_map = stated(*stiffness, "map");

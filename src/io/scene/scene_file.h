@@ -8,6 +8,7 @@
 
 #include "io/scene/search.h"
 #include "io/scene/stiffness_map_reader.h"
+#include "io/scene/support_reader.h"
 #include "io/scene/variation_reader.h"
 #include "io/system/path_text.h"
 #include "palpate/organ_motion.h"
@@ -79,6 +80,7 @@ struct SceneFile {
   Pose organ_pose;
   std::vector<model::OrganMotionParameters> organ_motion;  // empty: the organ does not move
   std::vector<InclusionTable> inclusions;
+  std::optional<LocatedSupport> support;
   std::optional<LocatedString> stiffness_map;
   SearchTable search;
   StiffnessMapOptions stiffness_map_options;

@@ -49,7 +49,8 @@ struct OffscreenRenderer::Impl {
   Impl(const Subject& subject, int width, int height, Quality quality)
       : look(tissue_appearance(subject.tissue_name)),
         painter(look, width, height, quality),
-        organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive) {
+        organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive,
+              subject.support) {
     for (const geometry::Tool& tool : subject.tools) {
       shapes.emplace_back(tool);
       tools.emplace_back(tool);

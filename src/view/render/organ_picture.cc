@@ -1,6 +1,7 @@
 #include "view/render/organ_picture.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -81,6 +82,12 @@ void sort_by_position(geometry::TriangleMesh& mesh) {
   });
 }
 
+// A page without threads prepares the response at its first picture.
+#ifdef __EMSCRIPTEN__
+constexpr std::launch kPrepares = std::launch::deferred;
+#else
+constexpr std::launch kPrepares = std::launch::async;
+#endif
 constexpr double kToolCreaseDeg = 40.0;
 constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // largest angle between the normals at the
                                                                  // ends of a displayed edge
@@ -89,8 +96,14 @@ constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter e
 }  // namespace
 
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
-                           Detail detail)
+                           Detail detail, const std::optional<geometry::Support>& support)
     : reach_(reach), detail_(detail) {
+  if (support && detail == Detail::kLive) {
+    awaited_ =
+        std::async(kPrepares, [rest, held = *support] { return deform::prepare_response(rest, held); });
+  } else {
+    response_ = deform::prepare_response(rest, support);
+  }
   double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
   if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
   const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
@@ -103,6 +116,13 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Fall
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
   sort_by_position(rest);
   surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
+  surface_->set_response(response_);
+}
+
+void OrganPicture::take_response() {
+  if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
+  response_ = awaited_.get();
+  surface_->set_response(response_);
 }
 
 bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {
@@ -154,6 +174,7 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
 bool OrganPicture::update(std::span<const deform::Indentation> indentations,
                           std::span<const ToolImprint> imprints) {
   const bool changed = divide_around(indentations);
+  take_response();
   surface_->update(indentations, detail_ == Detail::kStill ? deform::DeformedSurface::kSettle : kLiveSteps);
   for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
   return changed;

@@ -1,5 +1,7 @@
 #pragma once
+#include <future>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,8 +22,10 @@ enum class Detail {
 class OrganPicture final {
  public:
   /// [setup] @param rest rest surface, organ frame, metres
+  /// @param support what holds the organ: with it, the whole organ gives way. Its response is prepared in
+  /// the background for Detail::kLive; until then, the surface near the contacts moves alone
   OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
-               Detail detail = Detail::kStill);
+               Detail detail = Detail::kStill, const std::optional<geometry::Support>& support = {});
 
   /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
   /// call only; with kLive the surface catches up within some pictures (DeformedSurface).
@@ -44,6 +48,7 @@ class OrganPicture final {
  private:
   bool divide_around(std::span<const deform::Indentation> indentations);
   void take_surface(geometry::TriangleMesh rest);
+  void take_response();
   void lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations);
 
   model::FalloffRatios reach_;
@@ -51,6 +56,8 @@ class OrganPicture final {
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is refined
   std::unique_ptr<deform::DeformedSurface> surface_;
+  std::future<std::shared_ptr<const deform::OrganResponse>> awaited_;  // of kLive, until it is ready
+  std::shared_ptr<const deform::OrganResponse> response_;
 };
 
 /// An instrument for display: curved faces smoothed, sharp edges kept.

@@ -108,8 +108,12 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               PictureSet& set) {
   const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
   const scene::Scene& scene = recording.scene;
-  const render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
-                                scene::visible_inclusions(scene.inclusions)};
+  const render::Subject subject{scene.organ,
+                                scene.tools,
+                                scene.tissue.reach,
+                                scene.tissue.name,
+                                scene::visible_inclusions(scene.inclusions),
+                                scene.support};
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
   set.width = options.picture_width;

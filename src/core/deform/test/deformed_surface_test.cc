@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -307,6 +308,80 @@ TEST(TriangleGrid, FindsTheFarSideWithinTheLimitOnly) {
   EXPECT_NEAR(grid.far_side(top, -Vec3::UnitZ(), 0.05), 0.02, 1e-9);
   EXPECT_TRUE(std::isinf(grid.far_side(top, -Vec3::UnitZ(), 0.019)));
   EXPECT_TRUE(std::isinf(grid.far_side(top, Vec3::UnitZ(), 0.05)));
+}
+
+std::shared_ptr<const OrganResponse> ball_on_bed() {
+  geometry::Support support;
+  support.bed = geometry::Bed{-Vec3::UnitZ(), 0.3};
+  return prepare_response(geometry::make_ball(kBall, 5000), support);
+}
+
+TEST(WholeOrgan, MovesAlikeInStepsAndAtOnce) {
+  const auto response = ball_on_bed();
+  const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20000);
+  DeformedSurface live(ball, {}, kRounding);
+  live.set_response(response);
+  DeformedSurface still(ball, {}, kRounding);
+  still.set_response(response);
+  for (int frame = 0; frame < 40; ++frame) {
+    const double turn = frame < 20 ? 0.0 : 0.01 * (frame - 20);
+    const Indentation press = press_at(Vec3(std::sin(turn), 0.0, std::cos(turn)), 1e-4 * (frame + 1));
+    live.update({&press, 1}, 2000);
+    still.update({&press, 1}, DeformedSurface::kSettle);
+    float apart = 0.0F;
+    for (std::size_t v = 0; v < ball.vertices.size(); ++v)
+      apart = std::max(apart, (live.vertices()[v].position - still.vertices()[v].position).norm());
+    ASSERT_LT(apart, 0.05e-3F) << frame;
+  }
+}
+
+TEST(WholeOrgan, ComesBackToRestBitForBit) {
+  DeformedSurface surface(geometry::make_ball(kBall, 5000), {}, kRounding);
+  surface.set_response(ball_on_bed());
+  const Indentation press = top_press(4e-3);
+  surface.update({&press, 1}, 2000);
+  EXPECT_GT(surface.moved().size(), surface.vertices().size() / 2);
+  surface.update({}, 2000);
+  EXPECT_TRUE(surface.moved().empty());
+}
+
+TEST(WholeOrgan, ItsNormalsAreThoseOfTheDisplacedTriangles) {
+  const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20000);
+  DeformedSurface surface(ball, {}, kRounding);
+  surface.set_response(ball_on_bed());
+  const Indentation press = top_press(4e-3);
+  surface.update({&press, 1}, DeformedSurface::kSettle);
+  std::vector<double> degrees;
+  for (const geometry::Triangle& t : surface.rest().triangles) {
+    Vec3 normal = Vec3::Zero();
+    for (const std::int32_t v : t)
+      normal += surface.vertices()[static_cast<std::size_t>(v)].normal.cast<double>();
+    degrees.push_back(std::acos(std::min(1.0, normal.normalized().dot(area(surface, t).normalized()))) *
+                      57.3);
+  }
+  std::sort(degrees.begin(), degrees.end());
+  EXPECT_LT(degrees[degrees.size() * 99 / 100], 3.0);
+  EXPECT_LT(degrees.back(), 20.0);  // at the rim of the dent, across a triangle
+}
+
+TEST(WholeOrgan, AResponseThatArrivesDuringAContactFadesIn) {
+  const geometry::TriangleMesh ball = geometry::make_ball(kBall, 5000);
+  DeformedSurface surface(ball, {}, kRounding);
+  const Indentation press = top_press(4e-3);
+  surface.update({&press, 1}, 4000);
+  surface.set_response(ball_on_bed());
+  std::vector<Vector3f> before;
+  for (const SurfaceVertex& v : surface.vertices()) before.push_back(v.position);
+  for (int frame = 0; frame <= DeformedSurface::kFadeUpdates; ++frame) {
+    surface.update({&press, 1}, 4000);
+    float step = 0.0F;
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      step = std::max(step, (surface.vertices()[v].position - before[v]).norm());
+      before[v] = surface.vertices()[v].position;
+    }
+    EXPECT_LT(step, 0.5e-3F) << frame;
+  }
+  EXPECT_FALSE(surface.growing());
 }
 
 }  // namespace

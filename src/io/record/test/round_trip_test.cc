@@ -115,6 +115,23 @@ TEST(RoundTrip, OptionalValuesThatAreNotGivenStayNotGiven) {
   EXPECT_FALSE(got.tools[0].tip_radius.has_value());
 }
 
+TEST(RoundTrip, TheSupportOfTheOrganKeepsItsBits) {
+  scene::Scene scene = sample_setup(1);
+  EXPECT_FALSE(scene_from_json(scene_to_json(scene)).support);
+  geometry::Support support;
+  support.bed = geometry::Bed{Vec3(0.1 / 3, 2, -0.7), 0.1 / 3};
+  support.attachments = {{Vec3(1e-3 / 3, 0, 1), 7e-3 / 3}, {Vec3(0, 0, -0.2), 5e-3}};
+  scene.support = support;
+  const scene::Scene got = scene_from_json(scene_to_json(scene));
+  ASSERT_TRUE(got.support && got.support->bed);
+  EXPECT_FALSE(got.support->faces);
+  EXPECT_EQ(got.support->bed->direction, support.bed->direction);
+  EXPECT_EQ(got.support->bed->share, support.bed->share);
+  ASSERT_EQ(got.support->attachments.size(), 2U);
+  EXPECT_EQ(got.support->attachments[0].point, support.attachments[0].point);
+  EXPECT_EQ(got.support->attachments[0].radius, support.attachments[0].radius);
+}
+
 TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {
   scene::Scene scene = sample_setup(1);
   model::OrganMotionParameters motion;

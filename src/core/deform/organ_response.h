@@ -1,0 +1,69 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/deform/body_compliance.h"
+#include "core/deform/cell_grid.h"
+#include "palpate/mesh.h"
+#include "palpate/support.h"
+
+namespace palpate::deform {
+
+/// How a whole organ moves under forces on its surface. Young's modulus is 1; it cancels where depths are
+/// given. All functions are [any] and const; one response serves all threads.
+class OrganResponse final {
+ public:
+  using Displacements = std::vector<Eigen::Vector4f>;  // one per node of the grid [m/N]; fourth entry 0
+
+  /// Nodes on which a force at a place of the surface acts, with their shares (sum 1).
+  struct Load {
+    std::vector<std::pair<std::int32_t, float>> shares;  // unknown node, share
+    Vec3 normal = Vec3::Zero();                          // mean outward normal there, unit
+  };
+
+  /// [setup] As prepare_response().
+  OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support);
+
+  [[nodiscard]] const CellGrid& grid() const noexcept { return grid_; }
+  /// Largest distance over which a force is spread by the cells [m]; a smaller contact needs the half-space's
+  /// field in addition.
+  [[nodiscard]] double spread() const noexcept { return grid_.edge(); }
+  [[nodiscard]] std::size_t node_count() const noexcept { return body_.nodes.size(); }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return static_cast<std::size_t>(body_.compliance.size()) * sizeof(float);
+  }
+
+  /// A force spread like Hertz's pressure over the surface within `radius` [m] of a point on the side that
+  /// `normal` faces. @param point on the surface [m] @param normal outward, unit
+  [[nodiscard]] Load load_at(const Vec3& point, const Vec3& normal, double radius) const;
+
+  /// Adds the displacements under the force on a load. @param force [N at Young's modulus 1]
+  void add(const Load& load, const Eigen::Vector3f& force, Displacements& to) const;
+
+  /// Work of a force on a load in a displacement field [N m].
+  [[nodiscard]] double work(const Load& load, const Eigen::Vector3f& force, const Displacements& field) const;
+
+  /// Displacements without any force.
+  [[nodiscard]] Displacements none() const;
+
+  /// The displacement at a point [m].
+  [[nodiscard]] Vec3 at(const Displacements& field, const Vec3& point) const noexcept;
+
+ private:
+  struct SurfacePart {
+    Vec3 point = Vec3::Zero();  // [m]
+    Vec3 area = Vec3::Zero();   // area vector, outwards [m^2]
+  };
+  void gather_surface(const geometry::TriangleMesh& organ);
+
+  CellGrid grid_;
+  BodyCompliance body_;
+  std::vector<std::int32_t> first_part_;  // per cell: its parts in parts_; one more at the end
+  std::vector<SurfacePart> parts_;        // sorted by cell
+};
+
+}  // namespace palpate::deform

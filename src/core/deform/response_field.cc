@@ -1,0 +1,372 @@
+// The motion of a whole organ under its contacts, drawn at every picture.
+//
+// The response of the organ's cells to a force (organ_response.h) is too blunt under a tool: the cells spread
+// the force over the length h of one cell. Near the contact the organ moves like a half-space, whose field H
+// is known for any contact radius a (half_space.h). So
+//
+//     u(x) = U_h(x) f + (H_a - H_h)(x) f
+//
+//            |<- a ->|                    U_h: the cells' field under a force f spread over h. Smooth,
+//        ----.       .----                     knows the organ's shape and its support.
+//            '.     .'    H_a             H_h: the half-space's field under the same spread force
+//     ---..    '._.'   ..---              H_a - H_h: what the cells miss; falls with r^-3, so it is cut
+//          ''---...--''    H_h                 off smoothly between 2 h and 3.5 h.
+//
+// Forces follow from the depths; Young's modulus cancels. Contacts act on each other, so a linear system
+// couples all contacts:
+//
+// 1. A press moves its contact by its depth along the normal and slides freely sideways: one unknown. A pull
+//    holds its contact: three unknowns. A press whose force would pull is left out, because another contact
+//    presses the surface away from it.
+// 2. A press that drags the surface sideways (friction) adds that side motion to what the first step gave:
+//    three unknowns a contact, with no motion along the normals.
+//
+// Where the support holds the surface under the tool the organ cannot give way by the depth. A press is then
+// softened to a quarter of the half-space's answer, and missing() says how much of the depth is left for the
+// local profile.
+
+#include "core/deform/response_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "core/base/simd.h"
+#include "core/deform/half_space.h"
+
+namespace palpate::deform {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+
+constexpr double kSmallestContact = 0.5e-3;  // m, radius
+constexpr double kNearFrom = 2.0;            // cells from which on the near field fades
+constexpr double kNearTo = 3.5;              // where it has faded
+constexpr double kLeastShare = 0.25;         // of the half-space's motion that an organ has at least
+constexpr int kRadiusRounds = 6;
+constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
+constexpr double kLeastSide = 0.02;  // share of a displacement; a smaller side part slides freely
+
+Vec3 side_of(const ResponseField::Contact& c) {
+  return c.displacement - c.displacement.dot(c.normal) * c.normal;
+}
+
+bool presses(const ResponseField::Contact& c) { return c.displacement.dot(c.normal) < 0.0; }
+
+bool drags(const ResponseField::Contact& c) {
+  return presses(c) && side_of(c).norm() > kLeastSide * c.displacement.norm();
+}
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3.0 - 2.0 * x);
+}
+
+}  // namespace
+
+ResponseField::ResponseField(std::shared_ptr<const OrganResponse> response)
+    : response_(std::move(response)), field_(response_->none()), change_(field_.size(), 0.0F) {}
+
+ResponseField::Columns ResponseField::columns_for(const Contact& contact, double spread) const {
+  Columns columns;
+  columns.spread = spread;
+  columns.load = response_->load_at(contact.point, contact.normal, spread);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    columns.along[axis] = response_->none();
+    response_->add(columns.load, Eigen::Vector3f::Unit(static_cast<Index>(axis)), columns.along[axis]);
+  }
+  return columns;
+}
+
+void ResponseField::set_radius(Columns& columns) const {
+  // The tool dents the surface by the part of its depth by which the organ as a whole does not give way.
+  const Contact& contact = columns.contact;
+  const double depth = contact.displacement.norm();
+  const auto half_space = [&contact](double radius) {
+    return half_space_displacement(half_space_terms(0.0, radius), Vec3::Zero(), -contact.normal,
+                                   -contact.normal)
+        .dot(-contact.normal);
+  };
+  Vec3 cells;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    cells[static_cast<Index>(axis)] = contact.normal.dot(response_->at(columns.along[axis], contact.point));
+  const double beyond = cells.dot(contact.normal) - half_space(columns.spread);
+  double radius = std::max(kSmallestContact, ball_contact_radius(contact.tip_radius, depth));
+  for (int round = 0; round < kRadiusRounds; ++round) {
+    const double dent = half_space(radius);
+    const double share = std::clamp(dent / std::max(dent + beyond, 0.5 * dent), 0.02, 1.0);
+    radius = std::max(kSmallestContact, ball_contact_radius(contact.tip_radius, share * depth));
+  }
+  if (radius == columns.radius) return;
+  columns.radius = radius;
+  Near& near = columns.near;
+  const double reach = kNearTo * response_->spread();
+  near.per_metre = static_cast<float>(static_cast<double>(kEntries) / reach);
+  near.terms = {};
+  if (radius >= columns.spread) return;
+  for (std::size_t i = 0; i < kEntries; ++i) {
+    const double r = static_cast<double>(i) * reach / static_cast<double>(kEntries);
+    const HalfSpaceTerms fine = half_space_terms(r, radius);
+    const HalfSpaceTerms blunt = half_space_terms(r, columns.spread);
+    const double share = 1.0 - smooth_step((r / response_->spread() - kNearFrom) / (kNearTo - kNearFrom));
+    near.terms[i] = {static_cast<float>(share * (fine.psi - blunt.psi)),
+                     static_cast<float>(share * (fine.s - blunt.s)),
+                     static_cast<float>(share * (fine.t - blunt.t)), 0.0F};
+  }
+}
+
+Matrix3d ResponseField::response(const Columns& from, const Vec3& point) const {
+  Matrix3d motion;
+  const Vec3 offset = point - from.contact.point;
+  const double r = offset.norm();
+  const double place = std::min(r * from.near.per_metre, static_cast<double>(kEntries));
+  const auto entry = std::min(static_cast<std::size_t>(place), kEntries - 1);
+  const double share = place - static_cast<double>(entry);
+  const auto& low = from.near.terms[entry];
+  const auto& high = from.near.terms[entry + 1];
+  const HalfSpaceTerms terms{low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]),
+                             low[2] + share * (high[2] - low[2])};
+  Vec3 e = offset - offset.dot(from.contact.normal) * from.contact.normal;
+  e = e.norm() > 1e-9 ? Vec3(e.normalized()) : Vec3::Zero();
+  for (Index axis = 0; axis < 3; ++axis) {
+    motion.col(axis) = response_->at(from.along[static_cast<std::size_t>(axis)], point) +
+                       half_space_displacement(terms, e, -from.contact.normal, Vec3::Unit(axis));
+  }
+  return motion;
+}
+
+void ResponseField::set(std::span<const Contact> contacts, float share) {
+  std::swap(before_, contacts_);
+  contacts_.clear();
+  for (const Contact& contact : contacts) {
+    const double spread =
+        std::max(response_->spread(), ball_contact_radius(contact.tip_radius, contact.displacement.norm()));
+    const auto same = std::find_if(before_.begin(), before_.end(), [&](const Columns& c) {
+      return c.contact.point == contact.point && c.spread == spread && c.contact.normal == contact.normal;
+    });
+    if (same != before_.end()) {
+      contacts_.push_back(std::move(*same));
+      before_.erase(same);
+    } else {
+      contacts_.push_back(columns_for(contact, spread));
+    }
+    contacts_.back().contact = contact;
+    contacts_.back().force.setZero();
+    set_radius(contacts_.back());
+  }
+  const auto rows = static_cast<Index>(3 * contacts_.size());
+  between_.resize(rows, rows);
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    for (std::size_t j = 0; j < contacts_.size(); ++j)
+      between_.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) =
+          response(contacts_[j], contacts_[i].contact.point);
+  solve_presses();
+  solve_sides();
+  sum_up(share);
+}
+
+void ResponseField::solve_presses() {
+  // The unknowns: a contact and the direction of its force.
+  struct Unknown {
+    std::size_t contact;
+    Vec3 direction;
+  };
+  std::vector<bool> apart(contacts_.size(), false);
+  for (std::size_t round = 0; round <= contacts_.size(); ++round) {
+    std::vector<Unknown> unknowns;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      if (apart[i]) continue;
+      if (presses(contacts_[i].contact)) {
+        unknowns.push_back({i, -contacts_[i].contact.normal});
+      } else {
+        for (Index axis = 0; axis < 3; ++axis) unknowns.push_back({i, Vec3::Unit(axis)});
+      }
+    }
+    if (unknowns.empty()) return;
+    const auto size = static_cast<Index>(unknowns.size());
+    Eigen::MatrixXd matrix(size, size);
+    Eigen::VectorXd wanted(size);
+    for (Index a = 0; a < size; ++a) {
+      const Unknown& row = unknowns[static_cast<std::size_t>(a)];
+      wanted[a] = row.direction.dot(contacts_[row.contact].contact.displacement);
+      for (Index b = 0; b < size; ++b) {
+        const Unknown& column = unknowns[static_cast<std::size_t>(b)];
+        matrix(a, b) = row.direction.dot(between_.block<3, 3>(static_cast<Index>(3 * row.contact),
+                                                              static_cast<Index>(3 * column.contact)) *
+                                         column.direction);
+      }
+      const double radius = contacts_[row.contact].radius;
+      const Vec3& inward = row.direction;
+      const double least =
+          kLeastShare *
+          half_space_displacement(half_space_terms(0.0, radius), Vec3::Zero(), inward, inward).dot(inward);
+      matrix(a, a) = std::max(matrix(a, a), least) * (1.0 + kSoftening);
+    }
+    const Eigen::VectorXd force = matrix.partialPivLu().solve(wanted);
+    double lowest = 0.0;
+    std::size_t pulls = contacts_.size();
+    for (Columns& c : contacts_) c.force.setZero();
+    for (Index a = 0; a < size; ++a) {
+      const Unknown& unknown = unknowns[static_cast<std::size_t>(a)];
+      contacts_[unknown.contact].force += force[a] * unknown.direction;
+      if (presses(contacts_[unknown.contact].contact) && force[a] < lowest) {
+        lowest = force[a];
+        pulls = unknown.contact;
+      }
+    }
+    if (pulls == contacts_.size()) return;
+    apart[pulls] = true;
+  }
+}
+
+void ResponseField::solve_sides() {
+  if (std::none_of(contacts_.begin(), contacts_.end(), [](const Columns& c) { return drags(c.contact); }))
+    return;
+  Eigen::VectorXd wanted = Eigen::VectorXd::Zero(between_.rows());
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    if (drags(contacts_[i].contact))
+      wanted.segment<3>(static_cast<Index>(3 * i)) = side_of(contacts_[i].contact);
+  Eigen::MatrixXd matrix = between_;
+  matrix.diagonal() *= 1.0 + kSoftening;
+  const Eigen::VectorXd force = matrix.partialPivLu().solve(wanted);
+  for (std::size_t i = 0; i < contacts_.size(); ++i)
+    contacts_[i].force += force.segment<3>(static_cast<Index>(3 * i));
+}
+
+void ResponseField::sum_up(float share) {
+  constexpr double kPerShear = 2.0 * (1.0 + kPoisson) / (4.0 * std::numbers::pi);
+  const OrganResponse::Displacements before = std::exchange(field_, response_->none());
+  Eigen::VectorXd force(between_.rows());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    Columns& c = contacts_[i];
+    response_->add(c.load, share * c.force.cast<float>(), field_);
+    force.segment<3>(static_cast<Index>(3 * i)) = c.force;
+    const double normal = -c.force.dot(c.contact.normal);
+    c.point = c.contact.point.cast<float>();
+    c.inward = -c.contact.normal.cast<float>();
+    c.normal_force = share * static_cast<float>(kPerShear * normal);
+    c.side_force = share * (kPerShear * (c.force + normal * c.contact.normal)).cast<float>();
+  }
+  for (std::size_t n = 0; n < field_.size(); ++n) change_[n] = (field_[n] - before[n]).norm();
+  const Eigen::VectorXd reached = between_ * force;
+  missing_.clear();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i].contact;
+    const Vec3 along = presses(c) ? Vec3(-c.normal) : Vec3(c.displacement.normalized());
+    const double wanted = c.displacement.dot(along);
+    const double there = reached.segment<3>(static_cast<Index>(3 * i)).dot(along);
+    const double missing = wanted > 0.0 ? 1.0 - there / wanted : 0.0;
+    missing_.push_back(missing > 1e-3 ? std::min(missing, 1.0) : 0.0);
+  }
+}
+
+ResponseField::Place ResponseField::place_of(const Vec3& vertex) const noexcept {
+  const CellGrid::Place place = response_->grid().place_of(vertex);
+  Place made;
+  made.node = static_cast<std::uint32_t>(response_->grid().first_node(place.cell));
+  for (std::size_t axis = 0; axis < 3; ++axis) made.within[axis] = static_cast<float>(place.within[axis]);
+  return made;
+}
+
+std::array<std::uint32_t, CellGrid::kNodesOfCell> ResponseField::nodes_of(const Place& place) const noexcept {
+  std::array<std::uint32_t, CellGrid::kNodesOfCell> nodes{};
+  for (std::size_t n = 0; n < nodes.size(); ++n)
+    nodes[n] = place.node + static_cast<std::uint32_t>(n / 9 * response_->grid().stride(0) +
+                                                       n / 3 % 3 * response_->grid().stride(1) + n % 3);
+  return nodes;
+}
+
+Eigen::Vector3f ResponseField::contact(std::size_t i) const noexcept { return contacts_[i].point; }
+
+float ResponseField::near_reach() const noexcept { return static_cast<float>(kNearTo * response_->spread()); }
+
+void ResponseField::add_near(const Columns& from, const Eigen::Vector3f& vertex,
+                             PlaceMotion& motion) const noexcept {
+  const Eigen::Vector3f offset = vertex - from.point;
+  const float r = offset.norm();
+  const float entry = r * from.near.per_metre;
+  if (!(entry < static_cast<float>(kEntries))) return;
+  const auto low = static_cast<std::size_t>(entry);
+  const float share = entry - static_cast<float>(low);
+  const auto& first = from.near.terms[low];
+  const auto& second = from.near.terms[low + 1];
+  Eigen::Vector3f e = offset - offset.dot(from.inward) * from.inward;
+  const float across = e.norm();
+  if (across > 1e-7F) e /= across;
+  // as half_space_displacement()
+  constexpr auto kNu = static_cast<float>(kPoisson);
+  const auto moved = [&](float psi, float s, float t) {
+    Eigen::Vector3f u = 2.0F * (1.0F - kNu) * psi * from.normal_force * from.inward -
+                        (1.0F - 2.0F * kNu) * s * from.normal_force * e;
+    if (!from.side_force.isZero(0.0F)) {
+      const float along = e.dot(from.side_force);
+      u += 2.0F * psi * from.side_force - 2.0F * kNu * ((psi + 2.0F * t) * along * e - t * from.side_force) +
+           (1.0F - 2.0F * kNu) * s * along * from.inward;
+    }
+    return u;
+  };
+  const float psi_step = second[0] - first[0];
+  const float s_step = second[1] - first[1];
+  const float t_step = second[2] - first[2];
+  motion.displacement +=
+      moved(first[0] + share * psi_step, first[1] + share * s_step, first[2] + share * t_step);
+  if (r > 1e-7F)
+    motion.gradient += (from.near.per_metre / r) * moved(psi_step, s_step, t_step) * offset.transpose();
+}
+
+PlaceMotion ResponseField::at(const Eigen::Vector3f& vertex, const Place& place) const noexcept {
+  const std::size_t step_x = response_->grid().stride(0);
+  const std::size_t step_y = response_->grid().stride(1);
+  std::array<std::array<Float4, 3>, 3> value;
+  std::array<std::array<Float4, 3>, 3> slope;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float t = place.within[axis];
+    value[axis] = {Float4(0.5F * (1.0F - t) * (1.0F - t)), Float4(0.5F + t - t * t), Float4(0.5F * t * t)};
+    slope[axis] = {Float4(t - 1.0F), Float4(1.0F - 2.0F * t), Float4(t)};
+  }
+  // Sums along the last axis, then the second, then the first.
+  const Float4 zero(0.0F);
+  Float4 all = zero;
+  Float4 by_x = zero;
+  Float4 by_y = zero;
+  Float4 by_z = zero;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Float4 plane = zero;
+    Float4 plane_y = zero;
+    Float4 plane_z = zero;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Eigen::Vector4f* node = &field_[place.node + i * step_x + j * step_y];
+      const Float4 a = Float4::load_unaligned(node[0].data());
+      const Float4 b = Float4::load_unaligned(node[1].data());
+      const Float4 c = Float4::load_unaligned(node[2].data());
+      const Float4 line = value[2][0] * a + value[2][1] * b + value[2][2] * c;
+      plane += value[1][j] * line;
+      plane_y += slope[1][j] * line;
+      plane_z += value[1][j] * (slope[2][0] * a + slope[2][1] * b + slope[2][2] * c);
+    }
+    all += value[0][i] * plane;
+    by_x += slope[0][i] * plane;
+    by_y += value[0][i] * plane_y;
+    by_z += value[0][i] * plane_z;
+  }
+  const Float4 by_edge(static_cast<float>(1.0 / response_->grid().edge()));
+  PlaceMotion motion;
+  std::array<float, 4> stored{};
+  const auto store = [&stored](const Float4& from, auto&& to) {
+    from.store_unaligned(stored.data());
+    for (Index k = 0; k < 3; ++k) to[k] = stored[static_cast<std::size_t>(k)];
+  };
+  store(all, motion.displacement);
+  store(by_edge * by_x, motion.gradient.col(0));
+  store(by_edge * by_y, motion.gradient.col(1));
+  store(by_edge * by_z, motion.gradient.col(2));
+  for (const Columns& from : contacts_) add_near(from, vertex, motion);
+  return motion;
+}
+
+}  // namespace palpate::deform

@@ -1,0 +1,99 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/deform/organ_response.h"
+#include "palpate/pose.h"
+
+namespace palpate::deform {
+
+/// A displacement and its derivative by place.
+struct PlaceMotion {
+  Eigen::Vector3f displacement = Eigen::Vector3f::Zero();  // [m]
+  Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();
+};
+
+/// The displacement of a whole organ under several contacts, each with its own depth.
+class ResponseField final {
+ public:
+  struct Contact {
+    Vec3 point = Vec3::Zero();         // on the rest surface [m]
+    Vec3 normal = Vec3::Zero();        // outward, unit
+    Vec3 displacement = Vec3::Zero();  // of the surface there [m]
+    double tip_radius = 0.0;           // of the tool [m]
+  };
+  /// Where a vertex lies among the cells.
+  struct Place {
+    std::uint32_t node = 0;  // the first of its cell
+    std::array<float, 3> within{};
+  };
+
+  /// [setup]
+  explicit ResponseField(std::shared_ptr<const OrganResponse> response);
+
+  /// [setup] The field under these contacts only. A press (a displacement against the normal) may push and
+  /// not pull, and moves freely sideways unless its displacement has a part along the surface.
+  /// @param share factor of the whole field
+  void set(std::span<const Contact> contacts, float share = 1.0F);
+
+  [[nodiscard]] bool is_zero() const noexcept { return contacts_.empty(); }
+  /// [any] Share of the wanted displacement that contact i lacks, 0 to 1: above 0 only where the support
+  /// holds the surface under the tool.
+  [[nodiscard]] double missing(std::size_t i) const noexcept { return missing_[i]; }
+  /// [any] How much a node's displacement changed in the last set() [m].
+  [[nodiscard]] float change(std::uint32_t node) const noexcept { return change_[node]; }
+  /// [any] Nodes of a vertex's cell, from its first.
+  [[nodiscard]] std::array<std::uint32_t, CellGrid::kNodesOfCell> nodes_of(const Place& place) const noexcept;
+  /// [any] Contacts, and the distance [m] within which at() varies faster than its nodes.
+  [[nodiscard]] std::size_t contacts() const noexcept { return contacts_.size(); }
+  [[nodiscard]] Eigen::Vector3f contact(std::size_t i) const noexcept;
+  [[nodiscard]] float near_reach() const noexcept;
+  /// [any] Place of a rest vertex, for at().
+  [[nodiscard]] Place place_of(const Vec3& vertex) const noexcept;
+  /// [any] Motion of a rest vertex.
+  [[nodiscard]] PlaceMotion at(const Eigen::Vector3f& vertex, const Place& place) const noexcept;
+
+ private:
+  static constexpr std::size_t kEntries = 96;
+  // The half-space's field with the contact's radius, less that with the cells' spread, by the distance.
+  struct Near {
+    float per_metre = 0.0F;                                  // entries
+    std::array<std::array<float, 4>, kEntries + 1> terms{};  // psi, s, t, 0 [1/m]
+  };
+  // The field of one contact under unit forces along the axes.
+  struct Columns {
+    Contact contact;
+    double spread = 0.0;  // radius over which the cells' force is spread [m]
+    double radius = 0.0;  // of the contact [m]
+    OrganResponse::Load load;
+    std::array<OrganResponse::Displacements, 3> along;
+    Near near;
+    Eigen::Vector3f point = Eigen::Vector3f::Zero();   // [m]
+    Eigen::Vector3f inward = Eigen::Vector3f::Zero();  // unit
+    // of the force, by 4 pi G and times the field's share
+    float normal_force = 0.0F;
+    Eigen::Vector3f side_force = Eigen::Vector3f::Zero();
+    Vec3 force = Vec3::Zero();  // [N at Young's modulus 1]
+  };
+  [[nodiscard]] Columns columns_for(const Contact& contact, double spread) const;
+  void set_radius(Columns& columns) const;
+  [[nodiscard]] Eigen::Matrix3d response(const Columns& from, const Vec3& point) const;
+  void solve_presses();
+  void solve_sides();
+  void sum_up(float share);
+  void add_near(const Columns& from, const Eigen::Vector3f& vertex, PlaceMotion& motion) const noexcept;
+
+  std::shared_ptr<const OrganResponse> response_;
+  std::vector<Columns> contacts_;
+  std::vector<Columns> before_;
+  Eigen::MatrixXd between_;  // 3 rows a contact: displacement under unit forces of all
+  std::vector<double> missing_;
+  OrganResponse::Displacements field_;
+  std::vector<float> change_;  // per node [m]
+};
+
+}  // namespace palpate::deform

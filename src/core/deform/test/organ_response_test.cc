@@ -1,0 +1,188 @@
+#include "core/deform/organ_response.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "core/deform/response_field.h"
+#include "palpate/error.h"
+#include "palpate/mesh.h"
+#include "palpate/surface.h"
+
+namespace palpate::deform {
+namespace {
+
+// A bar along x, 120 x 24 x 24 mm, held at its end at -60 mm.
+constexpr double kLength = 0.12;
+constexpr double kWidth = 0.024;
+geometry::TriangleMesh bar() { return geometry::make_box(Vec3(kLength, kWidth, kWidth), 4e-3); }
+
+OrganResponse clamped_bar() {
+  geometry::Support support;
+  support.faces = geometry::HeldFaces{Vec3::UnitX()};
+  return OrganResponse(bar(), support);
+}
+
+geometry::Support bed() {
+  geometry::Support support;
+  support.bed = geometry::Bed{-Vec3::UnitZ(), 0.3};
+  return support;
+}
+
+// Mean motion of the bar's free end along a unit force that is spread evenly over it.
+double motion_of_end(const Vec3& force) {
+  const OrganResponse response = clamped_bar();
+  const OrganResponse::Load end = response.load_at(Vec3(kLength / 2, 0.0, 0.0), Vec3::UnitX(), 10.0 * kWidth);
+  OrganResponse::Displacements field = response.none();
+  response.add(end, force.cast<float>(), field);
+  return response.work(end, force.cast<float>(), field);
+}
+
+TEST(CellGrid, SplinesReproduceConstantsAndLines) {
+  const CellGrid grid({Vec3(-1.0, -2.0, 0.0), Vec3(3.0, 1.0, 2.0)}, 0.7);
+  for (const Vec3& point : {Vec3(0.1, 0.2, 0.3), Vec3(2.9, -1.9, 1.7), Vec3(-0.9, 0.9, 0.05)}) {
+    const CellGrid::Place place = grid.place_of(point);
+    const auto nodes = grid.nodes_of(place.cell);
+    const auto weights = CellGrid::weights(place);
+    double sum = 0.0;
+    Vec3 middle = Vec3::Zero();
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const Vec3 node(static_cast<double>(nodes[n] / grid.stride(0)),
+                      static_cast<double>(nodes[n] / grid.stride(1) % (grid.stride(0) / grid.stride(1))),
+                      static_cast<double>(nodes[n] % grid.stride(1)));
+      sum += weights[n];
+      middle += weights[n] * (grid.low() + grid.edge() * (node - Vec3::Constant(0.5)));
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    EXPECT_LT((middle - point).norm(), 1e-12);
+  }
+}
+
+TEST(CellGrid, FillingHasTheVolumeOfABall) {
+  const geometry::TriangleMesh ball = geometry::make_ball(0.03, 5000);
+  const CellGrid grid(geometry::bounds(ball), 9e-3);
+  const CellFilling filling(grid, ball);
+  double volume = 0.0;
+  std::array<int, 3> cell{};
+  for (cell[0] = 0; cell[0] < grid.cells()[0]; ++cell[0])
+    for (cell[1] = 0; cell[1] < grid.cells()[1]; ++cell[1])
+      for (cell[2] = 0; cell[2] < grid.cells()[2]; ++cell[2])
+        volume += filling.share(cell) * std::pow(9e-3, 3);
+  EXPECT_NEAR(volume / geometry::signed_volume(ball), 1.0, 0.01);
+}
+
+TEST(OrganResponse, AClampedBarStretchesByForceTimesLengthOverStiffness) {
+  EXPECT_NEAR(motion_of_end(Vec3::UnitX()) / (kLength / (kWidth * kWidth)), 1.0, 0.05);
+}
+
+TEST(OrganResponse, AClampedBarBendsLikeABeam) {
+  const double inertia = std::pow(kWidth, 4) / 12.0;
+  const double area = kWidth * kWidth;
+  const double shear = 1.0 / (2.0 * (1.0 + 0.45));
+  // Timoshenko's beam, shear coefficient 5/6.
+  const double beam = std::pow(kLength, 3) / (3.0 * inertia) + kLength / (5.0 / 6.0 * shear * area);
+  EXPECT_NEAR(motion_of_end(Vec3::UnitZ()) / beam, 1.0, 0.08);
+}
+
+TEST(OrganResponse, ForceAtOnePlaceMovesAnotherAsMuchAsTheReverse) {
+  const geometry::TriangleMesh ball = geometry::make_ball(0.03, 5000);
+  const OrganResponse response(ball, bed());
+  const Vec3 a = 0.03 * Vec3::UnitZ();
+  const Vec3 b = 0.03 * Vec3::UnitX();
+  const OrganResponse::Load at_a = response.load_at(a, Vec3::UnitZ(), 8e-3);
+  const OrganResponse::Load at_b = response.load_at(b, Vec3::UnitX(), 8e-3);
+  OrganResponse::Displacements by_a = response.none();
+  response.add(at_a, Eigen::Vector3f::UnitZ(), by_a);
+  OrganResponse::Displacements by_b = response.none();
+  response.add(at_b, Eigen::Vector3f::UnitX(), by_b);
+  const double there = response.work(at_b, Eigen::Vector3f::UnitX(), by_a);
+  EXPECT_NEAR(there, response.work(at_a, Eigen::Vector3f::UnitZ(), by_b), 1e-4 * std::abs(there));
+}
+
+TEST(OrganResponse, HoldingTooLittleIsRefused) {
+  geometry::Support support;
+  support.attachments.push_back({Vec3(0.0, 0.0, 0.012), 0.5e-3});
+  EXPECT_THROW(OrganResponse(bar(), support), InputError);
+}
+
+// --- several contacts
+
+ResponseField::Contact contact_at(const Vec3& outwards, double depth) {
+  return {0.03 * outwards, outwards, -depth * outwards, 5e-3};
+}
+
+std::shared_ptr<const OrganResponse> resting_ball() {
+  return prepare_response(geometry::make_ball(0.03, 5000), bed());
+}
+
+TEST(ResponseField, EveryContactReachesItsDepth) {
+  ResponseField field(resting_ball());
+  const std::array<ResponseField::Contact, 3> contacts = {
+      contact_at(Vec3::UnitZ(), 3e-3), contact_at(Vec3::UnitX(), 1e-3),
+      ResponseField::Contact{0.03 * Vec3::UnitY(), Vec3::UnitY(), 2e-3 * Vec3(0.3, 0.9, 0.1).normalized(),
+                             3e-3}};
+  field.set(contacts);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Vec3& point = contacts[i].point;
+    const Vec3 u = field.at(point.cast<float>(), field.place_of(point)).displacement.cast<double>();
+    EXPECT_NEAR(u.dot(contacts[i].normal), contacts[i].displacement.dot(contacts[i].normal), 2e-6) << i;
+    EXPECT_EQ(field.missing(i), 0.0) << i;
+  }
+  // A pull holds its contact in all directions.
+  const Vec3 pulled = field.at(contacts[2].point.cast<float>(), field.place_of(contacts[2].point))
+                          .displacement.cast<double>();
+  EXPECT_LT((pulled - contacts[2].displacement).norm(), 4e-6);
+}
+
+TEST(ResponseField, APressThatAnotherPushesAwayDoesNotPull) {
+  ResponseField field(resting_ball());
+  const Vec3 aside = Vec3(0.12, 0.0, 1.0).normalized();
+  const std::array<ResponseField::Contact, 2> contacts = {contact_at(Vec3::UnitZ(), 6e-3),
+                                                          contact_at(aside, 0.1e-3)};
+  field.set(contacts);
+  const Vec3& point = contacts[1].point;
+  const Vec3 u = field.at(point.cast<float>(), field.place_of(point)).displacement.cast<double>();
+  EXPECT_LT(u.dot(aside), -2e-3);  // the deeper press takes it along
+}
+
+TEST(ResponseField, AWideToolOnAHeldPlaceLacksDepth) {
+  ResponseField field(resting_ball());
+  ResponseField::Contact contact = contact_at(-Vec3::UnitZ(), 5e-3);
+  field.set({&contact, 1});
+  EXPECT_EQ(field.missing(0), 0.0);  // a narrow one dents the tissue beside it
+  contact.tip_radius = 60e-3;
+  field.set({&contact, 1});
+  EXPECT_GT(field.missing(0), 0.2);
+  EXPECT_LE(field.missing(0), 1.0);
+}
+
+TEST(ResponseField, TheSurfaceBulgesBesideAPress) {
+  ResponseField field(resting_ball());
+  const ResponseField::Contact contact = contact_at(Vec3::UnitZ(), 5e-3);
+  field.set({&contact, 1});
+  const Vec3 side = 0.03 * Vec3::UnitX();
+  const Vec3 u = field.at(side.cast<float>(), field.place_of(side)).displacement.cast<double>();
+  EXPECT_GT(u.x(), 0.1e-3);  // nearly incompressible: the equator moves outwards
+}
+
+TEST(ResponseField, TheGradientIsTheDerivativeOfTheDisplacement) {
+  ResponseField field(resting_ball());
+  const ResponseField::Contact contact = contact_at(Vec3::UnitZ(), 5e-3);
+  field.set({&contact, 1});
+  constexpr float kStep = 1e-4F;
+  for (const Vec3& direction : {Vec3(0.3, 0.2, 1.0), Vec3(1.0, 0.3, 0.2), Vec3(-0.7, 0.7, 0.3)}) {
+    const Vec3 point = 0.03 * direction.normalized();
+    const PlaceMotion here = field.at(point.cast<float>(), field.place_of(point));
+    // Along the surface, where the half-space's part is meant; its part along the normal is not drawn.
+    const Vec3 along = point.cross(Vec3::UnitZ()).cross(point).normalized();
+    const Vec3 before = point - kStep * along;
+    const Vec3 after = point + kStep * along;
+    const Eigen::Vector3f slope = (field.at(after.cast<float>(), field.place_of(after)).displacement -
+                                   field.at(before.cast<float>(), field.place_of(before)).displacement) /
+                                  (2.0F * kStep);
+    EXPECT_LT((here.gradient * along.cast<float>() - slope).norm(), 0.06F) << direction.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace palpate::deform

@@ -1,0 +1,103 @@
+#include "palpate/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/base/index.h"
+#include "core/base/infinity.h"
+#include "core/base/text.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+void check_direction(const std::string& field, const Vec3& direction) {
+  if (!direction.allFinite() || !(direction.norm() > 1e-9))
+    throw InputError(field + ": must be a direction, three finite numbers that are not all 0");
+}
+
+}  // namespace
+
+void validate(const Support& support) {
+  if (support.empty())
+    throw InputError("organ.support: must have a bed, faces or an attachment (docs/support.md)");
+  if (support.bed) {
+    check_direction("bed.direction", support.bed->direction);
+    const double share = support.bed->share;
+    if (!(share > 0.0 && share <= kLargestBedShare))
+      throw ParameterError("bed.share", share, "a number > 0 and <= " + shortest(kLargestBedShare));
+  }
+  if (support.faces) check_direction("faces.away_from", support.faces->away_from);
+  if (support.attachments.size() > kMaxAttachments)
+    throw InputError("attachment: there are " + std::to_string(support.attachments.size()) +
+                     ", must be at most " + std::to_string(kMaxAttachments));
+  for (const Attachment& attachment : support.attachments) {
+    if (!attachment.point.allFinite()) throw InputError("attachment.point_mm: must be three finite numbers");
+    if (!(attachment.radius >= kSmallestAttachment && attachment.radius <= kLargestAttachment))
+      throw ParameterError("attachment.radius_mm", 1e3 * attachment.radius,
+                           "a number >= " + shortest(1e3 * kSmallestAttachment) +
+                               " and <= " + shortest(1e3 * kLargestAttachment));
+  }
+}
+
+HeldSurface::HeldSurface(const Support& support, const TriangleMesh& organ) : support_(support) {
+  validate(support);
+  if (support_.bed) {
+    Vec3& direction = support_.bed->direction;
+    direction.normalize();
+    double low = kInfinity;
+    double high = -kInfinity;
+    for (const Vec3& v : organ.vertices) {
+      low = std::min(low, v.dot(direction));
+      high = std::max(high, v.dot(direction));
+    }
+    bed_from_ = high - support_.bed->share * (high - low);
+  }
+  for (Attachment& attachment : support_.attachments) {
+    const auto nearer = [&attachment](const Vec3& a, const Vec3& b) {
+      return (a - attachment.point).squaredNorm() < (b - attachment.point).squaredNorm();
+    };
+    const auto nearest = std::min_element(organ.vertices.begin(), organ.vertices.end(), nearer);
+    if (nearest != organ.vertices.end()) attachment.point = *nearest;
+  }
+}
+
+bool HeldSurface::holds_inside(const Vec3& point) const noexcept {
+  return support_.bed && point.dot(support_.bed->direction) > bed_from_;
+}
+
+bool HeldSurface::holds(const Vec3& point, const Vec3& normal) const noexcept {
+  if (holds_inside(point)) return true;
+  if (support_.faces && normal.dot(support_.faces->away_from) < 0.0) return true;
+  return std::any_of(support_.attachments.begin(), support_.attachments.end(), [&point](const Attachment& a) {
+    return (point - a.point).squaredNorm() < a.radius * a.radius;
+  });
+}
+
+double held_share(const Support& support, const TriangleMesh& organ) {
+  const HeldSurface held(support, organ);
+  double all = 0.0;
+  double taken = 0.0;
+  for (const Triangle& t : organ.triangles) {
+    const Vec3 area = area_vector_doubled(organ, t);
+    const Vec3 middle =
+        (organ.vertices[at(t[0])] + organ.vertices[at(t[1])] + organ.vertices[at(t[2])]) / 3.0;
+    all += area.norm();
+    if (held.holds(middle, area)) taken += area.norm();
+  }
+  return all > 0.0 ? taken / all : 0.0;
+}
+
+void check_support(const Support& support, const TriangleMesh& organ) {
+  const double share = held_share(support, organ);
+  const auto percent = [](double part) { return shortest(std::round(1e4 * part) / 100.0) + " %"; };
+  const std::string stated = "holds " + percent(share) + " of the organ's surface";
+  if (share < kLeastHeld)
+    throw InputError(stated + ", must hold at least " + percent(kLeastHeld) +
+                     ", otherwise the organ would drift or turn away");
+  if (share > kMostHeld)
+    throw InputError(stated + ", must hold at most " + percent(kMostHeld) + ", otherwise nothing gives way");
+}
+
+}  // namespace palpate::geometry
