@@ -74,7 +74,7 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
     part.contact_count = 0;
   }
   if (!part.may_start_contacts) {
-    part.distances.find_nearest();
+    part.distances.find_nearest(kOutside);
     part.may_start_contacts = part.distances.nearest().distance >= kOutside;
   }
   return moved;

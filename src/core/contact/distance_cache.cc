@@ -24,13 +24,26 @@
 // the surface. A point that is outside before and after may still have passed through a thin organ. Its
 // path is tested when it is long enough to reach the surface and return.
 //
+// The clearance sphere bounds distances without the odometer. It rests in the organ's frame, behind the
+// tool, and no surface is inside. A point in it is outside the organ, by at least its depth in the sphere:
+//
+//      |            + centre            |
+//       \                              /     In front of the organ the sphere is almost flat. So the
+//        \         o  o  o  tool       /      depth is close to the distance, and stays so as the tool
+//         \__       o  o           __/       moves. A bound by the odometer shrinks with each motion.
+//            \_______o____________/          It excludes points that are almost as near as the nearest
+//     ____________________________________   one only for a few ticks.
+//     organ
+//
 // Three cases need more:
 // - Next to a proxy no point may start a contact. Clusters that lie wholly within reach of a proxy are
 //   deferred: their points are not queried. When the proxy has moved away, resolve() finds the sides
 //   again, without entries.
-// - A part that jumps, or has its first pose, has no path. reset() finds all sides, without entries.
+// - A part that jumps, or has its first pose, has no path. reset() finds all sides, without entries. The
+//   clearance sphere around one cluster often contains the next ones.
 // - find_nearest() needs an exact distance. It queries the point that was nearest in its last search, and
-//   then only points whose lower bound is below the least distance found so far.
+//   then only points whose lower bound is below the least distance found so far. If these are several, it
+//   first places the clearance sphere anew.
 //
 // The margins kInside and kBoundSlack cover rounding. The results equal those of querying every point.
 
@@ -94,8 +107,21 @@ void DistanceCache::cache_from(std::size_t point, const geometry::NearestPoint& 
   cached_[point] = {nearest.distance, odometer_ - way - kBoundSlack, nearest.triangle};
 }
 
-/// Finds the sides of a cluster's points without using cached distances.
-void DistanceCache::resolve(std::size_t c) noexcept {
+/// Whether the clearance sphere contains a whole cluster. If so, caches that its points are outside.
+bool DistanceCache::settle_by_sphere(std::size_t c) noexcept {
+  const PartPoints::Cluster& cluster = points_->clusters[c];
+  const double clear = sphere_.radius - (placed_S_ * cluster.centre - sphere_.centre_S).norm();
+  if (!(clear > cluster.radius + kBoundSlack)) return false;
+  for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
+    set_inside(i, clear);
+    cached_[i] = {clear, odometer_ - points_->offset[i] - kBoundSlack, cached_[i].triangle};
+  }
+  bound_cluster(c);
+  return true;
+}
+
+/// Finds the sides of a cluster's points without using cached distances. @return distance of its centre [m]
+double DistanceCache::resolve(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const geometry::NearestPoint centre =
       surface_->nearest(placed_S_ * cluster.centre, cached_[cluster.begin].triangle);
@@ -108,15 +134,35 @@ void DistanceCache::resolve(std::size_t c) noexcept {
     }
   }
   bound_cluster(c);
+  return centre.distance;
 }
 
+/// The sphere around a cluster's centre often contains the next clusters, which then need no query.
 void DistanceCache::reset() noexcept {
-  nearest_point_ = 0;
-  for (std::size_t c = 0; c < bounds_.size(); ++c) resolve(c);
-  for (std::uint32_t i = 0; i < cached_.size(); ++i) {
-    if (lower_bound(i) < lower_bound(nearest_point_)) nearest_point_ = i;  // query this one first
+  std::size_t nearest = 0;
+  for (std::size_t c = 0; c < bounds_.size(); ++c) {
+    if (!settle_by_sphere(c)) sphere_ = {placed_S_ * points_->clusters[c].centre, resolve(c)};
+    if (bounds_[c].least < bounds_[nearest].least) nearest = c;
   }
   next_crossing_ = odometer_;
+  nearest_point_ = points_->clusters[nearest].begin;
+}
+
+/// Places the clearance sphere behind the nearest point, away from the organ.
+void DistanceCache::renew_sphere() noexcept {
+  const Vec3 point = point_S(nearest_point_);
+  const Vec3 behind = point + (kSphereBehind / nearest_.distance) * (point - nearest_.point);
+  sphere_ = {behind, surface_->nearest(behind, nearest_.triangle).distance};
+}
+
+double DistanceCache::raise_bound(std::size_t i) noexcept {
+  const double bound = lower_bound(i);
+  if (is_inside(i)) return bound;
+  const double least = sphere_bound(i);
+  if (!(least > std::max(0.0, bound))) return bound;
+  cached_[i].distance = least;
+  cached_[i].odometer = odometer_;
+  return least;
 }
 
 void DistanceCache::bound_cluster(std::size_t c) noexcept {
@@ -155,11 +201,16 @@ void DistanceCache::query_centre(std::size_t c) noexcept {
   }
 }
 
-/// Whether a clearance proves that a point has stayed outside since its last query: the clearance spheres of
-/// then and now overlap, and the new one contains this tick's motion. If so, caches the new clearance.
+/// Whether a clearance proves that a point has stayed outside since its last query. It is in the clearance
+/// sphere by more than this tick's motion, or spheres around the point then and now overlap, and the new one
+/// contains this tick's motion. If so, caches the new clearance.
 bool DistanceCache::stays_outside(std::size_t i) noexcept {
   Cached& cached = cached_[i];
   if (cached.distance <= 0.0) return false;
+  if (!is_inside(i) && sphere_bound(i) + kInside > motion_) {
+    raise_bound(i);
+    return true;
+  }
   const geometry::Clearance clear = surface_->clearance(point_S(i), cached.triangle);
   cached.triangle = clear.triangle;
   const double least_here = clear.least + kInside;
@@ -253,36 +304,65 @@ void DistanceCache::find_crossings(std::span<const Vec3> contacts_S, double reac
   next_crossing_ = next;
 }
 
+/// Number of a cluster's points that may be nearer than `wanted` [m].
+std::size_t DistanceCache::count_nearer(std::size_t c, double wanted) noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = points_->clusters[c].begin; i < points_->clusters[c].end; ++i) {
+    if (lower_bound(i) < wanted && raise_bound(i) < wanted) ++count;
+  }
+  return count;
+}
+
 void DistanceCache::find_nearest(double enough) noexcept {
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
     if (bounds_[c].deferred) resolve(c);
   }
-  const auto out_of_reach = [this](const ClusterBound& bound, double reach) {
-    return bound.least - odometer_ > reach + kBoundSlack;
-  };
-  if (std::all_of(bounds_.begin(), bounds_.end(),
-                  [&](const ClusterBound& bound) { return out_of_reach(bound, enough); })) {
-    nearest_.distance = std::numeric_limits<double>::infinity();
-    return;
-  }
-  const std::size_t last_nearest = nearest_point_;
-  nearest_ = query(last_nearest);
+  nearest_.distance = std::numeric_limits<double>::infinity();
+  if (raise_bound(nearest_point_) < enough) query_nearer(nearest_point_);
   const auto wanted = [this, enough] { return std::min(nearest_.distance, enough); };
+  bool renewed = false;
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
-    if (out_of_reach(bounds_[c], wanted())) continue;
-    const PartPoints::Cluster& cluster = points_->clusters[c];
-    std::size_t nearer = 0;
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) nearer += lower_bound(i) < wanted() ? 1U : 0U;
+    if (is_out_of_reach(c, wanted())) continue;
+    std::size_t nearer = count_nearer(c, wanted());
+    if (nearer > kFewNearer && !renewed && nearest_.distance > kTouching &&
+        std::isfinite(nearest_.distance)) {
+      renewed = true;
+      renew_sphere();
+      query_likeliest(enough);
+      nearer = count_nearer(c, wanted());
+    }
     if (nearer > kFewPoints) query_centre(c);
-    for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-      if (i == last_nearest || lower_bound(i) >= wanted()) continue;
-      const geometry::NearestPoint found = query(i);
-      if (found.distance >= nearest_.distance) continue;
-      nearest_point_ = static_cast<std::uint32_t>(i);
-      nearest_ = found;
+    const PartPoints::Cluster& cluster = points_->clusters[c];
+    for (std::uint32_t i = cluster.begin; i < cluster.end; ++i) {
+      if (lower_bound(i) < wanted()) query_nearer(i);
     }
     bound_cluster(c);
   }
+}
+
+/// Queries a point. It becomes the nearest one if it is nearer.
+void DistanceCache::query_nearer(std::size_t i) noexcept {
+  const geometry::NearestPoint found = query(i);
+  if (found.distance >= nearest_.distance) return;
+  nearest_point_ = static_cast<std::uint32_t>(i);
+  nearest_ = found;
+}
+
+/// Queries the point with the least bound, so that few others remain in doubt.
+void DistanceCache::query_likeliest(double enough) noexcept {
+  double least = std::min(nearest_.distance, enough);
+  std::size_t likeliest = cached_.size();
+  for (std::size_t c = 0; c < bounds_.size(); ++c) {
+    if (is_out_of_reach(c, least)) continue;
+    for (std::size_t i = points_->clusters[c].begin; i < points_->clusters[c].end; ++i) {
+      if (lower_bound(i) >= least) continue;
+      const double bound = raise_bound(i);
+      if (bound >= least) continue;
+      least = bound;
+      likeliest = i;
+    }
+  }
+  if (likeliest < cached_.size()) query_nearer(likeliest);
 }
 
 }  // namespace palpate::contact

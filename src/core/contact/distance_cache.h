@@ -62,6 +62,8 @@ class DistanceCache final {
   [[nodiscard]] std::uint32_t nearest_point() const noexcept { return nearest_point_; }
   [[nodiscard]] const geometry::NearestPoint& nearest() const noexcept { return nearest_; }
 
+  /// [rt] As lower_bound(), after the clearance sphere has raised it where it can.
+  double raise_bound(std::size_t point) noexcept;
   /// [rt] Queries a point's exact distance.
   geometry::NearestPoint query(std::size_t point) noexcept;
   /// [rt] Lower and upper bound of a point's signed distance [m]; upper_bound() only for a point inside.
@@ -108,6 +110,11 @@ class DistanceCache final {
     double odometer = 0.0;  // at the last query [m]
     std::int32_t triangle = -1;
   };
+  /// A sphere outside the organ, with none of its surface inside. It rests in S, and the part moves in it.
+  struct ClearanceSphere {
+    Vec3 centre_S = Vec3::Zero();
+    double radius = 0.0;  // [m]; not positive: none
+  };
   /// Bounds of a cluster's points, as odometer values.
   struct ClusterBound {
     double crossing = 0.0;  // no point can have crossed the surface before this
@@ -125,10 +132,22 @@ class DistanceCache final {
   bool stays_outside(std::size_t point) noexcept;
   void query_crossed(std::size_t point) noexcept;
   void query_cluster(std::size_t cluster) noexcept;
-  void resolve(std::size_t cluster) noexcept;
+  bool settle_by_sphere(std::size_t cluster) noexcept;
+  double resolve(std::size_t cluster) noexcept;
   void cache_from(std::size_t point, const geometry::NearestPoint& nearest, double way) noexcept;
   void query_centre(std::size_t cluster) noexcept;
   void bound_cluster(std::size_t cluster) noexcept;
+  void renew_sphere() noexcept;
+  /// Lower bound of the distance of a point in the clearance sphere [m]; not positive outside the sphere.
+  [[nodiscard]] double sphere_bound(std::size_t point) const noexcept {
+    return sphere_.radius - (point_S(point) - sphere_.centre_S).norm() - kBoundSlack;
+  }
+  std::size_t count_nearer(std::size_t cluster, double wanted) noexcept;
+  void query_nearer(std::size_t point) noexcept;
+  void query_likeliest(double enough) noexcept;
+  [[nodiscard]] bool is_out_of_reach(std::size_t cluster, double reach) const noexcept {
+    return bounds_[cluster].least - odometer_ > reach + kBoundSlack;
+  }
   void set_inside(std::size_t point, double distance) noexcept;
 
   const OrganSurface* surface_;
@@ -142,6 +161,7 @@ class DistanceCache final {
   std::uint32_t inside_count_ = 0;
   std::uint32_t nearest_point_ = 0;
   geometry::NearestPoint nearest_;
+  ClearanceSphere sphere_;
   std::vector<ClusterBound> bounds_;
   std::vector<Cached> cached_;
   std::vector<std::uint8_t> inside_;  // 1: inside

@@ -21,7 +21,7 @@ Vec3 jaw_contact_point(const PartPoints& points, DistanceCache& distances) noexc
   Vec3 sum = Vec3::Zero();
   double total = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (distances.lower_bound(i) >= nearest + kPatchBand) continue;
+    if (distances.raise_bound(i) >= nearest + kPatchBand) continue;
     const double distance = distances.query(i).distance;
     const double weight = points.area[i] * std::max(0.0, 1.0 - (distance - nearest) / kPatchBand);
     sum += weight * points.point(i);

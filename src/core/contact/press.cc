@@ -147,7 +147,7 @@ std::uint32_t update_press(const World::Data& world, const ToolTissue& tissue, c
     remove_ended(part);
   }
   if (before > 0 && part.contact_count == 0) {
-    part.distances.find_nearest();
+    part.distances.find_nearest(kDeepInside);
     if (part.distances.nearest().distance < kDeepInside) part.may_start_contacts = false;
   }
 

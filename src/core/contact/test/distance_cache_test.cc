@@ -83,6 +83,72 @@ TEST(DistanceCache, NearestIsThatOfAllPointsTickByTickAndBoundsHold) {
   }
 }
 
+TEST(DistanceCache, RaisedBoundsAreNeverAboveTheDistance) {
+  std::mt19937 random(7);
+  const PartPoints points = jaw();
+  int raised = 0;
+  for (const std::string name : {"gallbladder", "heart"}) {
+    const OrganSurface surface(geometry::make_organ(name), kReference);
+    DistanceCache part(surface, points);
+    const Quat turn = random_turn(random);
+    for (int tick = 0; tick < 600; ++tick) {
+      part.move(wander(tick * kPeriod, turn, points.point(0)), kPeriod, {}, kReference);
+      part.find_nearest();
+      if (tick % 15 != 0) continue;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double before = part.lower_bound(i);
+        const double bound = part.raise_bound(i);
+        ASSERT_LE(bound, surface.nearest(part.point_S(i), -1).distance + 1e-12) << name << ", tick " << tick;
+        ASSERT_EQ(bound, part.lower_bound(i));
+        raised += bound > before ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(raised, 1000);
+}
+
+TEST(DistanceCache, NearestIsThatOfAllPointsInEachTickInWhichTheToolLeaves) {
+  const PartPoints points = jaw();
+  for (const std::string name : {"gallbladder", "heart"}) {
+    const OrganSurface surface(geometry::make_organ(name), kReference);
+    DistanceCache part(surface, points);
+    const Vec3 start = surface.mesh().vertices.front();
+    const Vec3 away = surface.normal_at({start, surface.nearest(start, -1).triangle});
+    for (int tick = 0; tick < 250; ++tick) {  // 15 um a tick, as a hand leaves
+      const Quat turn = rotation_about(Vec3::UnitY(), 0.1 * std::sin(0.02 * tick));
+      const Pose pose{turn, start + 15e-6 * tick * away - turn * points.point(0)};
+      part.move(pose, kPeriod, {}, kReference);
+      part.find_nearest();
+      ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << name << ", tick " << tick;
+    }
+  }
+}
+
+TEST(DistanceCache, KnowsTheSideOfEachPointAfterAJumpToAnywhere) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  const OrganSurface surface(geometry::make_organ("heart"), kReference);
+  const PartPoints points = jaw();
+  DistanceCache part(surface, points);
+  int inside = 0;
+  int outside = 0;
+  for (int jump = 0; jump < 60; ++jump) {
+    const Quat turn = random_turn(random);
+    const Vec3 place_S = 50e-3 * Vec3(normal(random), normal(random), normal(random));
+    part.move({turn, place_S - turn * points.point(0)}, kPeriod, {}, kReference);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double distance = surface.nearest(part.point_S(i), -1).distance;
+      ASSERT_EQ(part.is_inside(i), distance < kInside) << "jump " << jump << ", point " << i;
+      ASSERT_LE(part.lower_bound(i), distance + 1e-12);
+      ++(distance < kInside ? inside : outside);
+    }
+    part.find_nearest();
+    ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "jump " << jump;
+  }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
+}
+
 TEST(DistanceCache, NearestIsThatOfAllPointsWheneverItIsNearerThanEnough) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.9, 1.1);
