@@ -105,10 +105,17 @@ DeviceMotion organ_at_handle(const Pose& before_W, const Pose& now_W, const Vec3
   return {(step * handle_W - handle_W) / scale, sign * step.rotation.vec()};
 }
 
-/// Noise, commanded force, gate and row of one hand, after contact.
-void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
-                 std::size_t hand, const DeviceState& sample, const DeviceMotion& motion,
-                 const DeviceMotion& organ, ForceCommand& command, TickRow& row) noexcept {
+/// The force on one hand in a tick, and its parts.
+struct HandForce {
+  double gain = 0.0;      // of the force ramp
+  double noise = 0.0;     // touch noise before gain and gate [N]
+  double stimulus = 0.0;  // before gain and gate [N]
+  GateOutput out;
+};
+
+/// The force on one hand, from contact, noise and stimulus through the gate.
+HandForce force_of_hand(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
+                        std::size_t hand, const DeviceState& sample, const DeviceMotion& organ) noexcept {
   contact::ToolResult& result = state.results[hand];
   GateState& gate = state.gates[hand];
   Fault fault = sample_fault(sample);
@@ -117,46 +124,53 @@ void finish_hand(const SimulationWorld& world, SimulationState& state, std::uint
     result = contact::ToolResult{};
   }
   const bool touching = result.phase != contact::Phase::kApproach;
-  const double noise =
+  const bool outside = !touching && result.distance > 0.0;
+  HandForce force;
+  force.noise =
       state.touch_noise.force(state.noise[hand], state.noise_enabled, static_cast<std::uint32_t>(hand),
                               tick_number, touching ? 0.0 : result.distance);
-  const double stimulus = state.stimuli[hand].force();
-  const bool outside = !touching && result.distance > 0.0;
-  const double share = force_ramp_gain(world, state, hand, fault, outside);
-  const double tissue_share = share * world.mappings[hand].force_scale;
+  force.stimulus = state.stimuli[hand].force();
+  force.gain = force_ramp_gain(world, state, hand, fault, outside);
+  const double tissue_gain = force.gain * world.mappings[hand].force_scale;
   const bool gives_torque = world.mappings[hand].torque;
-  const double torque_share = gives_torque ? tissue_share : 0.0;
+  const double torque_gain = gives_torque ? tissue_gain : 0.0;
   const auto felt = [gives_torque](const DeviceMotion& all) {  // turns do no work on a device without torque
     return gives_torque ? all : DeviceMotion{all.translation, Vec3::Zero()};
   };
-  const GateOutput out =
-      pass_gate(world.limits, gate,
-                {.tissue = {tissue_share * result.force_W, torque_share * result.torque_W, 0.0},
-                 .noise = share * noise * result.away_W,  // [Zhang 2011, eq. 2]
-                 .stimulus = share * stimulus * result.away_W,
-                 .motion = felt(motion),
-                 .organ = felt(organ),
-                 .outside = outside,
-                 .warm = (sample.events & kMotorsWarm) != 0,
-                 .controlled = world.mappings[hand].held,
-                 .fault = fault});
-  command = out.command;
+  force.out = pass_gate(world.limits, gate,
+                        {.tissue = {tissue_gain * result.force_W, torque_gain * result.torque_W, 0.0},
+                         .noise = force.gain * force.noise * result.away_W,  // [Zhang 2011, eq. 2]
+                         .stimulus = force.gain * force.stimulus * result.away_W,
+                         .motion = felt(state.motions[hand]),
+                         .organ = felt(organ),
+                         .outside = outside,
+                         .warm = (sample.events & kMotorsWarm) != 0,
+                         .controlled = world.mappings[hand].held,
+                         .fault = fault});
   if (gate.fault != Fault::kNone) state.stimuli[hand] = {};
+  return force;
+}
 
+/// Fills the row of one hand.
+void fill_row(const SimulationWorld& world, const SimulationState& state, std::uint64_t tick_number,
+              std::size_t hand, const DeviceState& sample, const HandForce& force, TickRow& row) noexcept {
+  const contact::ToolResult& result = state.results[hand];
+  const GateState& gate = state.gates[hand];
+  const GateOutput& out = force.out;
   row = TickRow{};
   row.tick = tick_number;
   row.time = static_cast<double>(tick_number) / world.rate_Hz;
   row.hand = static_cast<std::uint32_t>(hand);
   describe_contact(state.inputs[hand], result, row);
-  row.noise_force = gate.fault == Fault::kNone ? out.noise_scale * share * noise : 0.0;
-  row.stimulus_force = gate.fault == Fault::kNone ? out.stimulus_scale * share * stimulus : 0.0;
-  row.force = plain(command.force);
-  row.torque = plain(command.torque);
-  row.gripper_force = command.gripper_force;
+  row.noise_force = gate.fault == Fault::kNone ? out.noise_scale * force.gain * force.noise : 0.0;
+  row.stimulus_force = gate.fault == Fault::kNone ? out.stimulus_scale * force.gain * force.stimulus : 0.0;
+  row.force = plain(out.command.force);
+  row.torque = plain(out.command.torque);
+  row.gripper_force = out.command.gripper_force;
   row.status = result.status | out.status;
   row.fault = static_cast<std::uint32_t>(gate.fault);
   row.energy = gate.energy.tissue;
-  row.engagement = share;
+  row.engagement = force.gain;
   copy_sample(sample, state.interval_events, row);
 }
 
@@ -211,8 +225,9 @@ void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t ti
       organ = organ_at_handle(before_W, state.organ_W, state.inputs[hand].pose_W.position,
                               world.mappings[hand].scale);
     }
-    finish_hand(world, state, tick_number, hand, samples[hand], state.motions[hand], organ, commands[hand],
-                rows[hand]);
+    const HandForce force = force_of_hand(world, state, tick_number, hand, samples[hand], organ);
+    commands[hand] = force.out.command;
+    fill_row(world, state, tick_number, hand, samples[hand], force, rows[hand]);
   }
   state.interval_events = 0;
 }
