@@ -33,6 +33,7 @@ void to_json(Json& row, const TickAccount& tick) {
   row["repeats"] = tick.repeats;
   add_times(row, tick.contact_least, "least_");
   add_times(row, tick.approach_least, "approach_least_");
+  add_times(row, tick.first, "first_");
 }
 
 void to_json(Json& row, const NearestAccount& nearest) {

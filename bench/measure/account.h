@@ -28,6 +28,7 @@ struct TickAccount {
   int repeats = 0;
   TimeStatistics contact_least;
   TimeStatistics approach_least;
+  TimeStatistics first;  // the first tick of each repeat; it counts above too
 };
 
 /// Time of one exact nearest-point query of the organ, along the path of the tool's tip.

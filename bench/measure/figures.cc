@@ -31,6 +31,11 @@ void add_ticks(Rows& rows, const TickAccount& tick) {
   row.times = tick.approach;
   row.least = tick.approach_least;
   rows.push_back(row);
+  if (tick.first.samples == 0) return;
+  row.phase = "first tick";
+  row.times = tick.first;
+  row.least = {};
+  rows.push_back(row);
 }
 
 void add_parts(Rows& rows, const Account& account) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/haptics/simulation.h"
+#include "core/haptics/warm_up.h"
 #include "io/record/recorder.h"
 #include "io/system/temporary.h"
 #include "palpate/scene.h"
@@ -15,6 +16,9 @@ class OneHand final {
  public:
   /// [setup] @param world must outlive this object
   explicit OneHand(const haptics::SimulationWorld& world) : world_(&world), state_(world) {}
+
+  /// [setup] Warms the caches, as a run in real time does before its first tick.
+  void warm_up() { haptics::warm_up(*world_, state_); }
 
   /// [rt] Runs the next tick with the device's sample at tick `way` of its path. @return its row
   haptics::TickRow& tick(haptics::Device& device, std::uint64_t way) noexcept {

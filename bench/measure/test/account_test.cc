@@ -23,7 +23,8 @@ Account sample() {
                            {20, 1.0, 2.0, 2.5, 2.75},
                            5,
                            {2, 2.9, 3.9, 4.5, 4.75},
-                           {4, 0.9, 1.9, 2.25, 2.5}});
+                           {4, 0.9, 1.9, 2.25, 2.5},
+                           {5, 20.0, 21.0, 21.5, 22.0}});
   account.nearest.push_back({2110, {5, 0.5, 0.6, 0.7, 0.8}});
   account.law_ns = 10.0;
   account.inverse_ns = 11.0;
@@ -56,6 +57,8 @@ TEST(Account, JsonHasTheDocumentedKeysAndFigures) {
   EXPECT_EQ(tick["repeats"], 5);
   EXPECT_EQ(tick["least_p999_us"], 4.5);
   EXPECT_EQ(tick["approach_least_p999_us"], 2.25);
+  EXPECT_EQ(tick["first_p50_us"], 20.0);
+  EXPECT_EQ(tick["first_max_us"], 22.0);
   EXPECT_EQ(json["law_ns"], 10.0);
   EXPECT_EQ(json["inverse_ns"], 11.0);
   EXPECT_EQ(json["noise_ns"], 12.5);
@@ -114,7 +117,7 @@ TEST(Account, CsvHasEighteenCellsALineAndCommentsOfOneLine) {
     ++rows;
   }
   EXPECT_EQ(comments, 5U);    // machine, build, command, clock, one remark
-  EXPECT_EQ(rows, 1U + 25U);  // header; 2 tick, 1 nearest, 3 parts, 2 preparation, 12 hands, 4 loop, 1 peer
+  EXPECT_EQ(rows, 1U + 26U);  // header; 3 tick, 1 nearest, 3 parts, 2 preparation, 12 hands, 4 loop, 1 peer
 }
 
 TEST(Account, CsvQuotesACommaAndRoundTrips) {

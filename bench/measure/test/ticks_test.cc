@@ -48,6 +48,7 @@ TEST(Ticks, EveryTickOfTheWayIsContactOrApproachOrFar) {
   EXPECT_EQ(account.repeats, 2);
   EXPECT_EQ(account.contact_least.samples, contact);
   EXPECT_EQ(account.approach_least.samples, approach);
+  EXPECT_EQ(account.first.samples, 2U);
   EXPECT_EQ(account.phase, "press");
   EXPECT_EQ(account.organ_triangles, ticks_setup().organ.triangles.size());
   EXPECT_EQ(account.tool_triangles, triangle_count(ticks_setup().tools[0]));

@@ -107,16 +107,17 @@ void DistanceCache::cache_from(std::size_t point, const geometry::NearestPoint& 
   cached_[point] = {nearest.distance, odometer_ - way - kBoundSlack, nearest.triangle};
 }
 
-/// Whether the clearance sphere contains a whole cluster. If so, caches that its points are outside.
+/// Whether the clearance sphere contains a whole cluster of outside points. If so, caches bounds.
 bool DistanceCache::settle_by_sphere(std::size_t c) noexcept {
   const PartPoints::Cluster& cluster = points_->clusters[c];
   const double clear = sphere_.radius - (placed_S_ * cluster.centre - sphere_.centre_S).norm();
   if (!(clear > cluster.radius + kBoundSlack)) return false;
   for (std::size_t i = cluster.begin; i < cluster.end; ++i) {
-    set_inside(i, clear);
-    cached_[i] = {clear, odometer_ - points_->offset[i] - kBoundSlack, cached_[i].triangle};
+    cached_[i].distance = clear;
+    cached_[i].odometer = odometer_ - points_->offset[i] - kBoundSlack;
   }
-  bound_cluster(c);
+  const double least = odometer_ + clear - cluster.radius - kBoundSlack;
+  bounds_[c] = {least, least, false};
   return true;
 }
 
@@ -139,6 +140,8 @@ double DistanceCache::resolve(std::size_t c) noexcept {
 
 /// The sphere around a cluster's centre often contains the next clusters, which then need no query.
 void DistanceCache::reset() noexcept {
+  std::fill(inside_.begin(), inside_.end(), std::uint8_t{0});
+  inside_count_ = 0;
   std::size_t nearest = 0;
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
     if (!settle_by_sphere(c)) sphere_ = {placed_S_ * points_->clusters[c].centre, resolve(c)};

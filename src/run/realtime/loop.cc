@@ -1,6 +1,6 @@
 // The real-time loop: one thread that calls haptics::tick() once a period and nothing else may delay.
-// run_loop() prepares it (memory lock, watchdog, priority, core), waits for its end and writes the remarks
-// of the report.
+// run_loop() prepares it (memory lock, watchdog, priority, core, warm caches), waits for its end and writes
+// the remarks of the report.
 //
 //     wait until due -> begin -> update -> read -> tick -> write -> hand over -+
 //          ^                                                                  |
@@ -49,6 +49,7 @@
 
 #include "core/base/text.h"
 #include "core/haptics/prepared_update.h"
+#include "core/haptics/warm_up.h"
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
@@ -355,6 +356,7 @@ haptics::LoopReport run_loop(const haptics::SimulationWorld& world, haptics::Sim
   std::thread thread([&] {
     try {
       prepare_thread(options, report);
+      if (!options.offline) haptics::warm_up(world, state);
       loop.run();
     } catch (...) {
       failure = std::current_exception();

@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/charconv.h"
 #include "core/haptics/test/test_world.h"
+#include "core/haptics/warm_up.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 
@@ -228,6 +230,50 @@ TEST(Tick, TheNoiseCanBeSwitchedOff) {
   Bench bench(1, no_noise());
   bench.press(600);
   EXPECT_EQ(bench.rows[0].noise_force, 0.0);
+}
+
+std::vector<std::uint64_t> bits_of(const TickRow& row) {
+  std::vector<std::uint64_t> bits{row.tick, row.phase, row.status, row.fault, row.cutoff_layer};
+  for (const double value : {row.distance, row.depth, row.tissue_force, row.noise_force, row.friction,
+                             row.energy, row.engagement}) {
+    bits.push_back(bit_cast<std::uint64_t>(value));
+  }
+  for (const auto* three : {&row.force, &row.torque, &row.tool, &row.contact, &row.normal}) {
+    for (const double value : *three) bits.push_back(bit_cast<std::uint64_t>(value));
+  }
+  return bits;
+}
+
+TEST(WarmUp, ChangesNoBitOfARunThatTouches) {
+  Bench cold(2);
+  Bench warm(2);
+  warm_up(warm.world, warm.state);
+  bool touched = false;
+  for (int k = 0; k < 600; ++k) {
+    for (Bench* bench : {&cold, &warm}) {
+      for (DeviceState& sample : bench->samples) sample = pressing(k * 1e-3);
+      bench->step();
+    }
+    for (const std::size_t hand : {0U, 1U}) {
+      ASSERT_EQ(bits_of(warm.rows[hand]), bits_of(cold.rows[hand])) << "tick " << k;
+      touched = touched || warm.rows[hand].tissue_force > 0.0;
+    }
+  }
+  EXPECT_TRUE(touched);
+}
+
+TEST(WarmUp, LeavesTheStateOfAStartedRun) {
+  Bench one(1);
+  one.press(400);
+  const SimulationState before = one.state;
+  warm_up(one.world, one.state);
+  EXPECT_EQ(one.state.inputs[0].pose_W.position, before.inputs[0].pose_W.position);
+  EXPECT_EQ(one.state.results[0].force_W, before.results[0].force_W);
+  Bench other(1);
+  other.press(400);
+  one.press(100);
+  other.press(100);
+  EXPECT_EQ(bits_of(one.rows[0]), bits_of(other.rows[0]));
 }
 
 }  // namespace
