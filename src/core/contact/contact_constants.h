@@ -77,7 +77,7 @@ inline constexpr std::size_t kFewPoints = 4;
 inline constexpr std::size_t kFewNearer = 2;
 /// Distance of the clearance sphere's centre behind the tool's nearest point [m]. So large a sphere is almost
 /// a plane in front of the organ, and contains most points that are slightly farther than the nearest one.
-/// With 5 mm, a tick in approach visits twice as many triangles at p99; 60 mm changes little.
+/// With 5 mm, a tick in approach visits up to twice as many triangles at p99; 60 mm changes little.
 inline constexpr double kSphereBehind = 30e-3;
 /// Drift of a proxy relative to the tool that deferred clusters allow for [m/s]: twice the
 /// largest.
