@@ -200,12 +200,6 @@ py::dict report_of(LiveSimulation& live) {
   return report;
 }
 
-std::vector<std::string> remarks_of(const LiveSimulation& live) {
-  std::vector<std::string> remarks = live.scene().repairs;
-  remarks.insert(remarks.end(), live.scene().remarks.begin(), live.scene().remarks.end());
-  return remarks;
-}
-
 std::string phase_of(const HandState& hand) {
   return contact::kPhaseNames[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
@@ -371,8 +365,9 @@ void bind_live(py::module_& module) {
       .def_property_readonly("rate_Hz", [](const LiveSimulation& live) { return live.scene().rate_Hz; })
       .def_property_readonly("hand_count", &LiveSimulation::hands)
       .def_property_readonly("organ", [](const LiveSimulation& live) { return live.scene().organ; })
-      .def_property_readonly("remarks", &remarks_of,
-                             "Remarks on the scene for the user: mesh repairs and warnings.");
+      .def_property_readonly(
+          "remarks", [](const LiveSimulation& live) { return remarks_of(live.scene()); },
+          "Remarks on the scene for the user: mesh repairs and warnings.");
 }
 
 }  // namespace palpate::python

@@ -179,12 +179,7 @@ Surface surface_now(TickedSimulation& ticked) {
 }
 
 std::vector<std::string> ticked_remarks_of(TickedSimulation& ticked) {
-  return ticked.with([](palpate_simulation& simulation) {
-    std::vector<std::string> remarks = simulation.scene().repairs;
-    const std::vector<std::string>& more = simulation.scene().remarks;
-    remarks.insert(remarks.end(), more.begin(), more.end());
-    return remarks;
-  });
+  return ticked.with([](palpate_simulation& simulation) { return remarks_of(simulation.scene()); });
 }
 
 constexpr const char* kAbout =

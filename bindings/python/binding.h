@@ -30,6 +30,7 @@ void bind_palpation(py::module_& module);
 void bind_surface(py::module_& module);
 void bind_live(py::module_& module);
 void bind_ticked(py::module_& module);
+void bind_batch(py::module_& module);
 
 /// Parses "press" or "pull". @throws InputError
 [[nodiscard]] model::Direction direction_of(const std::string& word);

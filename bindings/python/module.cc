@@ -24,4 +24,5 @@ PYBIND11_MODULE(_palpate, module) {
   palpate::python::bind_palpation(module);
   palpate::python::bind_live(module);
   palpate::python::bind_ticked(module);
+  palpate::python::bind_batch(module);
 }

@@ -74,6 +74,12 @@ contact::Preparation preparation_of(bool cache) {
   return how;
 }
 
+std::vector<std::string> remarks_of(const scene::Scene& scene) {
+  std::vector<std::string> remarks = scene.repairs;
+  remarks.insert(remarks.end(), scene.remarks.begin(), scene.remarks.end());
+  return remarks;
+}
+
 py::dtype row_type() {
   py::list names;
   py::list formats;

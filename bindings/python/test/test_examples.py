@@ -10,6 +10,6 @@ def test_examples_are_short():
         assert len(file.read_text().splitlines()) < 150, file.name
 
 
-@pytest.mark.parametrize('name', ['law_curves', 'simulated_press', 'compare_tissues', 'live_control'])
+@pytest.mark.parametrize('name', ['law_curves', 'simulated_press', 'compare_tissues', 'live_control', 'pose_stream'])
 def test_example_draws(run, name, tmp_path):  # noqa: F811
     expect_drawn(run, name, tmp_path)

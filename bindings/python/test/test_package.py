@@ -24,9 +24,13 @@ with palpate.Simulation("a.toml", tissue=palpate.tissue_preset("liver"), duratio
 force: numpy.ndarray = palpate.LayeredSpringLaw(palpate.load_tissue("heart")).force_at([1e-3, 2e-3])
 tissue: palpate.Tissue = palpate.load_tissue("heart")
 tissue.k1 = 12.0
+batch = palpate.Batch("a.toml", 3, tissue=tissue, jobs=2)
+forces, torques, depths = batch.step([[0.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0]] * 3)
+deepest: float = depths.max()
+faults: numpy.ndarray = batch.fault
 '''
 BAD = ('palpate.tissue_preset(3)', 'palpate.tissue_preset("liver").k2', 'palpate.simulate(tisue="liver")',
-       'palpate.Simulation().state().tick')
+       'palpate.Simulation().state().tick', 'palpate.Batch(hands=3)')
 
 
 def test_stubs_name_everything_that_is_public():

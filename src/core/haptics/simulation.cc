@@ -6,8 +6,6 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kQuaternionSlack = 0.05;  // tolerance of a unit quaternion's norm, for rounding in files
-
 /// The fault of a sample, or kNone.
 Fault sample_fault(const DeviceState& sample) noexcept {
   if (sample.fault != Fault::kNone) return sample.fault;

@@ -16,6 +16,8 @@ namespace palpate::haptics {
 
 /// Samples with a position farther out than this [m] are invalid.
 inline constexpr double kFarthest = 100.0;
+/// Tolerance of a unit quaternion's norm in samples, for rounding in files.
+inline constexpr double kQuaternionSlack = 0.05;
 
 /// The constant part of a simulation: organ and its motion, tools, laws, noise, limits, rate.
 struct SimulationWorld {

@@ -1,0 +1,168 @@
+#include "bindings/python/batch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "core/base/parallel.h"
+#include "core/base/text.h"
+#include "io/scene/make_world.h"
+#include "palpate/error.h"
+#include "run/realtime/realtime.h"
+
+#include "bindings/c/float_environment.h"
+#include "bindings/c/simulation.h"
+#include "bindings/python/surface.h"
+
+namespace palpate::python {
+namespace {
+
+constexpr std::size_t kMaxHandsOfBatch = 1'000'000;
+constexpr std::size_t kMaxJobs = 4096;
+constexpr std::size_t kBlocksPerThread = 8;  // a thread takes blocks of hands, so that a slow one takes fewer
+
+std::size_t checked_hands(std::size_t hands) {
+  if (hands >= 1 && hands <= kMaxHandsOfBatch) return hands;
+  throw InputError(fmt::format("n = {}: must be 1 to {} hands", hands, kMaxHandsOfBatch));
+}
+
+std::size_t checked_jobs(std::optional<std::size_t> jobs) {
+  if (!jobs) return std::max<std::size_t>(realtime::usable_cores().size(), 1);
+  if (*jobs >= 1 && *jobs <= kMaxJobs) return *jobs;
+  throw InputError(fmt::format("jobs = {}: must be 1 to {}", *jobs, kMaxJobs));
+}
+
+/// The scene of one hand whose device nobody holds, with its remarks.
+scene::Scene prepared(scene::Scene scene) {
+  if (scene.tools.size() != 1) {
+    throw InputError(fmt::format("the scene has {} hands: must have one, of which Batch makes n copies",
+                                 scene.tools.size()));
+  }
+  scene.devices.front().kind = scene::DeviceSetup{}.kind;
+  for (std::string& remark : scene::overlap_remarks(scene)) scene.remarks.push_back(std::move(remark));
+  return scene;
+}
+
+/// "poses[3, 12, 4]", without the tick where the array has no axis of ticks.
+std::string place(const char* array, const Batch::Ticks& ticks, std::size_t row, const std::string& entry) {
+  const std::string tick = ticks.series ? fmt::format(", {}", row % ticks.count) : "";
+  return fmt::format("{}[{}{}{}]", array, row / ticks.count, tick, entry);
+}
+
+}  // namespace
+
+Batch::Batch(scene::Scene scene, const contact::Preparation& how, std::size_t hands,
+             std::optional<std::size_t> jobs, double surface_edge)
+    : scene_(prepared(std::move(scene))),
+      surface_(visible_surface(scene_, surface_edge)),
+      world_(scene::make_world(scene_, how)),
+      jobs_(std::min(checked_jobs(jobs), checked_hands(hands))),
+      hands_(hands, Hand(world_)) {}
+
+std::unique_lock<std::mutex> Batch::lock() {
+  if (!process_.is_current()) throw std::logic_error(c_interface::kForked);
+  return std::unique_lock(mutex_);
+}
+
+/// Calls act(thread, hand) for all hands on all threads.
+template <typename Act>
+void Batch::for_hands(const Act& act) {
+  const std::size_t block = std::max<std::size_t>(hands_.size() / (jobs_ * kBlocksPerThread), 1);
+  std::atomic<std::size_t> next{0};
+  for_ranges(jobs_, 1, [&](std::size_t thread, std::size_t) {
+    const c_interface::DefaultFloatEnvironment environment;
+    for (;;) {
+      const std::size_t first = next.fetch_add(block, std::memory_order_relaxed);
+      const std::size_t end = std::min(first + block, hands_.size());
+      if (first >= end) return;
+      for (std::size_t hand = first; hand < end; ++hand) act(thread, hand);
+    }
+  });
+}
+
+void Batch::check(const Ticks& ticks) const {
+  for (std::size_t row = 0; row < hands_.size() * ticks.count; ++row) {
+    const std::span pose(ticks.poses + row * kPoseSize, kPoseSize);
+    const double norm = Quat(pose[3], pose[4], pose[5], pose[6]).norm();
+    if (std::abs(norm - 1.0) <= haptics::kQuaternionSlack && std::isfinite(pose[0] + pose[1] + pose[2]))
+      continue;
+    for (std::size_t i = 0; i < kPoseSize; ++i) {
+      if (std::isfinite(pose[i])) continue;
+      throw InputError(place("poses", ticks, row, fmt::format(", {}", i)) + " = " + shortest(pose[i]) +
+                       ": must be finite");
+    }
+    if (std::abs(norm - 1.0) <= haptics::kQuaternionSlack)
+      continue;  // a sum of finite numbers that overflows
+    throw InputError(fmt::format("{} = [{}, {}, {}, {}]: must be a quaternion w x y z of length 1, has {}",
+                                 place("poses", ticks, row, ", 3:7"), shortest(pose[3]), shortest(pose[4]),
+                                 shortest(pose[5]), shortest(pose[6]), shortest(norm)));
+  }
+  if (ticks.gripper == nullptr) return;
+  for (std::size_t row = 0; row < hands_.size() * ticks.count; ++row) {
+    const double opening = ticks.gripper[row];
+    if (opening >= 0.0 && opening <= 1.0) continue;
+    throw InputError(place("gripper", ticks, row, "") + " = " + shortest(opening) +
+                     ": must be 0 (closed) to 1 (open)");
+  }
+}
+
+/// Computes all ticks of one hand.
+void Batch::run(std::size_t number, const Ticks& ticks) noexcept {
+  Hand& hand = hands_[number];
+  haptics::DeviceState sample;
+  haptics::ForceCommand command;
+  haptics::TickRow row;
+  if (std::exchange(hand.resets_fault, false)) sample.events = haptics::kResetFault;
+  for (std::size_t i = number * ticks.count; i < (number + 1) * ticks.count; ++i) {
+    const double* pose = ticks.poses + i * kPoseSize;
+    sample.position_D = Vec3(pose[0], pose[1], pose[2]);
+    sample.orientation_D = Quat(pose[3], pose[4], pose[5], pose[6]);
+    if (ticks.gripper != nullptr) sample.gripper = ticks.gripper[i];
+    haptics::tick(world_, hand.state, hand.next_tick++, {&sample, 1}, {&command, 1}, {&row, 1});
+    sample.events = 0;
+    std::copy(row.force.begin(), row.force.end(), ticks.force + 3 * i);
+    std::copy(row.torque.begin(), row.torque.end(), ticks.torque + 3 * i);
+    ticks.depth[i] = row.depth;
+    ticks.status[i] = row.status;
+    ticks.fault[i] = row.fault;
+  }
+}
+
+void Batch::step(const Ticks& ticks) {
+  const auto locked = lock();
+  check(ticks);
+  for_hands([&](std::size_t, std::size_t hand) { run(hand, ticks); });
+}
+
+void Batch::restart(std::span<const std::size_t> hands) {
+  const auto locked = lock();
+  const Hand fresh(world_);
+  for (const std::size_t hand : hands) hands_[hand] = fresh;
+}
+
+void Batch::reset_fault(std::span<const std::size_t> hands) {
+  const auto locked = lock();
+  for (const std::size_t hand : hands) hands_[hand].resets_fault = true;
+}
+
+void Batch::displacements(std::span<const std::size_t> points, double* to) {
+  const auto locked = lock();
+  while (deformers_.size() < jobs_) deformers_.emplace_back(surface_);
+  std::vector<std::vector<Vec3>> moved(jobs_);
+  for_hands([&](std::size_t thread, std::size_t hand) {
+    const haptics::SimulationState& state = hands_[hand].state;
+    deformers_[thread].deform(state.reach, deform::indentations_of(state.results), moved[thread]);
+    double* number = to + hand * points.size() * 3;
+    for (const std::size_t point : points) {
+      const Vec3 way = moved[thread][point] - surface_.vertices[point];
+      number = std::copy(way.data(), way.data() + 3, number);
+    }
+  });
+}
+
+}  // namespace palpate::python
