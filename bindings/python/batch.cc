@@ -1,40 +1,28 @@
 #include "bindings/python/batch.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include <fmt/core.h>
 
-#include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
-#include "run/realtime/realtime.h"
 
-#include "bindings/c/float_environment.h"
 #include "bindings/c/simulation.h"
+#include "bindings/python/on_threads.h"
 #include "bindings/python/surface.h"
 
 namespace palpate::python {
 namespace {
 
 constexpr std::size_t kMaxHandsOfBatch = 1'000'000;
-constexpr std::size_t kMaxJobs = 4096;
-constexpr std::size_t kBlocksPerThread = 8;  // a thread takes blocks of hands, so that a slow one takes fewer
 
 std::size_t checked_hands(std::size_t hands) {
   if (hands >= 1 && hands <= kMaxHandsOfBatch) return hands;
   throw InputError(fmt::format("n = {}: must be 1 to {} hands", hands, kMaxHandsOfBatch));
-}
-
-std::size_t checked_jobs(std::optional<std::size_t> jobs) {
-  if (!jobs) return std::max<std::size_t>(realtime::usable_cores().size(), 1);
-  if (*jobs >= 1 && *jobs <= kMaxJobs) return *jobs;
-  throw InputError(fmt::format("jobs = {}: must be 1 to {}", *jobs, kMaxJobs));
 }
 
 /// The scene of one hand whose device nobody holds, with its remarks.
@@ -61,28 +49,12 @@ Batch::Batch(scene::Scene scene, const contact::Preparation& how, std::size_t ha
     : scene_(prepared(std::move(scene))),
       surface_(visible_surface(scene_, surface_edge)),
       world_(scene::make_world(scene_, how)),
-      jobs_(std::min(checked_jobs(jobs), checked_hands(hands))),
+      jobs_(threads_for(jobs, checked_hands(hands))),
       hands_(hands, Hand(world_)) {}
 
 std::unique_lock<std::mutex> Batch::lock() {
   if (!process_.is_current()) throw std::logic_error(c_interface::kForked);
   return std::unique_lock(mutex_);
-}
-
-/// Calls act(thread, hand) for all hands on all threads.
-template <typename Act>
-void Batch::for_hands(const Act& act) {
-  const std::size_t block = std::max<std::size_t>(hands_.size() / (jobs_ * kBlocksPerThread), 1);
-  std::atomic<std::size_t> next{0};
-  for_ranges(jobs_, 1, [&](std::size_t thread, std::size_t) {
-    const c_interface::DefaultFloatEnvironment environment;
-    for (;;) {
-      const std::size_t first = next.fetch_add(block, std::memory_order_relaxed);
-      const std::size_t end = std::min(first + block, hands_.size());
-      if (first >= end) return;
-      for (std::size_t hand = first; hand < end; ++hand) act(thread, hand);
-    }
-  });
 }
 
 void Batch::check(const Ticks& ticks) const {
@@ -136,7 +108,7 @@ void Batch::run(std::size_t number, const Ticks& ticks) noexcept {
 void Batch::step(const Ticks& ticks) {
   const auto locked = lock();
   check(ticks);
-  for_hands([&](std::size_t, std::size_t hand) { run(hand, ticks); });
+  on_threads(jobs_, hands_.size(), [&](std::size_t, std::size_t hand) { run(hand, ticks); });
 }
 
 void Batch::restart(std::span<const std::size_t> hands) {
@@ -154,7 +126,7 @@ void Batch::displacements(std::span<const std::size_t> points, double* to) {
   const auto locked = lock();
   while (deformers_.size() < jobs_) deformers_.emplace_back(surface_);
   std::vector<std::vector<Vec3>> moved(jobs_);
-  for_hands([&](std::size_t thread, std::size_t hand) {
+  on_threads(jobs_, hands_.size(), [&](std::size_t thread, std::size_t hand) {
     const haptics::SimulationState& state = hands_[hand].state;
     deformers_[thread].deform(state.reach, deform::indentations_of(state.results), moved[thread]);
     double* number = to + hand * points.size() * 3;

@@ -74,8 +74,6 @@ class Batch final {
   [[nodiscard]] std::unique_lock<std::mutex> lock();
   void check(const Ticks& ticks) const;
   void run(std::size_t number, const Ticks& ticks) noexcept;
-  template <typename Act>
-  void for_hands(const Act& act);
 
   OwnProcess process_;
   std::mutex mutex_;

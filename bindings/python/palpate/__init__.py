@@ -11,7 +11,7 @@ from . import _palpate
 from ._palpate import *  # noqa: F401,F403
 
 # Components: module, its names in this package (None: all), Debian package.
-_COMPONENTS = (('_fit', None, 'palpate-fit'), ('study', ('study',), 'palpate-study'), ('env', ('Env',), 'palpate-learning'))
+_COMPONENTS = (('_fit', None, 'palpate-fit'), ('study', ('study',), 'palpate-study'), ('env', ('Env', 'VectorEnv'), 'palpate-learning'))
 _missing = []
 
 

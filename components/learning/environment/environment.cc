@@ -122,59 +122,63 @@ scene::Overrides with_defaults(Task task, scene::Overrides request) {
   return request;
 }
 
-Environment::Environment(scene::Scene scene, const Settings& settings, const contact::Preparation& how)
-    : settings_(checked(settings)),
-      scene_(adapted(std::move(scene), settings.task)),
-      start_(take_hands(scene_, approach_)),
-      world_(scene::make_world(scene_, how)),
-      state_(world_),
-      samples_(world_.hands()),
-      commands_(world_.hands()),
-      rows_(world_.hands()),
-      limit_(kFastest * static_cast<double>(settings.ticks) / scene_.rate_Hz),
-      random_(0, 0, kEpisodePart) {
-  if (settings_.task == Task::kSearch) {
-    lump_places_S_ = lump_places_of(scene_);
-    lump_S_ = lump_places_S_.front();
-  }
-  if (settings_.surface_points > 0) {
-    deformer_.emplace(scene_.organ, deform::prepare_response(scene_.organ, scene_.support));
-  }
+Environment::Common::Common(scene::Scene loaded, const Settings& given, const contact::Preparation& how)
+    : settings(checked(given)),
+      scene(adapted(std::move(loaded), given.task)),
+      start(take_hands(scene, approach)),
+      world(scene::make_world(scene, how)),
+      limit(kFastest * static_cast<double>(given.ticks) / scene.rate_Hz) {
+  if (settings.task == Task::kSearch) lump_places_S = lump_places_of(scene);
+  if (settings.surface_points > 0) response = deform::prepare_response(scene.organ, scene.support);
   list_channels();
+}
+
+Environment::Environment(scene::Scene scene, const Settings& settings, const contact::Preparation& how)
+    : Environment(std::make_shared<const Common>(std::move(scene), settings, how)) {
   // Rejects now what the bounds of a range would make of the tissue and the noise.
   for (const bool high : {false, true}) {
-    noise::NoiseSettings noise = world_.noise.settings();
-    if (settings_.noise_gain) noise.gain = high ? settings_.noise_gain->high : settings_.noise_gain->low;
-    start_state(high ? settings_.stiffness_factor.high : settings_.stiffness_factor.low, noise);
+    noise::NoiseSettings noise = common_->world.noise.settings();
+    if (settings.noise_gain) noise.gain = high ? settings.noise_gain->high : settings.noise_gain->low;
+    start_state(high ? settings.stiffness_factor.high : settings.stiffness_factor.low, noise);
   }
 }
 
-void Environment::list_channels() {
-  for (const char* name : {"dx", "dy", "dz"}) acted_.push_back({name, "m", -limit_, limit_});
-  for (const char* name : {"x", "y", "z"}) observed_.push_back({name, "m", -kInfinite, kInfinite});
-  observed_.push_back({"depth", "m", 0.0, kInfinite});
-  observed_.push_back({"distance", "m", -kInfinite, kInfinite});
-  const double most = scene_.safety.max_force;
-  for (const char* name : {"force_x", "force_y", "force_z"}) observed_.push_back({name, "N", -most, most});
-  observed_.push_back({"target", "N", 0.0, most});
-  for (std::uint64_t i = 0; i < settings_.surface_points; ++i) {
-    observed_.push_back({"displacement_" + std::to_string(i), "m", 0.0, kInfinite});
+Environment::Environment(std::shared_ptr<const Common> common)
+    : common_(std::move(common)),
+      state_(common_->world),
+      samples_(common_->world.hands()),
+      commands_(common_->world.hands()),
+      rows_(common_->world.hands()),
+      random_(0, 0, kEpisodePart) {
+  if (common_->settings.task == Task::kSearch) lump_S_ = common_->lump_places_S.front();
+  if (common_->settings.surface_points > 0) deformer_.emplace(common_->scene.organ, common_->response);
+}
+
+void Environment::Common::list_channels() {
+  for (const char* name : {"dx", "dy", "dz"}) acted.push_back({name, "m", -limit, limit});
+  for (const char* name : {"x", "y", "z"}) observed.push_back({name, "m", -kInfinite, kInfinite});
+  observed.push_back({"depth", "m", 0.0, kInfinite});
+  observed.push_back({"distance", "m", -kInfinite, kInfinite});
+  const double most = scene.safety.max_force;
+  for (const char* name : {"force_x", "force_y", "force_z"}) observed.push_back({name, "N", -most, most});
+  observed.push_back({"target", "N", 0.0, most});
+  for (std::uint64_t i = 0; i < settings.surface_points; ++i) {
+    observed.push_back({"displacement_" + std::to_string(i), "m", 0.0, kInfinite});
   }
-  drawn_.push_back(
-      {"stiffness_factor", "1", settings_.stiffness_factor.low, settings_.stiffness_factor.high});
-  const double noise = scene_.noise.enabled ? scene_.noise.gain : 0.0;
-  const Range gain = settings_.noise_gain.value_or(Range{noise, noise});
-  drawn_.push_back({"noise_gain", "N m", gain.low, gain.high});
+  drawn.push_back({"stiffness_factor", "1", settings.stiffness_factor.low, settings.stiffness_factor.high});
+  const double noise = scene.noise.enabled ? scene.noise.gain : 0.0;
+  const Range gain = settings.noise_gain.value_or(Range{noise, noise});
+  drawn.push_back({"noise_gain", "N m", gain.low, gain.high});
   for (const char* name : {"start_x", "start_y"}) {
-    drawn_.push_back({name, "m", -settings_.start_offset, settings_.start_offset});
+    drawn.push_back({name, "m", -settings.start_offset, settings.start_offset});
   }
-  if (settings_.task != Task::kSearch) {
-    drawn_.push_back({"target", "N", kTargets.low, kTargets.high});
+  if (settings.task != Task::kSearch) {
+    drawn.push_back({"target", "N", kTargets.low, kTargets.high});
     return;
   }
-  acted_.push_back({"mark", "1", 0.0, 1.0});
+  acted.push_back({"mark", "1", 0.0, 1.0});
   for (const char* name : {"lump_x", "lump_y", "lump_z"}) {
-    drawn_.push_back({name, "m", -kInfinite, kInfinite});
+    drawn.push_back({name, "m", -kInfinite, kInfinite});
   }
 }
 
@@ -185,33 +189,34 @@ double Environment::draw(const Range& range) noexcept {
 
 /// The state before tick 0, with the tissue, noise and lump of an episode.
 void Environment::start_state(double stiffness_factor, const noise::NoiseSettings& noise) {
-  world_.noise = noise::TouchNoise(noise, world_.rate_Hz);
-  state_ = haptics::SimulationState(world_);
-  model::TissueParameters tissue = scene_.tissue;
+  state_ = haptics::SimulationState(common_->world);
+  state_.touch_noise = noise::TouchNoise(noise, common_->world.rate_Hz);
+  state_.noise_enabled = noise.enabled;
+  model::TissueParameters tissue = common_->scene.tissue;
   tissue.k1 *= stiffness_factor;
   haptics::ParameterUpdate update = haptics::parameter_update(
       tissue, {noise.enabled, noise.gain, noise.threshold}, haptics::kTissueChanged);
-  if (settings_.task == Task::kSearch) {
+  if (common_->settings.task == Task::kSearch) {
     update.what |= haptics::kInclusionChanged;
     update.inclusion = {
-        0, {lump_S_.x(), lump_S_.y(), lump_S_.z()}, scene_.inclusions.front().inclusion.ratio};
+        0, {lump_S_.x(), lump_S_.y(), lump_S_.z()}, common_->scene.inclusions.front().inclusion.ratio};
   }
-  haptics::apply_update(world_, state_, haptics::prepare_update(world_, update));
+  haptics::apply_update(common_->world, state_, haptics::prepare_update(common_->world, update));
 }
 
 StepResult Environment::reset(std::optional<std::uint64_t> seed) {
   if (seed) random_ = Random(*seed, 0, kEpisodePart);
-  const double factor = draw(settings_.stiffness_factor);
-  noise::NoiseSettings noise = world_.noise.settings();
-  noise.gain = draw(settings_.noise_gain.value_or(Range{noise.gain, noise.gain}));
-  noise.enabled = noise.enabled || settings_.noise_gain;
+  const double factor = draw(common_->settings.stiffness_factor);
+  noise::NoiseSettings noise = common_->world.noise.settings();
+  noise.gain = draw(common_->settings.noise_gain.value_or(Range{noise.gain, noise.gain}));
+  noise.enabled = noise.enabled || common_->settings.noise_gain;
   noise.seed = random_.below(std::size_t{1} << 53);
-  const Range offset{-settings_.start_offset, settings_.start_offset};
+  const Range offset{-common_->settings.start_offset, common_->settings.start_offset};
   const Vec3 moved(draw(offset), draw(offset), 0.0);
   parameters_ = {factor, noise.enabled ? noise.gain : 0.0, moved.x(), moved.y()};
-  if (settings_.task == Task::kSearch) {
-    lump_S_ = lump_places_S_[random_.below(lump_places_S_.size())];
-    const Vec3 lump = scene_.organ_pose * lump_S_ - start();
+  if (common_->settings.task == Task::kSearch) {
+    lump_S_ = common_->lump_places_S[random_.below(common_->lump_places_S.size())];
+    const Vec3 lump = common_->scene.organ_pose * lump_S_ - start();
     parameters_.insert(parameters_.end(), {lump.x(), lump.y(), lump.z()});
   } else {
     target_ = draw(kTargets);
@@ -225,12 +230,12 @@ StepResult Environment::reset(std::optional<std::uint64_t> seed) {
 }
 
 StepResult Environment::move(const Vec3& change) {
-  const auto ticks = static_cast<double>(settings_.ticks);
-  samples_ = start_;
-  samples_.front().velocity_D = change * (world_.rate_Hz / ticks);
-  for (std::uint64_t i = 1; i <= settings_.ticks; ++i) {
+  const auto ticks = static_cast<double>(common_->settings.ticks);
+  samples_ = common_->start;
+  samples_.front().velocity_D = change * (common_->world.rate_Hz / ticks);
+  for (std::uint64_t i = 1; i <= common_->settings.ticks; ++i) {
     samples_.front().position_D = position_ + (static_cast<double>(i) / ticks) * change;
-    haptics::tick(world_, state_, tick_++, samples_, commands_, rows_);
+    haptics::tick(common_->world, state_, tick_++, samples_, commands_, rows_);
   }
   position_ += change;
   const haptics::TickRow& row = rows_.front();
@@ -240,8 +245,8 @@ StepResult Environment::move(const Vec3& change) {
   if (deformer_) {
     const std::vector<Vec3>& rest = deformer_->rest().vertices;
     deformer_->deform(state_.reach, deform::indentations_of(state_.results), vertices_);
-    const std::size_t gaps = std::max<std::size_t>(settings_.surface_points, 2) - 1;
-    for (std::size_t i = 0; i < settings_.surface_points; ++i) {
+    const std::size_t gaps = std::max<std::size_t>(common_->settings.surface_points, 2) - 1;
+    for (std::size_t i = 0; i < common_->settings.surface_points; ++i) {
       const std::size_t vertex = i * (rest.size() - 1) / gaps;  // evenly numbered, from the first to the last
       observation_.push_back((vertices_[vertex] - rest[vertex]).norm());
     }
@@ -252,7 +257,8 @@ StepResult Environment::move(const Vec3& change) {
 /// Reward of a mark at the tool.
 double Environment::judge_mark(bool& terminated) const {
   const Vec3 away = position_ - state_.organ_W * lump_S_;
-  terminated = away.x() * away.x() + away.y() * away.y() <= settings_.tolerance * settings_.tolerance;
+  terminated =
+      away.x() * away.x() + away.y() * away.y() <= common_->settings.tolerance * common_->settings.tolerance;
   return terminated ? 1.0 : -0.1;
 }
 
@@ -260,22 +266,22 @@ StepResult Environment::step(std::span<const double> action) {
   if (finished_) throw std::logic_error("Env.step: the episode has ended, call reset() first");
   const bool finite =
       std::all_of(action.begin(), action.end(), [](double value) { return std::isfinite(value); });
-  if (action.size() != acted_.size() || !finite) {
+  if (action.size() != common_->acted.size() || !finite) {
     std::vector<std::string> given, names;
     for (const double value : action) given.push_back(shortest(value));
-    for (const Channel& channel : acted_) names.push_back(channel.name);
+    for (const Channel& channel : common_->acted) names.push_back(channel.name);
     throw InputError(fmt::format("action: [{}], must be {} finite numbers: {}", joined(given), names.size(),
                                  joined(names)));
   }
   Vec3 change(action[0], action[1], action[2]);
-  if (const double length = change.norm(); length > limit_) change *= limit_ / length;
+  if (const double length = change.norm(); length > common_->limit) change *= common_->limit / length;
   StepResult result = move(change);
-  if (settings_.task != Task::kSearch) {
+  if (common_->settings.task != Task::kSearch) {
     result.reward = -std::abs(result.tissue_force - target_) / target_;
   } else if (action[3] > 0.5) {
     result.reward = judge_mark(result.terminated);
   }
-  result.truncated = ++step_ >= settings_.steps && !result.terminated;
+  result.truncated = ++step_ >= common_->settings.steps && !result.terminated;
   finished_ = result.terminated || result.truncated;
   return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -76,6 +77,9 @@ class Environment final {
  public:
   /// [setup] @throws InputError, ParameterError that name the setting or the part of the scene
   Environment(scene::Scene scene, const Settings& settings, const contact::Preparation& how = {});
+  /// [setup] Another environment of the same scene and settings, before its first reset(). Both share the
+  /// prepared organ, and may be used by two threads.
+  [[nodiscard]] Environment another() const { return Environment(common_); }
 
   /// [setup] Starts an episode. @param seed empty: the random numbers go on
   StepResult reset(std::optional<std::uint64_t> seed);
@@ -86,40 +90,49 @@ class Environment final {
   /// [any] Values of the channels; of the last reset() or step().
   [[nodiscard]] std::span<const double> observation() const noexcept { return observation_; }
   [[nodiscard]] std::span<const double> parameters() const noexcept { return parameters_; }
-  [[nodiscard]] std::span<const Channel> observation_channels() const noexcept { return observed_; }
-  [[nodiscard]] std::span<const Channel> action_channels() const noexcept { return acted_; }
+  [[nodiscard]] std::span<const Channel> observation_channels() const noexcept { return common_->observed; }
+  [[nodiscard]] std::span<const Channel> action_channels() const noexcept { return common_->acted; }
   /// [any] What an episode draws: stiffness factor, noise gain, start, then the target or the lump's centre
   /// at rest; positions from the scene's start.
-  [[nodiscard]] std::span<const Channel> parameter_channels() const noexcept { return drawn_; }
+  [[nodiscard]] std::span<const Channel> parameter_channels() const noexcept { return common_->drawn; }
 
-  [[nodiscard]] const Settings& settings() const noexcept { return settings_; }
-  [[nodiscard]] const scene::Scene& scene() const noexcept { return scene_; }
-  [[nodiscard]] double step_limit() const noexcept { return limit_; }  // m
+  [[nodiscard]] const Settings& settings() const noexcept { return common_->settings; }
+  [[nodiscard]] const scene::Scene& scene() const noexcept { return common_->scene; }
+  [[nodiscard]] double step_limit() const noexcept { return common_->limit; }  // m
   /// [any] Where the tool starts, and the direction in which it meets the organ, world frame.
-  [[nodiscard]] const Vec3& start() const noexcept { return start_.front().position_D; }
-  [[nodiscard]] const Vec3& approach() const noexcept { return approach_; }
+  [[nodiscard]] const Vec3& start() const noexcept { return common_->start.front().position_D; }
+  [[nodiscard]] const Vec3& approach() const noexcept { return common_->approach; }
 
  private:
-  void list_channels();
+  /// What environments share; constant.
+  struct Common {
+    Common(scene::Scene loaded, const Settings& given, const contact::Preparation& how);
+    void list_channels();
+
+    Settings settings;
+    scene::Scene scene;
+    Vec3 approach = -Vec3::UnitZ();
+    std::vector<haptics::DeviceState> start;  // per hand; the device frame is the world frame
+    haptics::SimulationWorld world;
+    std::vector<Vec3> lump_places_S;  // in kSearch
+    std::vector<Channel> observed, acted, drawn;
+    double limit = 0.0;                                     // m, largest change of a step
+    std::shared_ptr<const deform::OrganResponse> response;  // with surface points, of a supported organ
+  };
+
+  explicit Environment(std::shared_ptr<const Common> common);
   void start_state(double stiffness_factor, const noise::NoiseSettings& noise);
   double draw(const Range& range) noexcept;
   StepResult move(const Vec3& change);
   [[nodiscard]] double judge_mark(bool& terminated) const;
 
-  Settings settings_;
-  scene::Scene scene_;
-  Vec3 approach_ = -Vec3::UnitZ();
-  std::vector<haptics::DeviceState> start_;  // per hand; the device frame is the world frame
-  haptics::SimulationWorld world_;
+  std::shared_ptr<const Common> common_;
   haptics::SimulationState state_;
   std::vector<haptics::DeviceState> samples_;
   std::vector<haptics::ForceCommand> commands_;
   std::vector<haptics::TickRow> rows_;
   std::optional<deform::SurfaceDeformer> deformer_;  // only with surface points
   std::vector<Vec3> vertices_;
-  std::vector<Vec3> lump_places_S_;  // in kSearch
-  std::vector<Channel> observed_, acted_, drawn_;
-  double limit_ = 0.0;  // m, largest change of a step
 
   Random random_;
   Vec3 position_ = Vec3::Zero();

@@ -221,15 +221,17 @@ class Environments final {
   explicit Environments(const GenerateRequest& request) : request_(request) {}
 
   [[nodiscard]] std::unique_ptr<Environment> take() {
-    const std::lock_guard lock(
-        mutex_);  // also while one is made: the first one fills the cache for the others
+    const std::lock_guard lock(mutex_);  // also while the organ is prepared
     if (!idle_.empty()) {
       std::unique_ptr<Environment> one = std::move(idle_.back());
       idle_.pop_back();
       return one;
     }
-    const scene::Overrides scene = with_defaults(request_.settings.task, request_.scene);
-    return std::make_unique<Environment>(scene::load(scene), request_.settings, request_.preparation);
+    if (!model_) {
+      const scene::Overrides scene = with_defaults(request_.settings.task, request_.scene);
+      model_ = std::make_unique<Environment>(scene::load(scene), request_.settings, request_.preparation);
+    }
+    return std::make_unique<Environment>(model_->another());
   }
 
   void give_back(std::unique_ptr<Environment> one) {
@@ -240,6 +242,7 @@ class Environments final {
  private:
   const GenerateRequest& request_;
   std::mutex mutex_;
+  std::unique_ptr<Environment> model_;  // its organ is everyone's
   std::vector<std::unique_ptr<Environment>> idle_;
 };
 

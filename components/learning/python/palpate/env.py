@@ -76,3 +76,44 @@ class Env:
     def step(self, action: ArrayLike) -> Tuple[NDArray[np.float64], float, bool, bool, Dict[str, Any]]:
         """One step of `ticks` ticks. Returns observation, reward, terminated, truncated, info."""
         return self._environment.step(action)
+
+
+class VectorEnv:
+    """`num_envs` environments of one task that step at once, on `jobs` threads (None: all cores), and share the prepared organ.
+
+    Environment i has the same bits as Env with the same arguments, reset(seed=seed + i) and its actions. Observations have the
+    shape (num_envs, channels), rewards, terminated, truncated and the entries of info (num_envs,). After the end of an episode the
+    environment starts the next one at once: observation is its first, info['final_observation'] has the ended one's last. Spaces
+    are those of one environment. Other arguments are those of Env.
+    """
+
+    def __init__(self, task: str = 'press', num_envs: int = 1, *, jobs: Optional[int] = None, seconds: float = 5.0,
+                 ticks: int = 10, tolerance: float = 10e-3, surface_points: int = 0, noise: bool = False,
+                 stiffness_factor: Sequence[float] = (1.0, 1.0), noise_gain: Optional[Sequence[float]] = None,
+                 start_offset: float = 0.0, **scene: Any) -> None:
+        self.task, self.num_envs, self.ticks, self.tolerance = task, num_envs, ticks, tolerance
+        self._environments = _learning._VectorEnvironment(
+            learning_task=task, seconds=seconds, ticks=ticks, tolerance=tolerance, surface_points=surface_points, noise=noise,
+            stiffness_factor=stiffness_factor, noise_gain=noise_gain, start_offset=start_offset, num_envs=num_envs, jobs=jobs,
+            **scene)
+        self.single_action_space: Dict[str, Any] = self._environments.action_space
+        self.single_observation_space: Dict[str, Any] = self._environments.observation_space
+        self._seeded = False
+
+    @property
+    def parameters(self) -> Dict[str, NDArray[np.float64]]:
+        """What each episode drew, as Env.parameters: arrays (num_envs,). NaN before reset()."""
+        return dict(self._environments.parameters)
+
+    def reset(self, *, seed: Optional[int] = None,
+              options: Optional[Dict[str, Any]] = None) -> Tuple[NDArray[np.float64], Dict[str, Any]]:
+        """Starts an episode in every environment. Without a seed the random numbers go on. `options` has no effect."""
+        if seed is None and not self._seeded:
+            seed = secrets.randbits(62)
+        self._seeded = True
+        return self._environments.reset(seed)
+
+    def step(self, actions: ArrayLike) -> Tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_],
+                                                NDArray[np.bool_], Dict[str, Any]]:
+        """One step of `ticks` ticks of every environment. Returns observations, rewards, terminated, truncated, info."""
+        return self._environments.step(actions)
