@@ -26,13 +26,6 @@ void require_given(const void* pointer, const char* name) {
   if (pointer == nullptr) throw UseError(std::string(name) + ": is null, must be given");
 }
 
-void require_size(std::size_t given, std::size_t right, const char* name) {
-  if (given == right) return;
-  throw UseError(std::string(name) + ".struct_size = " + std::to_string(given) + ": must be " +
-                 std::to_string(right) +
-                 "; set it to sizeof the struct, and compile with this library's palpate.h");
-}
-
 }  // namespace palpate::c_interface
 
 extern "C" {

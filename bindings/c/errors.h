@@ -40,7 +40,4 @@ palpate_status guarded(const Step& step) noexcept {
 /// [setup] @throws UseError naming the argument if it is null.
 void require_given(const void* pointer, const char* name);
 
-/// [setup] @throws UseError naming the struct if its size differs from the library's.
-void require_size(std::size_t given, std::size_t right, const char* name);
-
 }  // namespace palpate::c_interface

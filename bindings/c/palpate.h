@@ -16,8 +16,9 @@
 // thread at any time. Different simulations are independent.
 //
 // Every struct that the caller passes begins with its size. Set the struct to zero, then struct_size to
-// sizeof the struct. A function rejects a size that differs from the library's, so a program compiled with
-// another version of this header gets PALPATE_ERROR_USE.
+// sizeof the struct. Later versions add fields at the end only: a program compiled with an older header
+// passes shorter structs, and the fields that they lack have their defaults. A larger struct than the
+// library's gives PALPATE_ERROR_USE.
 #include <stddef.h>
 #include <stdint.h>
 

@@ -11,6 +11,7 @@
 
 #include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"
+#include "bindings/c/struct_size.h"
 
 /// Force law of a tissue in one direction.
 struct palpate_law {
@@ -51,7 +52,7 @@ palpate_status answer(const palpate_law* law, double asked, palpate_response* re
   if (law == nullptr || response == nullptr) {
     return refuse(PALPATE_ERROR_USE, "palpate_law: law and response must be given, one is null");
   }
-  if (response->struct_size != sizeof *response) {
+  if (!palpate::c_interface::is_known_size<palpate_response>(response->struct_size)) {
     return refuse(PALPATE_ERROR_USE, "palpate_response.struct_size: must be sizeof the struct");
   }
   if (!(asked >= 0.0) || !std::isfinite(asked)) {
@@ -61,11 +62,13 @@ palpate_status answer(const palpate_law* law, double asked, palpate_response* re
   const auto* layered = std::get_if<LayeredSpringLaw>(&law->law);
   const LayeredSpringLaw::LayerState state =
       layered != nullptr ? ask(*layered) : ask(*std::get_if<SmoothSpringLaw>(&law->law));
-  response->depth = state.depth;
-  response->force = state.force;
-  response->stiffness = state.stiffness;
-  response->cutoff_layer = state.cutoff_layer;
-  response->saturated = state.saturated ? 1 : 0;
+  palpate_response whole{};
+  whole.depth = state.depth;
+  whole.force = state.force;
+  whole.stiffness = state.stiffness;
+  whole.cutoff_layer = state.cutoff_layer;
+  whole.saturated = state.saturated ? 1 : 0;
+  palpate::c_interface::give(whole, response);
   return PALPATE_OK;
 }
 

@@ -7,7 +7,9 @@
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"
+#include "bindings/c/struct_size.h"
 
+using palpate::c_interface::give;
 using palpate::c_interface::guarded;
 using palpate::c_interface::require_given;
 using palpate::c_interface::require_size;
@@ -67,8 +69,10 @@ palpate_status palpate_surface_update(palpate_simulation* simulation, palpate_pi
   return guarded([&] {
     require_usable(simulation);
     require_given(picture, "picture");
-    require_size(picture->struct_size, sizeof *picture, "palpate_picture");
-    simulation->update_surface(*picture);
+    require_size(*picture, "palpate_picture");
+    palpate_picture whole{};
+    simulation->update_surface(whole);
+    give(whole, picture);
   });
 }
 
@@ -92,11 +96,13 @@ palpate_status palpate_tool_part(const palpate_simulation* simulation, uint32_t 
   return guarded([&] {
     const palpate::geometry::ToolPart& found = part_of(simulation, hand, part);
     require_given(info, "info");
-    require_size(info->struct_size, sizeof *info, "palpate_part");
-    info->name = found.name.c_str();
-    info->vertices = found.mesh.vertices.size();
-    info->triangles = found.mesh.triangles.size();
-    info->is_jaw = found.is_jaw ? 1 : 0;
+    require_size(*info, "palpate_part");
+    palpate_part whole{};
+    whole.name = found.name.c_str();
+    whole.vertices = found.mesh.vertices.size();
+    whole.triangles = found.mesh.triangles.size();
+    whole.is_jaw = found.is_jaw ? 1 : 0;
+    give(whole, info);
   });
 }
 

@@ -1,20 +1,26 @@
 // Functions of palpate.h for a simulation.
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <type_traits>
 
 #include "core/haptics/gate.h"
 #include "palpate/scene.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"
+#include "bindings/c/struct_size.h"
 
+using palpate::c_interface::give;
 using palpate::c_interface::guarded;
+using palpate::c_interface::is_known_size;
 using palpate::c_interface::kForked;
 using palpate::c_interface::refuse;
 using palpate::c_interface::require_given;
 using palpate::c_interface::require_size;
 using palpate::c_interface::require_usable;
+using palpate::c_interface::taken;
 using palpate::c_interface::UseError;
 
 namespace {
@@ -26,14 +32,28 @@ static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
 static_assert(PALPATE_EXTRAPOLATED == palpate::contact::kExtrapolated);
 
-/// Whether every sample and result has the library's size.
-bool sizes_are_right(const palpate_sample* samples, const palpate_result* results,
-                     std::size_t hands) noexcept {
-  for (std::size_t hand = 0; hand < hands; ++hand) {
-    if (samples[hand].struct_size != sizeof(palpate_sample)) return false;
-    if (results[hand].struct_size != sizeof(palpate_result)) return false;
+/// The caller's struct of a hand. In an array of an older header's structs each has that header's size.
+template <typename Struct>
+Struct* of_hand(Struct* structs, std::size_t hand) noexcept {
+  using Byte = std::conditional_t<std::is_const_v<Struct>, const std::byte, std::byte>;
+  return reinterpret_cast<Struct*>(reinterpret_cast<Byte*>(structs) + hand * structs->struct_size);
+}
+
+/// Whether the structs of all hands have one size, which is known.
+template <typename Struct>
+bool sizes_are_right(const Struct* structs, std::size_t hands) noexcept {
+  if (!is_known_size<Struct>(structs->struct_size)) return false;
+  for (std::size_t hand = 1; hand < hands; ++hand) {
+    if (of_hand(structs, hand)->struct_size != structs->struct_size) return false;
   }
   return true;
+}
+
+/// A sample with what an older header's struct may lack.
+palpate_sample sample_of(const palpate_sample* given) noexcept {
+  palpate_sample rest{};
+  rest.orientation[0] = 1.0;
+  return taken(given, rest);
 }
 
 }  // namespace
@@ -45,9 +65,9 @@ palpate_status palpate_open(const palpate_options* options, palpate_simulation**
     require_given(simulation, "simulation");
     *simulation = nullptr;
     require_given(options, "options");
-    require_size(options->struct_size, sizeof *options, "palpate_options");
-    *simulation =
-        std::make_unique<palpate_simulation>(palpate::c_interface::load(*options), *options).release();
+    require_size(*options, "palpate_options");
+    const palpate_options whole = taken(options);
+    *simulation = std::make_unique<palpate_simulation>(palpate::c_interface::load(whole), whole).release();
   });
 }
 
@@ -62,8 +82,8 @@ palpate_status palpate_get_info(const palpate_simulation* simulation, palpate_in
   return guarded([&] {
     require_usable(simulation);
     require_given(info, "info");
-    require_size(info->struct_size, sizeof *info, "palpate_info");
-    *info = simulation->info();
+    require_size(*info, "palpate_info");
+    give(simulation->info(), info);
   });
 }
 
@@ -89,11 +109,15 @@ palpate_status palpate_tick(palpate_simulation* simulation, const palpate_sample
   if (hands != simulation->hands()) {
     return refuse(PALPATE_ERROR_USE, "palpate_tick: hands must be palpate_info.hands");
   }
-  if (!sizes_are_right(samples, results, hands)) {
+  if (!sizes_are_right(samples, hands) || !sizes_are_right(results, hands)) {
     return refuse(PALPATE_ERROR_USE,
                   "palpate_tick: struct_size must be sizeof the struct, in every sample and every result");
   }
-  simulation->tick(samples, results);
+  std::array<palpate_sample, PALPATE_MAX_HANDS> own_samples;
+  std::array<palpate_result, PALPATE_MAX_HANDS> own_results{};
+  for (std::size_t hand = 0; hand < hands; ++hand) own_samples[hand] = sample_of(of_hand(samples, hand));
+  simulation->tick(own_samples.data(), own_results.data());
+  for (std::size_t hand = 0; hand < hands; ++hand) give(own_results[hand], of_hand(results, hand));
   return PALPATE_OK;
 }
 
@@ -125,10 +149,12 @@ palpate_status palpate_scripted_sample(palpate_simulation* simulation, uint32_t 
   if (hand >= simulation->hands()) {
     return refuse(PALPATE_ERROR_USE, "palpate_scripted_sample: hand must be less than palpate_info.hands");
   }
-  if (sample->struct_size != sizeof *sample) {
+  if (!is_known_size<palpate_sample>(sample->struct_size)) {
     return refuse(PALPATE_ERROR_USE, "palpate_scripted_sample: struct_size must be sizeof the sample");
   }
-  simulation->scripted_sample(hand, tick, *sample);
+  palpate_sample whole{};
+  simulation->scripted_sample(hand, tick, whole);
+  give(whole, sample);
   return PALPATE_OK;
 }
 

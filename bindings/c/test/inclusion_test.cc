@@ -106,7 +106,7 @@ TEST(Inclusions, ThatAreInvalidAreRefusedAndNothingChanges) {
   EXPECT_EQ(palpate_set_inclusion(session.get(), 0, &outside), PALPATE_ERROR_INPUT);
   EXPECT_THAT(palpate_last_error(), HasSubstr("outside the organ"));
   palpate_inclusion other_version = nodule;
-  other_version.struct_size -= 8;
+  other_version.struct_size += 8;
   EXPECT_EQ(palpate_set_inclusion(session.get(), 0, &other_version), PALPATE_ERROR_USE);
   EXPECT_EQ(inclusion_of(session, 0).stiffness_ratio, nodule.stiffness_ratio);
   EXPECT_EQ(inclusion_of(session, 0).position[2], nodule.position[2]);

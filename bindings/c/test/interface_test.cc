@@ -256,7 +256,7 @@ TEST(Refused, OpeningWronglyIsSaid) {
   palpate_simulation* simulation = nullptr;
   EXPECT_THAT(refusal(PALPATE_ERROR_USE, palpate_open(nullptr, &simulation)), HasSubstr("options"));
   EXPECT_THAT(refusal(PALPATE_ERROR_USE, palpate_open(&options, nullptr)), HasSubstr("simulation"));
-  options.struct_size -= 8;
+  options.struct_size += 8;
   EXPECT_THAT(open_refusal(options, PALPATE_ERROR_USE), HasSubstr("palpate_options.struct_size = "));
   options = unheld();
   options.scene_file = "a.toml";
