@@ -1,11 +1,11 @@
 // The program's windows on Xvfb, used by the X server's mouse and keyboard (xdotool).
 #include <chrono>
-#include <iostream>
 #include <optional>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "io/system/test/not_tested.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
@@ -29,8 +29,8 @@ class WindowProgram : public testing::Test {
  protected:
   /// Whether Xvfb and xdotool are available. If not, prints the reason; the test must then return.
   [[nodiscard]] bool possible() const {
-    if (!display_.there()) std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
-    if (!installed("xdotool")) std::cerr << "not tested: there is no xdotool (Debian package xdotool)\n";
+    if (!display_.there()) test::not_tested("there is no Xvfb (Debian package xvfb)");
+    if (!installed("xdotool")) test::not_tested("there is no xdotool (Debian package xdotool)");
     return display_.there() && installed("xdotool");
   }
   /// OpenGL in software draws on one thread, so that it leaves a core of two to the loop.

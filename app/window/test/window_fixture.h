@@ -2,7 +2,6 @@
 // Fixture for window tests: a display, a session that is quick to prepare, and measures of a picture.
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <set>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "io/system/test/not_tested.h"
 #include "io/system/test/temporary_folder.h"
 
 #include "app/window/test/driven_window.h"
@@ -52,7 +52,7 @@ class WindowTest : public testing::Test {
   /// Whether a display is available. If not, prints the reason; the test must then return.
   [[nodiscard]] bool display_is_there() const {
     if (display_.there()) return true;
-    std::cerr << "not tested: there is no Xvfb (Debian package xvfb)\n";
+    test::not_tested("there is no Xvfb (Debian package xvfb)");
     return false;
   }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }

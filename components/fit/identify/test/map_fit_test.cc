@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "io/scene/test/temporary_folder.h"
+#include "io/system/test/not_tested.h"
 #include "palpate/error.h"
 
 #include "fit/identify/map_model.h"
@@ -294,10 +295,10 @@ double percent_of_range(const MapFit& fit, const std::vector<MapRow>& fitted, co
   return 100.0 * std::sqrt(sum / static_cast<double>(rows.size())) / (high - low);
 }
 
-TEST(MapFit, EverySecondProbeOfAPhantomPredictsTheOthersNearItsLump) {
+TEST(PhantomMap, EverySecondProbeOfAPhantomPredictsTheOthersNearItsLump) {
   const std::vector<MapRow> all = phantom("weak_lumps.csv");
   if (all.empty()) {
-    std::cout << "PALPATE_DATA is not set: nothing compared\n";
+    test::not_tested("PALPATE_DATA is not set");
     return;
   }
   std::vector<MapRow> fitted;
@@ -317,11 +318,11 @@ TEST(MapFit, EverySecondProbeOfAPhantomPredictsTheOthersNearItsLump) {
   EXPECT_LE(error, 3.0);
 }
 
-TEST(MapFit, ASecondRunOverAStrandIsPredictedFromTheFirst) {
+TEST(PhantomMap, ASecondRunOverAStrandIsPredictedFromTheFirst) {
   const std::vector<MapRow> first = phantom("stiff_strand_run1.csv");
   const std::vector<MapRow> second = phantom("stiff_strand_run2.csv");
   if (first.empty() || std::getenv("PALPATE_MAPS") == nullptr) {
-    std::cout << "PALPATE_DATA and PALPATE_MAPS are not set: nothing compared, it takes minutes\n";
+    test::not_tested("PALPATE_DATA and PALPATE_MAPS are not set; it takes minutes");
     return;
   }
   MapSettings settings = quick_settings();

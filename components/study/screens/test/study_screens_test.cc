@@ -257,6 +257,7 @@ TEST_F(StudyScreensTest, AClosedWindowEndsAQuestion) {
 }
 
 TEST_F(StudyScreensTest, ASignalEndsAQuestionAndTheSession) {
+  if (!display_is_there()) return;
   std::atomic<bool> stop{false};
   StudyScreensOptions options;
   options.stop = &stop;
