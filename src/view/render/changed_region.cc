@@ -9,10 +9,11 @@ namespace {
 
 constexpr std::size_t kRigidCorners = 96;  // per block of a rigid mesh
 constexpr float kPixelMargin = 1.0F;       // pixels: more than single precision is off by
-// Entries beyond its own that a pixel's shadow depends on: the blur, the scatter of the look-up (0.75), the
-// entry's own extent, and rounding.
+// Entries beyond its own that a pixel's shadow depends on: the blur, the next entry, which the look-up
+// interpolates to, the entry's own extent, and rounding.
 constexpr float kShadowReach = static_cast<float>(ChangedShadow::kBlur) + 3.0F;
-constexpr float kDepthMargin = 1e-4F;  // of the map's range of depth
+constexpr float kUnchanged = std::numeric_limits<float>::infinity();  // depth in cells where nothing moved
+constexpr float kDepthMargin = 1e-4F;                                 // of the map's range of depth
 constexpr float kFacingAway = -0.05F;  // pixels^2: twice the area of a triangle that certainly faces away
 
 Eigen::Vector3f corner_of(const Eigen::Vector3f& low, const Eigen::Vector3f& high, unsigned corner) {
@@ -67,7 +68,7 @@ PixelBox pixels_of(const ScreenBox& box, int width, int height) noexcept {
 
 void ChangedShadow::clear() noexcept {
   entries_ = {};
-  nearest_.fill(std::numeric_limits<float>::infinity());
+  nearest_.fill(kUnchanged);
 }
 
 ChangedShadow::Cells ChangedShadow::cells_of(const ScreenBox& entries, float margin) noexcept {
@@ -87,6 +88,16 @@ void ChangedShadow::add(const ScreenBox& entries, float nearest) noexcept {
     for (std::size_t x = cells.left; x <= cells.right; ++x) {
       float& cell = nearest_[y * kCells + x];
       cell = std::min(cell, depth);
+    }
+}
+
+void ChangedShadow::add_resting(const ScreenBox& entries, float nearest) noexcept {
+  const Cells cells = cells_of(entries, kShadowReach);
+  const float depth = std::clamp(nearest, 0.0F, 1.0F) - kDepthMargin;
+  for (std::size_t y = cells.low; y <= cells.high; ++y)
+    for (std::size_t x = cells.left; x <= cells.right; ++x) {
+      float& cell = nearest_[y * kCells + x];
+      if (cell != kUnchanged) cell = std::min(cell, depth);
     }
 }
 
@@ -129,7 +140,7 @@ bool RigidBlocks::add_pixels(const Projection& projection, ScreenBox& box) const
   return true;
 }
 
-void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow) const {
+void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow, bool moved) const {
   for (const Block& block : blocks_) {
     ScreenBox entries;
     float nearest = std::numeric_limits<float>::infinity();
@@ -138,17 +149,20 @@ void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow
       entries.add(entry.head<2>());
       nearest = std::min(nearest, entry.z());
     }
-    shadow.add(entries, nearest);
+    if (moved) {
+      shadow.add(entries, nearest);
+    } else {
+      shadow.add_resting(entries, nearest);
+    }
   }
 }
 
 bool RigidBlocks::is_shaded(const Projection& projection, const ChangedShadow& shadow) const {
-  const Eigen::Vector3f lift = Eigen::Vector3f::Constant(projection.lift);
   return std::any_of(blocks_.begin(), blocks_.end(), [&](const Block& block) {
     ScreenBox entries;
     float farthest = -std::numeric_limits<float>::infinity();
     for (unsigned i = 0; i < 8; ++i) {
-      const Eigen::Vector3f entry = entry_at(projection, corner_of(block.low - lift, block.high + lift, i));
+      const Eigen::Vector3f entry = entry_at(projection, corner_of(block.low, block.high, i));
       entries.add(entry.head<2>());
       farthest = std::max(farthest, entry.z());
     }
@@ -194,7 +208,7 @@ void DeformingMesh::place_vertex(const Projection& projection, std::size_t verte
   const deform::SurfaceVertex& v = vertices_[vertex];
   const Eigen::Vector4f clip = projection.to_picture * v.position.homogeneous();
   cut_ = cut_ || clip.w() < projection.near_plane;
-  const Eigen::Vector3f entry = entry_at(projection, v.position + projection.lift * v.normal);
+  const Eigen::Vector3f entry = entry_at(projection, v.position);
   placed_[vertex] = {pixel_at(projection, clip), entry.head<2>(), entry.z()};
 }
 

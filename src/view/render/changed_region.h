@@ -49,11 +49,10 @@ struct Projection {
   float width = 1.0F;          // pixels
   float height = 1.0F;
   float near_plane = 0.0F;  // m before the camera
-  float lift = 0.0F;        // m along the normal: where a point's shadow is looked up
 };
 
-/// The part of the shadow map of the tools that has changed, in square cells, and how close to the light it
-/// changed. Only surface behind something that moved can have another shadow than before.
+/// The part of the shadow map of the tools that has changed, in square cells, and how close to the light a
+/// tool is there. Only surface behind a tool can have another shadow than before.
 class ChangedShadow final {
  public:
   static constexpr int kEntries = 256;  // of the shadow map, on each side
@@ -61,8 +60,12 @@ class ChangedShadow final {
 
   ChangedShadow() { clear(); }
   void clear() noexcept;
-  /// Adds a caster's bounding box in the shadow map: entries, and the depth [0 to 1] nearest to the light.
+  /// Adds the bounding box of a caster that moved: entries of the shadow map, and the depth [0 to 1] nearest
+  /// to the light.
   void add(const ScreenBox& entries, float nearest) noexcept;
+  /// Adds a caster that rests, after all that moved. Their depths are mixed where the map is softened, so
+  /// that surface behind either can have another shadow.
+  void add_resting(const ScreenBox& entries, float nearest) noexcept;
   [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
   /// The entries of the map, before it is softened, that may have changed.
   [[nodiscard]] PixelBox entries() const noexcept { return pixels_of(entries_, kEntries, kEntries); }
@@ -91,8 +94,8 @@ class RigidBlocks final {
   /// [any] Adds the pixels that the mesh may cover. @return false where it passes the camera's near plane, so
   /// that no box bounds it
   [[nodiscard]] bool add_pixels(const Projection& projection, ScreenBox& box) const;
-  /// [any] Adds the mesh as a caster.
-  void add_shadow(const Projection& projection, ChangedShadow& shadow) const;
+  /// [any] Adds the mesh as a caster that moved, or one that rests.
+  void add_shadow(const Projection& projection, ChangedShadow& shadow, bool moved) const;
   /// [any] Whether the shadow on the mesh may have changed.
   [[nodiscard]] bool is_shaded(const Projection& projection, const ChangedShadow& shadow) const;
 

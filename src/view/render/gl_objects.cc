@@ -46,9 +46,8 @@ Layout layout_of(Target::Kind kind) {
     case Target::Kind::kShadow:
       return {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT};
     case Target::Kind::kGrey:
+    case Target::Kind::kCover:
       return {GL_RG16F, GL_RG, GL_FLOAT};
-    case Target::Kind::kMoments:
-      return {GL_RG32F, GL_RG, GL_FLOAT};
     default:
       return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
   }
@@ -198,7 +197,7 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     glBindTexture(GL_TEXTURE_2D, texture_);
     const Layout layout = layout_of(kind);
     glTexImage2D(GL_TEXTURE_2D, 0, layout.format, width, height, 0, layout.order, layout.type, nullptr);
-    const GLint filter = kind == Kind::kShadow ? GL_LINEAR : GL_NEAREST;
+    const GLint filter = kind == Kind::kShadow || kind == Kind::kCover ? GL_LINEAR : GL_NEAREST;
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -208,7 +207,7 @@ Target::Target(Kind kind, int width, int height) : kind_(kind), width_(width), h
     }
     glFramebufferTexture2D(GL_FRAMEBUFFER, depth ? GL_DEPTH_ATTACHMENT : GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
                            texture_, 0);
-    if (kind == Kind::kColourWithDepth || kind == Kind::kMoments) {
+    if (kind == Kind::kColourWithDepth || kind == Kind::kCover) {
       glGenRenderbuffers(1, renderbuffers_.data());
       glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers_[0]);
       glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);

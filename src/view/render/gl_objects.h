@@ -77,7 +77,7 @@ class GpuMesh final {
 /// A framebuffer with the textures or multisampled buffers that it draws to. All members: [setup].
 class Target final {
  public:
-  enum class Kind { kDepth, kShadow, kGrey, kMoments, kColour, kColourWithDepth, kColourMultisampled };
+  enum class Kind { kDepth, kShadow, kGrey, kCover, kColour, kColourWithDepth, kColourMultisampled };
   Target(Kind kind, int width, int height);
   ~Target();
   Target(const Target&) = delete;

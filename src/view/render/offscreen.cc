@@ -20,8 +20,11 @@
 namespace palpate::render {
 namespace {
 
-constexpr double kLitShare = 0.75;  // of the organ's diagonal: radius of the region that the light must cover
-const Vec3 kNowhere(0, 0, 1e3);     // m: position of tools that a snapshot lacks
+// Of the organ's diagonal: radius of the ball that the light must cover, and how far its box reaches beyond
+// the organ at rest.
+constexpr double kLitShare = 0.75;
+constexpr double kLitMargin = 0.1;
+const Vec3 kNowhere(0, 0, 1e3);  // m: position of tools that a snapshot lacks
 
 void check_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide) return;
@@ -56,7 +59,9 @@ struct OffscreenRenderer::Impl {
       tools.emplace_back(tool);
     }
     const geometry::Bounds box = geometry::bounds(subject.organ);
-    region = {box.middle(), kLitShare * box.size().norm()};
+    const double diagonal = box.size().norm();
+    region = {box.middle(), kLitShare * diagonal, Quat::Identity(),
+              0.5 * box.size() + Vec3::Constant(kLitMargin * diagonal)};
     driver = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
     upload_organ_at_rest();
     upload_tools();
@@ -155,7 +160,8 @@ struct OffscreenRenderer::Impl {
     const std::int64_t computed = thread_cpu_ns();
     show(snapshot);
     update_ms = static_cast<double>(thread_cpu_ns() - computed) * 1e-6;
-    painter.draw(camera, {snapshot.organ_W * region.middle, region.radius});
+    painter.draw(camera, {snapshot.organ_W * region.middle, region.radius, snapshot.organ_W.rotation,
+                          region.half_size});
     if (!choice) return;
     finish_drawing();
     choice->add(static_cast<double>(monotonic_ns() - start) * 1e-6);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "view/render/shaders.h"
@@ -10,24 +9,15 @@
 namespace palpate::render {
 namespace {
 
-constexpr int kShadowSize = 2048;  // texels per side
+// The shadow of kFull is softened by 16 interpolated taps. With this many texels in the penumbra's radius
+// they leave no texel out, so that the shadow is smooth, and texels are small enough to show no steps.
+constexpr double kShadowTexels = 2.5;
+constexpr int kLargestShadow = 1024;  // texels per side
 constexpr int kSoftShadowSize = ChangedShadow::kEntries;
-constexpr double kSoftShadowLift = 0.4e-3;  // m
-constexpr double kPenumbra = 0.018;         // radius, as a fraction of the picture's height at the target
-constexpr double kOcclusionReach = 0.16;    // as a fraction of the picture's height at the target
-constexpr double kMarkRadius = 0.016;       // as a fraction of the picture's height at the target
-constexpr double kLeastMarkRadius = 7.0;    // pixels
-constexpr double kNearShare = 0.02;         // near plane, as a fraction of the distance to the target
-constexpr double kFarShare = 4.0;
-
-Eigen::Matrix4f look_along(const Vec3& right, const Vec3& up, const Vec3& back, const Vec3& origin) {
-  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
-  m.block<1, 3>(0, 0) = right.transpose();
-  m.block<1, 3>(1, 0) = up.transpose();
-  m.block<1, 3>(2, 0) = back.transpose();
-  m.block<3, 1>(0, 3) = -m.block<3, 3>(0, 0) * origin;
-  return m.cast<float>();
-}
+constexpr double kPenumbra = 0.018;       // radius, as a fraction of the picture's height at the target
+constexpr double kOcclusionReach = 0.16;  // as a fraction of the picture's height at the target
+constexpr double kMarkRadius = 0.016;     // as a fraction of the picture's height at the target
+constexpr double kLeastMarkRadius = 7.0;  // pixels
 
 Eigen::Matrix4f matrix_of(const Pose& pose) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -48,53 +38,19 @@ bool same(const Camera& a, const Camera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
 }
 
+// The entries of the soft shadow but for the outermost: nothing is covered in those.
+constexpr PixelBox kInnerShadow{1, 1, kSoftShadowSize - 1, kSoftShadowSize - 1};
+
+PixelBox within(const PixelBox& box, const PixelBox& limit) {
+  return {std::max(box.left, limit.left), std::max(box.low, limit.low), std::min(box.right, limit.right),
+          std::min(box.high, limit.high)};
+}
+
 void limit_drawing(const PixelBox& box) {
-  glScissor(box.left, box.low, box.right - box.left, box.high - box.low);
+  glScissor(box.left, box.low, std::max(box.right - box.left, 0), std::max(box.high - box.low, 0));
 }
 
 }  // namespace
-
-// Camera and light matrices of one picture.
-struct Painter::View {
-  Vec3 eye, right, up, back;
-  Vec3 key, fill, rim;
-  double near_plane, far_plane, half_height, half_width, height_at_target;
-  Eigen::Matrix4f projection;
-  Eigen::Matrix4f light;
-  double light_radius;
-
-  View(const Camera& camera, double aspect, const LitRegion& region) {
-    eye = camera.eye;
-    const double distance = (camera.eye - camera.target).norm();
-    back = (camera.eye - camera.target).normalized();
-    right = camera.up.cross(back).normalized();
-    up = back.cross(right);
-    key = (-0.62 * right + 0.70 * up + 0.36 * back).normalized();
-    fill = (0.75 * right + 0.10 * up + 0.65 * back).normalized();
-    rim = (0.45 * right + 0.45 * up - 0.77 * back).normalized();
-    near_plane = kNearShare * distance;
-    far_plane = kFarShare * distance;
-    half_height = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
-    half_width = aspect * half_height;
-    height_at_target = 2.0 * distance * half_height;
-    Eigen::Matrix4f lens = Eigen::Matrix4f::Zero();
-    lens(0, 0) = static_cast<float>(1.0 / half_width);
-    lens(1, 1) = static_cast<float>(1.0 / half_height);
-    lens(2, 2) = static_cast<float>(-(far_plane + near_plane) / (far_plane - near_plane));
-    lens(2, 3) = static_cast<float>(-2.0 * far_plane * near_plane / (far_plane - near_plane));
-    lens(3, 2) = -1.0F;
-    projection = lens * look_along(right, up, back, eye);
-
-    // The shadow map covers what is both visible and lit.
-    light_radius = std::min(region.radius, 1.1 * distance * std::hypot(half_height, half_width));
-    const Vec3 middle = light_radius < region.radius ? camera.target : region.middle;
-    const Vec3 light_right = up.cross(key).normalized();
-    Eigen::Matrix4f box = Eigen::Matrix4f::Identity();
-    box(0, 0) = box(1, 1) = static_cast<float>(1.0 / light_radius);
-    box(2, 2) = static_cast<float>(-0.5 / region.radius);
-    light = box * look_along(light_right, key.cross(light_right), key, middle);
-  }
-};
 
 // For kFull: shadow and occlusion of everything in its current position, four samples per pixel.
 struct Painter::Still {
@@ -102,7 +58,7 @@ struct Painter::Still {
       : depth(shaders::position_vertex(), shaders::depth_fragment()),
         occlusion(shaders::fullscreen_vertex(), shaders::occlusion_fragment()),
         blur(shaders::fullscreen_vertex(), shaders::blur_fragment()),
-        shadow(Target::Kind::kShadow, kShadowSize, kShadowSize),
+        shadow(Target::Kind::kShadow, kLargestShadow, kLargestShadow),
         depth_half(Target::Kind::kDepth, (width + 1) / 2, (height + 1) / 2),
         occlusion_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
         blurred_half(Target::Kind::kGrey, (width + 1) / 2, (height + 1) / 2),
@@ -121,17 +77,21 @@ struct Painter::Still {
 // For moving pictures: soft shadow of the tools, a background drawn once, antialiasing at the end.
 struct Painter::Live {
   Live(int width, int height)
-      : moments(shaders::position_vertex(), shaders::moments_fragment()),
-        soften(shaders::fullscreen_vertex(), shaders::blur_moments_fragment()),
+      : cover(shaders::position_vertex(), shaders::cover_fragment()),
+        soften(shaders::fullscreen_vertex(), shaders::blur_cover_fragment()),
         smooth_edges(shaders::fullscreen_vertex(), shaders::antialias_fragment()),
         copy(shaders::fullscreen_vertex(), shaders::copy_fragment()),
-        shadow(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
-        softer(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
-        softest(Target::Kind::kMoments, kSoftShadowSize, kSoftShadowSize),
+        shadow(Target::Kind::kCover, kSoftShadowSize, kSoftShadowSize),
+        softer(Target::Kind::kCover, kSoftShadowSize, kSoftShadowSize),
+        softest(Target::Kind::kCover, kSoftShadowSize, kSoftShadowSize),
         backdrop(Target::Kind::kColour, width, height),
-        picture(Target::Kind::kColourWithDepth, width, height) {}
+        picture(Target::Kind::kColourWithDepth, width, height) {
+    glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
+    softest.bind();
+    glClear(GL_COLOR_BUFFER_BIT);  // its outermost entries stay so: nothing is covered outside the map
+  }
 
-  Program moments;
+  Program cover;
   Program soften;
   Program smooth_edges;
   Program copy;
@@ -207,7 +167,10 @@ void Painter::draw_scene(const Program& program) const {
   draw_tools(program);
 }
 
-void Painter::draw_shadow(const View& view) {
+void Painter::draw_shadow(const StudioView& view) {
+  const double wanted = kShadowTexels * 2.0 * view.light_radius / (kPenumbra * view.height_at_target);
+  const int size = std::min(static_cast<int>(std::ceil(wanted)), kLargestShadow);
+  if (size != still_->shadow.width()) still_->shadow.resize(size, size);
   still_->shadow.bind();
   glClear(GL_DEPTH_BUFFER_BIT);
   clamp_depths(true);
@@ -217,7 +180,7 @@ void Painter::draw_shadow(const View& view) {
   clamp_depths(false);
 }
 
-void Painter::draw_occlusion(const View& view) {
+void Painter::draw_occlusion(const StudioView& view) {
   still_->depth_half.bind();
   glClear(GL_DEPTH_BUFFER_BIT);
   still_->depth.use();
@@ -247,7 +210,7 @@ void Painter::draw_occlusion(const View& view) {
   glEnable(GL_DEPTH_TEST);
 }
 
-void Painter::set_studio(const Program& program, const View& view) const {
+void Painter::set_studio(const Program& program, const StudioView& view) const {
   program.use();
   program.set("projection", view.projection);
   program.set("light_projection", view.light);
@@ -259,14 +222,13 @@ void Painter::set_studio(const Program& program, const View& view) const {
   program.set("fill", Eigen::Vector3f(view.fill.cast<float>()));
   program.set("rim", Eigen::Vector3f(view.rim.cast<float>()));
   program.set("lamps", lamps_ ? 1.0F : 0.0F);
-  const bool still = quality_ == Quality::kFull;
-  const double lift = still ? 0.5 * kPenumbra * view.height_at_target : kSoftShadowLift;
-  program.set("shadow_lift", static_cast<float>(lift));
-  program.set("shadow_texel", static_cast<float>(2.0 * view.light_radius / kShadowSize));
-  program.set("shadow_softness",
-              static_cast<float>(0.5 * kPenumbra * view.height_at_target / view.light_radius));
+  const double penumbra = kPenumbra * view.height_at_target;
+  const double softened = 2.0 * view.light_radius * ChangedShadow::kBlur / kSoftShadowSize;
+  program.set("shadow_reach", static_cast<float>(quality_ == Quality::kFull ? penumbra : softened));
+  program.set("shadow_softness", static_cast<float>(0.5 * penumbra / view.light_radius));
+  program.set("shadow_depth", static_cast<float>(view.light_depth));
   program.set("shadow_map", 0);
-  program.set("moments_map", 0);
+  program.set("cover_map", 0);
   program.set("occlusion_map", 1);
   program.set("pixel_size", texel_of(resolved_));
 }
@@ -285,7 +247,7 @@ void Painter::set_inclusions(const Program& program) const {
 }
 
 // Sets the marks that face the camera.
-void Painter::set_marks(const Program& program, const View& view) const {
+void Painter::set_marks(const Program& program, const StudioView& view) const {
   int count = 0;
   for (const PlacedMark& placed : marks_) {
     const Vec3 point_W = organ_.pose_W * placed.mark.point_S;
@@ -310,7 +272,7 @@ const Program& Painter::tissue_program() {
   return *program;
 }
 
-void Painter::draw_materials(const View& view, const PixelBox& pixels, bool each_sample) {
+void Painter::draw_materials(const StudioView& view, const PixelBox& pixels, bool each_sample) {
   const Program& tissue = tissue_program();
   set_studio(tissue, view);
   tissue.set("vessel_colour", look_.vessel);
@@ -337,7 +299,7 @@ void Painter::draw_materials(const View& view, const PixelBox& pixels, bool each
   glEnable(GL_CULL_FACE);
 }
 
-void Painter::draw_still(const View& view) {
+void Painter::draw_still(const StudioView& view) {
   draw_shadow(view);
   draw_occlusion(view);
   still_->picture.bind();
@@ -352,24 +314,20 @@ void Painter::draw_still(const View& view) {
   still_->picture.resolve_to(resolved_);
 }
 
-Projection Painter::projection_of(const View& view, const Pose& pose_W) const {
+Projection Painter::projection_of(const StudioView& view, const Pose& pose_W) const {
   const Eigen::Matrix4f model = matrix_of(pose_W);
-  return {view.projection * model,
-          view.light * model,
-          static_cast<float>(width_),
-          static_cast<float>(height_),
-          static_cast<float>(view.near_plane),
-          static_cast<float>(kSoftShadowLift)};
+  return {view.projection * model, view.light * model, static_cast<float>(width_),
+          static_cast<float>(height_), static_cast<float>(view.near_plane)};
 }
 
 Painter::Part Painter::whole() const noexcept {
   return {{0, 0, width_, height_}, {0, 0, kSoftShadowSize, kSoftShadowSize}};
 }
 
-Painter::Part Painter::changed_part(const View& view, const Camera& camera, const LitRegion& region) {
+Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera, const LitRegion& region) {
   const Projection organ = projection_of(view, organ_.pose_W);
-  const bool same_view = drawn_ && same(drawn_->camera, camera) && drawn_->region.middle == region.middle &&
-                         drawn_->region.radius == region.radius && same(drawn_->organ_W, organ_.pose_W);
+  const bool same_view = drawn_ && same(drawn_->camera, camera) && drawn_->region == region &&
+                         same(drawn_->organ_W, organ_.pose_W);
   Drawn now{camera, region, organ_.pose_W, {}};
   for (const auto& tool : tools_) now.tools_W.push_back(tool->pose_W);
   const std::optional<Drawn> before = std::exchange(drawn_, std::move(now));
@@ -387,8 +345,12 @@ Painter::Part Painter::changed_part(const View& view, const Camera& camera, cons
     for (const Pose& pose_W : {before->tools_W[i], tools_[i]->pose_W}) {
       const Projection projection = projection_of(view, pose_W);
       bounded = tools_[i]->blocks.add_pixels(projection, box) && bounded;
-      tools_[i]->blocks.add_shadow(projection, shadow);
+      tools_[i]->blocks.add_shadow(projection, shadow, true);
     }
+  }
+  for (std::size_t i = 0; i < tools_.size() && !shadow.empty(); ++i) {
+    if (same(before->tools_W[i], tools_[i]->pose_W))
+      tools_[i]->blocks.add_shadow(projection_of(view, tools_[i]->pose_W), shadow, false);
   }
   for (const auto& tool : tools_) {
     const Projection projection = projection_of(view, tool->pose_W);
@@ -401,18 +363,18 @@ Painter::Part Painter::changed_part(const View& view, const Camera& camera, cons
 }
 
 // Softens the tools' shadow first along x, then along y. The steps before are kept for the next picture.
-void Painter::draw_soft_shadow(const View& view, const PixelBox& changed) {
+void Painter::draw_soft_shadow(const StudioView& view, const PixelBox& changed) {
   if (changed.empty()) return;
   constexpr int kBlur = ChangedShadow::kBlur;
   live_->shadow.bind();
   limit_drawing(changed);
-  glClearColor(1.0F, 1.0F, 0.0F, 0.0F);
+  glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
   glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
   clamp_depths(true);
   glDisable(GL_CULL_FACE);
-  live_->moments.use();
-  live_->moments.set("projection", view.light);
-  draw_tools(live_->moments);
+  live_->cover.use();
+  live_->cover.set("projection", view.light);
+  draw_tools(live_->cover);
   glEnable(GL_CULL_FACE);
   clamp_depths(false);
 
@@ -425,7 +387,7 @@ void Painter::draw_soft_shadow(const View& view, const PixelBox& changed) {
   live_->soften.set("along", 1, 0);
   nothing_.draw_fullscreen();
   live_->softest.bind();
-  limit_drawing(changed.grown(kBlur, kBlur, kSoftShadowSize, kSoftShadowSize));
+  limit_drawing(within(changed.grown(kBlur, kBlur, kSoftShadowSize, kSoftShadowSize), kInnerShadow));
   live_->softer.bind_texture(0);
   live_->soften.set("along", 0, 1);
   nothing_.draw_fullscreen();
@@ -442,7 +404,7 @@ void Painter::draw_backdrop() {
   live_->backdrop_drawn = true;
 }
 
-void Painter::draw_live(const View& view, const Part& part) {
+void Painter::draw_live(const StudioView& view, const Part& part) {
   finished_ = quality_ == Quality::kFast ? &live_->picture : &resolved_;
   draw_backdrop();
   glEnable(GL_SCISSOR_TEST);
@@ -451,7 +413,7 @@ void Painter::draw_live(const View& view, const Part& part) {
   glDisable(GL_SCISSOR_TEST);
 }
 
-void Painter::draw_part(const View& view, const PixelBox& pixels) {
+void Painter::draw_part(const StudioView& view, const PixelBox& pixels) {
   Target& drawn = live_->picture;
   drawn.bind();
   limit_drawing(pixels);
@@ -482,7 +444,7 @@ void Painter::draw_part(const View& view, const PixelBox& pixels) {
 
 void Painter::draw(const Camera& camera, const LitRegion& region) {
   finished_ = &resolved_;
-  const View view(camera, static_cast<double>(width_) / height_, region);
+  const StudioView view(camera, static_cast<double>(width_) / height_, region);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);  // the inside of an organ is never drawn
   enable_multisampling();

@@ -9,15 +9,10 @@
 #include "view/render/changed_region.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
+#include "view/render/studio_view.h"
 #include "view/render/tissue_pattern.h"
 
 namespace palpate::render {
-
-/// Bounding ball of what the light must cover. World frame.
-struct LitRegion {
-  Vec3 middle = Vec3::Zero();
-  double radius = 0.1;  // m
-};
 
 /// The organ's mesh and its pose.
 struct DeformingSolid {
@@ -105,7 +100,6 @@ class Painter final {
   void resize(int width, int height);
 
  private:
-  struct View;
   struct Still;  // resources for kFull
   struct Live;   // resources for the other qualities
   struct Materials;
@@ -126,21 +120,21 @@ class Painter final {
   }
   void draw_tools(const Program& program) const;
   void draw_scene(const Program& program) const;
-  void set_studio(const Program& program, const View& view) const;
+  void set_studio(const Program& program, const StudioView& view) const;
   void set_inclusions(const Program& program) const;
   [[nodiscard]] const Program& tissue_program();
-  void set_marks(const Program& program, const View& view) const;
-  void draw_materials(const View& view, const PixelBox& pixels, bool each_sample);
-  void draw_shadow(const View& view);
-  void draw_occlusion(const View& view);
-  void draw_still(const View& view);
-  [[nodiscard]] Projection projection_of(const View& view, const Pose& pose_W) const;
+  void set_marks(const Program& program, const StudioView& view) const;
+  void draw_materials(const StudioView& view, const PixelBox& pixels, bool each_sample);
+  void draw_shadow(const StudioView& view);
+  void draw_occlusion(const StudioView& view);
+  void draw_still(const StudioView& view);
+  [[nodiscard]] Projection projection_of(const StudioView& view, const Pose& pose_W) const;
   [[nodiscard]] Part whole() const noexcept;
-  [[nodiscard]] Part changed_part(const View& view, const Camera& camera, const LitRegion& region);
+  [[nodiscard]] Part changed_part(const StudioView& view, const Camera& camera, const LitRegion& region);
   void draw_backdrop();
-  void draw_soft_shadow(const View& view, const PixelBox& changed);
-  void draw_live(const View& view, const Part& part);
-  void draw_part(const View& view, const PixelBox& pixels);
+  void draw_soft_shadow(const StudioView& view, const PixelBox& changed);
+  void draw_live(const StudioView& view, const Part& part);
+  void draw_part(const StudioView& view, const PixelBox& pixels);
 
   TissueAppearance look_;
   Quality quality_;

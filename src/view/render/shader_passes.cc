@@ -51,10 +51,11 @@ void main() {
   // A dent's own walls hide the sky from it.
   sky_at_rest = pattern_light.x * (1.0 - 0.5 * smoothstep(0.001, 0.014, -moved));
 #ifndef FULL
-  in_shadow_map = (light_projection * vec4(p_W + n_W * shadow_lift, 1.0)).xyz * 0.5 + 0.5;
+  in_shadow_map = (light_projection * vec4(p_W, 1.0)).xyz * 0.5 + 0.5;
   vec3 tinted_sky = mix(vec3(sky_at_rest), vec3(1.0), 0.35 * colour.rgb * (1.0 - sky_at_rest));
-  other_light =
-      (kFillColour * wrapped(n_W, fill) + 0.5 * kRimColour * wrapped(n_W, rim) + irradiance(n_W)) * tinted_sky;
+  vec3 spread = spread_of(colour.rgb);
+  other_light = (kFillColour * wrapped(n_W, fill, spread) + 0.5 * kRimColour * wrapped(n_W, rim, spread) +
+                 irradiance(n_W)) * tinted_sky;
 #endif
   gl_Position = projection * placed;
 }
@@ -87,14 +88,14 @@ void main() {
 
 std::string depth_fragment() { return std::string(kVersion) + "void main() {}\n"; }
 
-std::string moments_fragment() {
+std::string cover_fragment() {
   return std::string(kVersion) + R"(
-out vec2 moments;
-void main() { moments = vec2(gl_FragCoord.z, gl_FragCoord.z * gl_FragCoord.z); }
+out vec2 cover;
+void main() { cover = vec2(1.0, gl_FragCoord.z); }
 )";
 }
 
-std::string blur_moments_fragment() {
+std::string blur_cover_fragment() {
   return std::string(kVersion) + R"(
 out vec2 result;
 uniform sampler2D source;

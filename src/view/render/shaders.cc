@@ -65,33 +65,37 @@ in vec4 vessel;
 in float sky_at_rest;
 out vec4 pixel;
 #ifdef FULL
-uniform float shadow_texel;     // m
 uniform float shadow_softness;  // of the map's width
 uniform sampler2DShadow shadow_map;
 uniform sampler2D occlusion_map;
 #else
 in vec3 in_shadow_map;
-uniform sampler2D moments_map;
+uniform sampler2D cover_map;
+uniform float shadow_depth;  // m, of the map
 in vec3 other_light;
 #endif
+uniform float shadow_reach;  // m, how far the softening reaches across the light
 uniform vec2 pixel_size;
 
 #ifdef FULL
+// 4 x 4 taps, little farther apart than the map's texels, which are interpolated.
 float key_visible(vec3 n) {
-  // Lifted by more than the penumbra sees of a bent surface, so that it does not shade itself.
-  vec3 p = p_W + n * (2.5 * shadow_texel + shadow_lift) + key * shadow_texel;
+  float facing = dot(n, key);
+  // What the taps see of a surface that is itself lit lies higher by their reach times the slope to the light.
+  // A shift along the normal by their reach clears it on a plane of any slope.
+  vec3 p = p_W + n * (shadow_reach * sqrt(max(1.0 - facing * facing, 0.0))) + key * (0.25 * shadow_reach);
   vec3 q = (light_projection * vec4(p, 1.0)).xyz * 0.5 + 0.5;
-  float turn = 6.2831853 * dither_value(gl_FragCoord.xy);
-  vec2 arm = shadow_softness * vec2(cos(turn), sin(turn));
-  const mat2 kGoldenTurn = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
+  const vec4 kTaps = vec4(-0.75, -0.25, 0.25, 0.75);
+  const vec4 kWeights = vec4(1.0, 2.0, 2.0, 1.0) / 6.0;
   float sum = 0.0;
-  for (int i = 0; i < 16; ++i) {
-    vec2 at = q.xy + sqrt((float(i) + 0.5) / 16.0) * arm;
-    vec2 outside = step(vec2(0.5), abs(at - 0.5));  // parts of a large organ outside the map are lit
-    sum += max(texture(shadow_map, vec3(at, q.z - 0.0006)), max(outside.x, outside.y));
-    arm = kGoldenTurn * arm;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      vec2 at = q.xy + shadow_softness * vec2(kTaps[i], kTaps[j]);
+      vec2 outside = step(vec2(0.5), abs(at - 0.5));  // parts of a large organ outside the map are lit
+      sum += kWeights[i] * kWeights[j] * max(texture(shadow_map, vec3(at, q.z)), max(outside.x, outside.y));
+    }
   }
-  return sum / 16.0;
+  return sum;
 }
 
 float sky_visible() {
@@ -111,16 +115,18 @@ float sky_visible() {
 }
 
 #else
-// The tools' shadow, softened beforehand (variance shadow map, Donnelly and Lauritzen 2006); nearest entries,
-// scattered by half of one so that none is seen.
+// The tools' shadow. The softened map holds how much of the light the tools cover, and that times their mean
+// depth. The shadow falls only on what is deeper.
 float key_visible(vec3 n) {
-  vec2 scatter = vec2(dither_value(gl_FragCoord.xy), dither_value(gl_FragCoord.yx + 17.0)) - 0.5;
-  vec2 size = vec2(textureSize(moments_map, 0));
-  ivec2 at = ivec2(clamp(in_shadow_map.xy * size + 1.5 * scatter, vec2(0.0), size - 1.0));
-  vec2 moments = texelFetch(moments_map, at, 0).xy;
-  float behind = max(in_shadow_map.z - moments.x, 0.0);
-  float variance = max(moments.y - moments.x * moments.x, 2e-7);
-  return smoothstep(0.2, 1.0, variance / (variance + behind * behind));
+  vec2 cover = texture(cover_map, in_shadow_map.xy).xy;
+  float behind = (in_shadow_map.z * cover.x - cover.y) * shadow_depth / shadow_reach;  // times the cover
+  float facing = dot(n, key);
+#ifdef STEEL
+  // A tool's own surface is deeper than the mean over the softening's reach by at most that times its slope.
+  behind -= cover.x * sqrt(max(1.0 - facing * facing, 0.0)) / max(facing, 0.01);
+#endif
+  // Surfaces that face away lie in the organ's own shadow, not in the tools'.
+  return 1.0 - clamp(4.0 * behind, 0.0, cover.x) * clamp(1.5 + 5.0 * facing, 0.0, 1.0);
 }
 float sky_visible() { return sky_at_rest; }
 #endif
@@ -275,10 +281,12 @@ void main() {
 
   float lit = key_visible(n);
   float sky = sky_visible();
-  vec3 soft_lit = vec3(mix(lit, sqrt(lit), 0.5), lit, lit);
+  vec3 spread = spread_of(albedo);
+  vec3 soft_lit = mix(vec3(lit), vec3(sqrt(lit)), 0.5 * spread);
   vec3 tinted_sky = mix(vec3(sky), vec3(1.0), 0.35 * albedo * (1.0 - sky));  // light between tissue walls
-  vec3 light = kKeyColour * wrapped(diffuse_n, key) * soft_lit * mix(1.0, sky, 0.45) +
-               (kFillColour * wrapped(diffuse_n, fill) + 0.5 * kRimColour * wrapped(diffuse_n, rim) + irradiance(diffuse_n)) * tinted_sky;
+  vec3 light = kKeyColour * wrapped(diffuse_n, key, spread) * soft_lit * mix(1.0, sky, 0.45) +
+               (kFillColour * wrapped(diffuse_n, fill, spread) +
+                0.5 * kRimColour * wrapped(diffuse_n, rim, spread) + irradiance(diffuse_n)) * tinted_sky;
   vec3 shade = albedo * light * 0.47;
 
   // Two layers: the tissue's own dull gloss, and a thin clear film over it.
@@ -305,8 +313,9 @@ void main() {
   n = normalize(n);
   float lit = key_visible(n);
   float facing = max(dot(n, v), 1e-3);
-  vec3 soft_lit = vec3(0.5 * lit + 0.5 * sqrt(lit), lit, lit);
-  vec3 light = kKeyColour * wrapped(n, key) * soft_lit * mix(1.0, sky_at_rest, 0.45) + other_light;
+  vec3 spread = spread_of(albedo);
+  vec3 soft_lit = mix(vec3(lit), vec3(sqrt(lit)), 0.5 * spread);
+  vec3 light = kKeyColour * wrapped(n, key, spread) * soft_lit * mix(1.0, sky_at_rest, 0.45) + other_light;
   vec3 shade = albedo * light * 0.47;
 
   // As kFull's, with one normal for both layers.
@@ -371,7 +380,7 @@ std::string tissue_fragment(Quality quality, Annotated annotated) {
 }
 
 std::string steel_fragment(Quality quality) {
-  return kVersion + level(quality) + kFinish + kNoise + kLamps + kStudio + kSteel;
+  return kVersion + level(quality) + "#define STEEL\n" + kFinish + kNoise + kLamps + kStudio + kSteel;
 }
 
 }  // namespace palpate::render::shaders

@@ -39,19 +39,23 @@ uniform vec3 key;
 uniform vec3 fill;
 uniform vec3 rim;
 uniform mat4 light_projection;
-uniform float shadow_lift;  // m
 
 uniform float lamps;  // 1; 0: switched off, only the light from everywhere is left
 #define kKeyColour (lamps * vec3(1.95, 1.88, 1.78))
 #define kFillColour (lamps * vec3(0.36, 0.41, 0.48))
 #define kRimColour (lamps * vec3(0.70, 0.74, 0.80))
-const vec3 kWrap = vec3(0.20, 0.11, 0.09);  // red light travels farthest under the surface
-
+// Light travels under the surface: farthest in the colours that the tissue absorbs least. 0 to 1 per colour.
+vec3 spread_of(vec3 albedo) {
+  return clamp(2.0 * albedo / max(max(albedo.r, albedo.g), max(albedo.b, 1e-4)) - 1.0, 0.0, 1.0);
+}
 vec3 irradiance(vec3 n) {
   float t = dot(n, rig_up) * 0.5 + 0.5;
   return mix(vec3(0.13, 0.12, 0.12), vec3(0.36, 0.39, 0.43), t);
 }
-vec3 wrapped(vec3 n, vec3 l) { return clamp((dot(n, l) + kWrap) / (1.0 + kWrap), 0.0, 1.0); }
+vec3 wrapped(vec3 n, vec3 l, vec3 spread) {
+  vec3 wrap = 0.10 + 0.10 * spread;
+  return clamp((dot(n, l) + wrap) / (1.0 + wrap), 0.0, 1.0);
+}
 )";
 
 // Colours of maps.
@@ -72,14 +76,13 @@ enum class Annotated : bool { kNo, kYes };
 [[nodiscard]] std::string scene_vertex(Quality quality, Annotated annotated);
 [[nodiscard]] std::string position_vertex();  // position only
 [[nodiscard]] std::string fullscreen_vertex();
-[[nodiscard]] std::string depth_fragment();         // depth only
-[[nodiscard]] std::string moments_fragment();       // depth and its square, for soft shadows (variance shadow
-                                                    // map)
-[[nodiscard]] std::string blur_moments_fragment();  // blurs the moments along one axis
-[[nodiscard]] std::string occlusion_fragment();     // ambient occlusion, and the depth
-[[nodiscard]] std::string blur_fragment();          // blurs the occlusion, but not across depth steps
-[[nodiscard]] std::string antialias_fragment();     // antialiasing of a finished picture
-[[nodiscard]] std::string copy_fragment();          // copies a picture of the same size
+[[nodiscard]] std::string depth_fragment();       // depth only
+[[nodiscard]] std::string cover_fragment();       // 1 and the depth of what casts a soft shadow
+[[nodiscard]] std::string blur_cover_fragment();  // blurs these along one axis
+[[nodiscard]] std::string occlusion_fragment();   // ambient occlusion, and the depth
+[[nodiscard]] std::string blur_fragment();        // blurs the occlusion, but not across depth steps
+[[nodiscard]] std::string antialias_fragment();   // antialiasing of a finished picture
+[[nodiscard]] std::string copy_fragment();        // copies a picture of the same size
 [[nodiscard]] std::string background_fragment();
 [[nodiscard]] std::string tissue_fragment(Quality quality, Annotated annotated);
 [[nodiscard]] std::string steel_fragment(Quality quality);

@@ -164,6 +164,17 @@ TEST(ChangedShadow, FallsOnWhatIsBehindTheCasterAndNotBeforeOrBesideIt) {
   EXPECT_FALSE(shadow.falls_on({130.0F, 100.0F, 140.0F, 110.0F}, 0.6F));
 }
 
+TEST(ChangedShadow, FallsOnWhatIsBehindACasterThatRestsBesideOneThatMoved) {
+  ChangedShadow shadow;
+  const ScreenBox moved{100.0F, 100.0F, 110.0F, 110.0F};
+  const ScreenBox far_away{180.0F, 100.0F, 190.0F, 110.0F};
+  shadow.add(moved, 0.5F);
+  shadow.add_resting({104.0F, 104.0F, 190.0F, 110.0F}, 0.3F);
+  EXPECT_TRUE(shadow.falls_on(moved, 0.4F));
+  EXPECT_FALSE(shadow.falls_on(moved, 0.2F));
+  EXPECT_FALSE(shadow.falls_on(far_away, 0.9F)) << "nothing moved there";
+}
+
 TEST(ChangedShadow, ReachesAsFarAsTheMapIsSoftened) {
   ChangedShadow shadow;
   shadow.add({100.0F, 100.0F, 110.0F, 110.0F}, 0.5F);
