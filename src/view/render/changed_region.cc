@@ -8,7 +8,6 @@ namespace palpate::render {
 namespace {
 
 constexpr std::size_t kRigidCorners = 96;  // per block of a rigid mesh
-constexpr float kPixelMargin = 1.0F;       // pixels: more than single precision is off by
 // Entries beyond its own that a pixel's shadow depends on: the blur, the next entry, which the look-up
 // interpolates to, the entry's own extent, and rounding.
 constexpr float kShadowReach = static_cast<float>(ChangedShadow::kBlur) + 3.0F;
@@ -33,38 +32,29 @@ Eigen::Vector3f entry_at(const Projection& projection, const Eigen::Vector3f& po
   return {(0.5F * q.x() + 0.5F) * kSide, (0.5F * q.y() + 0.5F) * kSide, 0.5F * q.z() + 0.5F};
 }
 
-int whole(float value, int last) {
+int whole_entry(float value, int last) {
   return static_cast<int>(std::clamp(value, 0.0F, static_cast<float>(last)));
 }
 
+// Consecutive corners of a mesh that are drawn together.
+class Range final {
+ public:
+  void add(const GpuMesh& mesh, std::size_t first, std::size_t count) {
+    if (first_ + count_ != first) {
+      draw(mesh);
+      first_ = first;
+      count_ = 0;
+    }
+    count_ += count;
+  }
+  void draw(const GpuMesh& mesh) const { mesh.draw(first_, count_); }
+
+ private:
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
-
-void ScreenBox::add(const Eigen::Vector2f& point) noexcept {
-  left = std::min(left, point.x());
-  low = std::min(low, point.y());
-  right = std::max(right, point.x());
-  high = std::max(high, point.y());
-}
-
-void ScreenBox::add(const ScreenBox& other) noexcept {
-  left = std::min(left, other.left);
-  low = std::min(low, other.low);
-  right = std::max(right, other.right);
-  high = std::max(high, other.high);
-}
-
-PixelBox PixelBox::grown(int x, int y, int width, int height) const noexcept {
-  if (empty()) return *this;
-  return {std::max(left - x, 0), std::max(low - y, 0), std::min(right + x, width),
-          std::min(high + y, height)};
-}
-
-PixelBox pixels_of(const ScreenBox& box, int width, int height) noexcept {
-  if (box.empty()) return {};
-  return {
-      whole(std::floor(box.left - kPixelMargin), width), whole(std::floor(box.low - kPixelMargin), height),
-      whole(std::ceil(box.right + kPixelMargin), width), whole(std::ceil(box.high + kPixelMargin), height)};
-}
 
 void ChangedShadow::clear() noexcept {
   entries_ = {};
@@ -74,7 +64,7 @@ void ChangedShadow::clear() noexcept {
 ChangedShadow::Cells ChangedShadow::cells_of(const ScreenBox& entries, float margin) noexcept {
   // A look-up outside the map takes the nearest entry, so boxes outside belong to the outermost cells.
   const auto cell = [](float entry) {
-    return static_cast<std::size_t>(whole(entry / static_cast<float>(kCell), kCells - 1));
+    return static_cast<std::size_t>(whole_entry(entry / static_cast<float>(kCell), kCells - 1));
   };
   return {cell(entries.left - margin), cell(entries.low - margin), cell(entries.right + margin),
           cell(entries.high + margin)};
@@ -111,9 +101,9 @@ bool ChangedShadow::falls_on(const ScreenBox& entries, float farthest) const noe
 
 RigidBlocks::RigidBlocks(std::span<const deform::SurfaceVertex> corners) {
   for (std::size_t first = 0; first < corners.size(); first += kRigidCorners) {
-    Block block{corners[first].position, corners[first].position};
-    for (const deform::SurfaceVertex& v :
-         corners.subspan(first, std::min(kRigidCorners, corners.size() - first))) {
+    Block block{corners[first].position, corners[first].position,
+                std::min(kRigidCorners, corners.size() - first)};
+    for (const deform::SurfaceVertex& v : corners.subspan(first, block.count)) {
       block.low = block.low.cwiseMin(v.position);
       block.high = block.high.cwiseMax(v.position);
     }
@@ -121,23 +111,39 @@ RigidBlocks::RigidBlocks(std::span<const deform::SurfaceVertex> corners) {
   }
 }
 
-bool RigidBlocks::add_pixels(const Projection& projection, ScreenBox& box) const {
-  for (const Block& block : blocks_) {
-    ScreenBox own;
-    int behind = 0;
-    for (unsigned i = 0; i < 8; ++i) {
-      const Eigen::Vector4f clip = projection.to_picture * corner_of(block.low, block.high, i).homogeneous();
-      if (clip.w() < projection.near_plane) {
-        ++behind;
-      } else {
-        own.add(pixel_at(projection, clip));
-      }
+// Where a box of the mesh's frame is drawn. @return whether a box bounds it: false where it passes the near
+// plane
+bool RigidBlocks::place(const Projection& projection, const Block& block, ScreenBox& box) {
+  int behind = 0;
+  for (unsigned i = 0; i < 8; ++i) {
+    const Eigen::Vector4f clip = projection.to_picture * corner_of(block.low, block.high, i).homogeneous();
+    if (clip.w() < projection.near_plane) {
+      ++behind;
+    } else {
+      box.add(pixel_at(projection, clip));
     }
-    if (behind == 8) continue;
-    if (behind > 0) return false;
-    box.add(own);
+  }
+  return behind == 0 || behind == 8;
+}
+
+bool RigidBlocks::add_pixels(const Projection& projection, ChangedTiles& tiles) const {
+  for (const Block& block : blocks_) {
+    ScreenBox box;
+    if (!place(projection, block, box)) return false;
+    tiles.add(box);
   }
   return true;
+}
+
+void RigidBlocks::draw(const GpuMesh& mesh, const Projection& projection, const ChangedTiles& tiles) const {
+  Range range;
+  std::size_t first = 0;
+  for (const Block& block : blocks_) {
+    ScreenBox box;
+    if (!place(projection, block, box) || tiles.touch(box)) range.add(mesh, first, block.count);
+    first += block.count;
+  }
+  range.draw(mesh);
 }
 
 void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow, bool moved) const {
@@ -157,8 +163,9 @@ void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow
   }
 }
 
-bool RigidBlocks::is_shaded(const Projection& projection, const ChangedShadow& shadow) const {
-  return std::any_of(blocks_.begin(), blocks_.end(), [&](const Block& block) {
+bool RigidBlocks::add_shaded(const Projection& projection, const ChangedShadow& shadow,
+                             ChangedTiles& tiles) const {
+  for (const Block& block : blocks_) {
     ScreenBox entries;
     float farthest = -std::numeric_limits<float>::infinity();
     for (unsigned i = 0; i < 8; ++i) {
@@ -166,8 +173,12 @@ bool RigidBlocks::is_shaded(const Projection& projection, const ChangedShadow& s
       entries.add(entry.head<2>());
       farthest = std::max(farthest, entry.z());
     }
-    return shadow.falls_on(entries, farthest);
-  });
+    if (!shadow.falls_on(entries, farthest)) continue;
+    ScreenBox box;
+    if (!place(projection, block, box)) return false;
+    tiles.add(box);
+  }
+  return true;
 }
 
 void DeformingMesh::set(std::span<const std::uint32_t> corners,
@@ -240,34 +251,36 @@ bool DeformingMesh::is_seen(std::size_t corner) const {
   return ab.x() * ac.y() - ab.y() * ac.x() > kFacingAway;
 }
 
-void DeformingMesh::add_touched(const Block& block, ScreenBox& box) const {
+void DeformingMesh::add_touched(const Block& block, ChangedTiles& tiles) const {
   for (std::size_t i = block.first; i < block.first + block.count; i += 3) {
     if (touched_[corners_[i]] == 0 && touched_[corners_[i + 1]] == 0 && touched_[corners_[i + 2]] == 0)
       continue;
     if (!is_seen(i)) continue;
-    for (std::size_t k = i; k < i + 3; ++k) box.add(placed_[corners_[k]].pixel);
+    ScreenBox pixels;
+    for (std::size_t k = i; k < i + 3; ++k) pixels.add(placed_[corners_[k]].pixel);
+    tiles.add(pixels);
   }
 }
 
-void DeformingMesh::add_changes(const Projection& projection, ScreenBox& box) {
+void DeformingMesh::add_changes(const Projection& projection, ChangedTiles& tiles) {
   std::vector<Block*> changed;
   for (Block& block : blocks_) {
     const bool touched = std::any_of(block.groups.begin(), block.groups.end(),
                                      [this](std::uint32_t group) { return touched_groups_[group] != 0; });
     if (touched) changed.push_back(&block);
   }
-  for (const Block* block : changed) add_touched(*block, box);
+  for (const Block* block : changed) add_touched(*block, tiles);
   for (std::size_t v = 0; v < vertices_.size(); ++v)
     if (touched_[v] != 0) place_vertex(projection, v);
   for (Block* block : changed) {
-    add_touched(*block, box);
+    add_touched(*block, tiles);
     bound(*block);
   }
   std::fill(touched_.begin(), touched_.end(), 0);
   std::fill(touched_groups_.begin(), touched_groups_.end(), 0);
 }
 
-void DeformingMesh::add_shaded(const ChangedShadow& shadow, ScreenBox& box) const {
+void DeformingMesh::add_shaded(const ChangedShadow& shadow, ChangedTiles& tiles) const {
   for (const Block& block : blocks_) {
     if (!shadow.falls_on(block.entries, block.farthest)) continue;
     for (std::size_t i = block.first; i < block.first + block.count; i += 3) {
@@ -281,27 +294,16 @@ void DeformingMesh::add_shaded(const ChangedShadow& shadow, ScreenBox& box) cons
         pixels.add(placed.pixel);
         farthest = std::max(farthest, placed.depth);
       }
-      if (shadow.falls_on(entries, farthest)) box.add(pixels);
+      if (shadow.falls_on(entries, farthest)) tiles.add(pixels);
     }
   }
 }
 
-void DeformingMesh::draw(const PixelBox& pixels) const {
-  const ScreenBox box{
-      static_cast<float>(pixels.left) - kPixelMargin, static_cast<float>(pixels.low) - kPixelMargin,
-      static_cast<float>(pixels.right) + kPixelMargin, static_cast<float>(pixels.high) + kPixelMargin};
-  std::size_t first = 0;
-  std::size_t count = 0;
-  for (const Block& block : blocks_) {
-    if (!cut_ && !block.pixels.touches(box)) continue;
-    if (first + count != block.first) {
-      gpu_.draw(first, count);
-      first = block.first;
-      count = 0;
-    }
-    count += block.count;
-  }
-  gpu_.draw(first, count);
+void DeformingMesh::draw(const ChangedTiles& tiles) const {
+  Range range;
+  for (const Block& block : blocks_)
+    if (cut_ || tiles.touch(block.pixels)) range.add(gpu_, block.first, block.count);
+  range.draw(gpu_);
 }
 
 }  // namespace palpate::render

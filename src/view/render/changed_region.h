@@ -7,40 +7,11 @@
 #include <Eigen/Core>
 
 #include "core/deform/surface_blocks.h"
+#include "view/render/changed_tiles.h"
 #include "view/render/gl_objects.h"
+#include "view/render/screen_box.h"
 
 namespace palpate::render {
-
-/// A rectangle of a picture [pixels from the lower left corner] or of the shadow map [entries].
-struct ScreenBox {
-  float left = std::numeric_limits<float>::infinity();
-  float low = std::numeric_limits<float>::infinity();
-  float right = -std::numeric_limits<float>::infinity();
-  float high = -std::numeric_limits<float>::infinity();
-
-  [[nodiscard]] bool empty() const noexcept { return !(left <= right && low <= high); }
-  void add(const Eigen::Vector2f& point) noexcept;
-  void add(const ScreenBox& other) noexcept;
-  [[nodiscard]] bool touches(const ScreenBox& other) const noexcept {
-    return left <= other.right && other.left <= right && low <= other.high && other.low <= high;
-  }
-};
-
-/// Whole pixels of a picture; right and top are the first ones outside.
-struct PixelBox {
-  int left = 0;
-  int low = 0;
-  int right = 0;
-  int high = 0;
-
-  [[nodiscard]] bool empty() const noexcept { return left >= right || low >= high; }
-  /// Larger by these numbers of pixels on each side, within a picture of this size.
-  [[nodiscard]] PixelBox grown(int x, int y, int width, int height) const noexcept;
-};
-
-/// [any] The pixels of a picture of this size that something drawn in a box can cover: one more on each side
-/// than computed here in single precision.
-[[nodiscard]] PixelBox pixels_of(const ScreenBox& box, int width, int height) noexcept;
 
 /// Where points of a mesh are drawn in the picture and in the shadow map.
 struct Projection {
@@ -91,19 +62,25 @@ class RigidBlocks final {
   /// [setup] @param corners three per triangle
   explicit RigidBlocks(std::span<const deform::SurfaceVertex> corners);
 
-  /// [any] Adds the pixels that the mesh may cover. @return false where it passes the camera's near plane, so
+  /// [any] Adds the tiles that the mesh may cover. @return false where it passes the camera's near plane, so
   /// that no box bounds it
-  [[nodiscard]] bool add_pixels(const Projection& projection, ScreenBox& box) const;
+  [[nodiscard]] bool add_pixels(const Projection& projection, ChangedTiles& tiles) const;
   /// [any] Adds the mesh as a caster that moved, or one that rests.
   void add_shadow(const Projection& projection, ChangedShadow& shadow, bool moved) const;
-  /// [any] Whether the shadow on the mesh may have changed.
-  [[nodiscard]] bool is_shaded(const Projection& projection, const ChangedShadow& shadow) const;
+  /// [any] Adds the tiles of the blocks on which the shadow may have changed. @return as add_pixels()
+  [[nodiscard]] bool add_shaded(const Projection& projection, const ChangedShadow& shadow,
+                                ChangedTiles& tiles) const;
+  /// [setup] Draws the blocks of the mesh, whose corners are in this order, in these tiles.
+  void draw(const GpuMesh& mesh, const Projection& projection, const ChangedTiles& tiles) const;
 
  private:
   struct Block {
     Eigen::Vector3f low;
     Eigen::Vector3f high;
+    std::size_t count;  // corners
   };
+  static bool place(const Projection& projection, const Block& block, ScreenBox& box);
+
   std::vector<Block> blocks_;
 };
 
@@ -120,15 +97,15 @@ class DeformingMesh final {
 
   /// Computes where all of the mesh is drawn.
   void place(const Projection& projection);
-  /// Adds the pixels of all triangles that changed since the last place() or add_changes(), where they were
+  /// Adds the tiles of all triangles that changed since the last place() or add_changes(), where they were
   /// and where they are, and computes where they are drawn. The projection must be the one of that call.
-  void add_changes(const Projection& projection, ScreenBox& box);
-  /// Adds the pixels of the triangles that this shadow may fall on.
-  void add_shaded(const ChangedShadow& shadow, ScreenBox& box) const;
+  void add_changes(const Projection& projection, ChangedTiles& tiles);
+  /// Adds the tiles of the triangles that this shadow may fall on.
+  void add_shaded(const ChangedShadow& shadow, ChangedTiles& tiles) const;
   /// Whether the mesh passes the camera's near plane, so that no box bounds it.
   [[nodiscard]] bool is_cut() const noexcept { return cut_; }
-  /// Draws the blocks with a triangle in these pixels.
-  void draw(const PixelBox& pixels) const;
+  /// Draws the blocks with a triangle in these tiles.
+  void draw(const ChangedTiles& tiles) const;
 
  private:
   static constexpr std::size_t kTriangles = 64;  // per block
@@ -149,7 +126,7 @@ class DeformingMesh final {
   void place_vertex(const Projection& projection, std::size_t vertex);
   void bound(Block& block) const;
   [[nodiscard]] bool is_seen(std::size_t corner) const;
-  void add_touched(const Block& block, ScreenBox& box) const;
+  void add_touched(const Block& block, ChangedTiles& tiles) const;
 
   GpuMesh gpu_;
   std::vector<std::uint32_t> corners_;

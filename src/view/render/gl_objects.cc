@@ -1,5 +1,6 @@
 #include "view/render/gl_objects.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 #include <utility>
@@ -262,6 +263,19 @@ void Target::show_at(int x, int y, int width, int height) const {
   glBlitFramebuffer(0, 0, width_, height_, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT,
                     same_size ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+Image read_pixels(int width, int height) {
+  Image image{width, height, {}};
+  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
+  std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
+  glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.data());
+  image.rgb.resize(bottom_up.size() / 4 * 3);
+  auto to = image.rgb.begin();
+  for (std::size_t y = static_cast<std::size_t>(image.height); y-- > 0;) {
+    for (std::size_t at = y * row; at < (y + 1) * row; at += 4) to = std::copy_n(&bottom_up[at], 3, to);
+  }
+  return image;
 }
 
 }  // namespace palpate::render

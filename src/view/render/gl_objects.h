@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/deform/deformed_surface.h"
+#include "palpate/offscreen.h"
 #include "view/render/opengl.h"
 
 namespace palpate::render {
@@ -102,5 +103,8 @@ class Target final {
   GLuint texture_ = 0;
   std::array<GLuint, 2> renderbuffers_{};
 };
+
+/// [setup] Reads the bound framebuffer from its upper left corner.
+[[nodiscard]] Image read_pixels(int width, int height);
 
 }  // namespace palpate::render

@@ -97,18 +97,15 @@ struct OffscreenRenderer::Impl {
   void upload_tools() {
     for (const ToolPicture& tool : tools) {
       for (std::size_t part = 0; part < tool.parts(); ++part) {
-        const std::vector<deform::SurfaceVertex> vertices = tool.corners(part);
-        std::vector<StaticVertex> still(vertices.size());
-        std::vector<std::uint32_t> corners(vertices.size());
-        for (std::size_t i = 0; i < vertices.size(); ++i) {
-          still[i] = StaticVertex{vertices[i].position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}};
-          corners[i] = static_cast<std::uint32_t>(i);
-        }
+        const IndexedCorners indexed = indexed_corners(tool.corners(part));
+        std::vector<StaticVertex> still;
+        for (const deform::SurfaceVertex& v : indexed.vertices)
+          still.push_back({v.position, {}, Eigen::Vector3f::Zero(), {255, 0, 0, 0}});
         auto solid = std::make_unique<Solid>();
-        solid->mesh.set_triangles(corners);
+        solid->mesh.set_triangles(indexed.corners);
         solid->mesh.set_static(still);
-        solid->mesh.set_moving(vertices);
-        solid->blocks = RigidBlocks(vertices);
+        solid->mesh.set_moving(indexed.vertices);
+        solid->blocks = RigidBlocks(tool.corners(part));
         painter.tools().push_back(std::move(solid));
       }
     }

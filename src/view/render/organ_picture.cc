@@ -1,10 +1,12 @@
 #include "view/render/organ_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -178,6 +180,20 @@ bool OrganPicture::update(std::span<const deform::Indentation> indentations,
   surface_->update(indentations, detail_ == Detail::kStill ? deform::DeformedSurface::kSettle : kLiveSteps);
   for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
   return changed;
+}
+
+IndexedCorners indexed_corners(std::span<const deform::SurfaceVertex> corners) {
+  using Key = std::array<float, 6>;
+  std::map<Key, std::uint32_t> index_of;
+  IndexedCorners indexed;
+  for (const deform::SurfaceVertex& v : corners) {
+    const Key key{v.position.x(), v.position.y(), v.position.z(), v.normal.x(), v.normal.y(), v.normal.z()};
+    const auto [entry, is_new] =
+        index_of.try_emplace(key, static_cast<std::uint32_t>(indexed.vertices.size()));
+    if (is_new) indexed.vertices.push_back(v);
+    indexed.corners.push_back(entry->second);
+  }
+  return indexed;
 }
 
 ToolPicture::ToolPicture(const geometry::Tool& tool) {

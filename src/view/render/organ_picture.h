@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <future>
 #include <memory>
 #include <optional>
@@ -59,6 +60,15 @@ class OrganPicture final {
   std::future<std::shared_ptr<const deform::OrganResponse>> awaited_;  // of kLive, until it is ready
   std::shared_ptr<const deform::OrganResponse> response_;
 };
+
+/// Vertices that several triangles use, and the index of each triangle's corners.
+struct IndexedCorners {
+  std::vector<deform::SurfaceVertex> vertices;
+  std::vector<std::uint32_t> corners;
+};
+
+/// [setup] Merges corners with exactly equal position and normal; keeps the order of the triangles.
+[[nodiscard]] IndexedCorners indexed_corners(std::span<const deform::SurfaceVertex> corners);
 
 /// An instrument for display: curved faces smoothed, sharp edges kept.
 class ToolPicture final {

@@ -50,6 +50,8 @@ void limit_drawing(const PixelBox& box) {
   glScissor(box.left, box.low, std::max(box.right - box.left, 0), std::max(box.high - box.low, 0));
 }
 
+void clear_depth(float depth) { glClearBufferfv(GL_DEPTH, 0, &depth); }
+
 }  // namespace
 
 // For kFull: shadow and occlusion of everything in its current position, four samples per pixel.
@@ -158,6 +160,13 @@ void Painter::draw_tools(const Program& program) const {
   for (const auto& tool : tools_) {
     program.set("model", matrix_of(tool->pose_W));
     tool->mesh.draw();
+  }
+}
+
+void Painter::draw_tools(const Program& program, const StudioView& view, const ChangedTiles& tiles) const {
+  for (const auto& tool : tools_) {
+    program.set("model", matrix_of(tool->pose_W));
+    tool->blocks.draw(tool->mesh, projection_of(view, tool->pose_W), tiles);
   }
 }
 
@@ -272,7 +281,7 @@ const Program& Painter::tissue_program() {
   return *program;
 }
 
-void Painter::draw_materials(const StudioView& view, const PixelBox& pixels, bool each_sample) {
+void Painter::draw_materials(const StudioView& view, const ChangedTiles& tiles) {
   const Program& tissue = tissue_program();
   set_studio(tissue, view);
   tissue.set("vessel_colour", look_.vessel);
@@ -287,15 +296,19 @@ void Painter::draw_materials(const StudioView& view, const PixelBox& pixels, boo
   if (quality_ == Quality::kFull) {
     organ_.mesh.gpu().draw();
   } else {
-    organ_.mesh.draw(pixels);
+    organ_.mesh.draw(tiles);
   }
   const Program& steel = materials()->steel;
   set_studio(steel, view);
   steel.set("map_range", 0.0F);
   glDisable(GL_CULL_FACE);  // meshes of instruments may be open
-  if (each_sample) shade_samples(true);
-  draw_tools(steel);
-  if (each_sample) shade_samples(false);
+  if (quality_ == Quality::kFull) {
+    shade_samples(true);  // fine teeth glitter otherwise
+    draw_tools(steel);
+    shade_samples(false);
+  } else {
+    draw_tools(steel, view, tiles);
+  }
   glEnable(GL_CULL_FACE);
 }
 
@@ -310,7 +323,7 @@ void Painter::draw_still(const StudioView& view) {
   background_.use();
   nothing_.draw_fullscreen();
   glEnable(GL_DEPTH_TEST);
-  draw_materials(view, whole().pixels, true);  // per-sample shading, because fine teeth glitter otherwise
+  draw_materials(view, whole().tiles);
   still_->picture.resolve_to(resolved_);
 }
 
@@ -320,8 +333,10 @@ Projection Painter::projection_of(const StudioView& view, const Pose& pose_W) co
           static_cast<float>(height_), static_cast<float>(view.near_plane)};
 }
 
-Painter::Part Painter::whole() const noexcept {
-  return {{0, 0, width_, height_}, {0, 0, kSoftShadowSize, kSoftShadowSize}};
+Painter::Part Painter::whole() const {
+  Part part{ChangedTiles(width_, height_), {0, 0, kSoftShadowSize, kSoftShadowSize}};
+  part.tiles.add_all();
+  return part;
 }
 
 Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera, const LitRegion& region) {
@@ -336,15 +351,15 @@ Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera
     return whole();
   }
 
-  ScreenBox box;
+  ChangedTiles tiles(width_, height_);
   ChangedShadow shadow;
-  organ_.mesh.add_changes(organ, box);
+  organ_.mesh.add_changes(organ, tiles);
   bool bounded = !organ_.mesh.is_cut();
   for (std::size_t i = 0; i < tools_.size(); ++i) {
     if (same(before->tools_W[i], tools_[i]->pose_W)) continue;
     for (const Pose& pose_W : {before->tools_W[i], tools_[i]->pose_W}) {
       const Projection projection = projection_of(view, pose_W);
-      bounded = tools_[i]->blocks.add_pixels(projection, box) && bounded;
+      bounded = tools_[i]->blocks.add_pixels(projection, tiles) && bounded;
       tools_[i]->blocks.add_shadow(projection, shadow, true);
     }
   }
@@ -354,12 +369,11 @@ Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera
   }
   for (const auto& tool : tools_) {
     const Projection projection = projection_of(view, tool->pose_W);
-    if (!shadow.empty() && tool->blocks.is_shaded(projection, shadow))
-      bounded = tool->blocks.add_pixels(projection, box) && bounded;
+    if (!shadow.empty()) bounded = tool->blocks.add_shaded(projection, shadow, tiles) && bounded;
   }
-  if (!shadow.empty()) organ_.mesh.add_shaded(shadow, box);
+  if (!shadow.empty()) organ_.mesh.add_shaded(shadow, tiles);
   if (!bounded) return whole();
-  return {pixels_of(box, width_, height_), shadow.entries()};
+  return {std::move(tiles), shadow.entries()};
 }
 
 // Softens the tools' shadow first along x, then along y. The steps before are kept for the next picture.
@@ -409,17 +423,25 @@ void Painter::draw_live(const StudioView& view, const Part& part) {
   draw_backdrop();
   glEnable(GL_SCISSOR_TEST);
   draw_soft_shadow(view, part.shadow);
-  if (!part.pixels.empty()) draw_part(view, part.pixels);
+  if (!part.tiles.empty()) draw_part(view, part.tiles);
   glDisable(GL_SCISSOR_TEST);
 }
 
-void Painter::draw_part(const StudioView& view, const PixelBox& pixels) {
+void Painter::draw_part(const StudioView& view, const ChangedTiles& tiles) {
   Target& drawn = live_->picture;
   drawn.bind();
-  limit_drawing(pixels);
-  glClear(GL_DEPTH_BUFFER_BIT);
+  const std::vector<PixelBox> rectangles = tiles.rectangles();
+  // Everything is drawn once, over the rectangle around all tiles. Outside the tiles nothing is nearer than
+  // the depth there.
+  limit_drawing(tiles.bounds());
+  if (!tiles.all()) clear_depth(0.0F);
+  for (const PixelBox& pixels : rectangles) {
+    limit_drawing(pixels);
+    clear_depth(1.0F);
+  }
+  limit_drawing(tiles.bounds());
   live_->softest.bind_texture(0);
-  draw_materials(view, pixels, false);
+  draw_materials(view, tiles);
   // The background last, only where nothing covers it.
   live_->backdrop.bind_texture(0);
   live_->copy.use();
@@ -432,12 +454,14 @@ void Painter::draw_part(const StudioView& view, const PixelBox& pixels) {
   if (quality_ != Quality::kFast) {
     glDisable(GL_DEPTH_TEST);
     resolved_.bind();
-    limit_drawing(pixels.grown(1, 1, width_, height_));  // it looks at the neighbours of a pixel
     drawn.bind_texture(0);
     live_->smooth_edges.use();
     live_->smooth_edges.set("source", 0);
     live_->smooth_edges.set("last", drawn.width() - 1, drawn.height() - 1);
-    nothing_.draw_fullscreen();
+    for (const PixelBox& pixels : rectangles) {
+      limit_drawing(pixels.grown(1, 1, width_, height_));  // it looks at the neighbours of a pixel
+      nothing_.draw_fullscreen();
+    }
     glEnable(GL_DEPTH_TEST);
   }
 }
@@ -453,19 +477,6 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
   } else {
     draw_live(view, changed_part(view, camera, region));
   }
-}
-
-Image read_pixels(int width, int height) {
-  Image image{width, height, {}};
-  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
-  std::vector<std::uint8_t> bottom_up(row * static_cast<std::size_t>(image.height));
-  glReadPixels(0, 0, image.width, image.height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.data());
-  image.rgb.resize(bottom_up.size() / 4 * 3);
-  auto to = image.rgb.begin();
-  for (std::size_t y = static_cast<std::size_t>(image.height); y-- > 0;) {
-    for (std::size_t at = y * row; at < (y + 1) * row; at += 4) to = std::copy_n(&bottom_up[at], 3, to);
-  }
-  return image;
 }
 
 Image Painter::read() const {

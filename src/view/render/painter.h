@@ -33,15 +33,12 @@ struct PlacedMark {
   Vec3 normal_S = Vec3::UnitZ();
 };
 
-/// [setup] Reads the bound framebuffer from its upper left corner.
-[[nodiscard]] Image read_pixels(int width, int height);
-
 /// Draws tissue and steel in studio lighting. All members: [setup], with the context current.
 ///
 /// In the qualities for moving pictures it draws only what changed since its last picture, where camera,
-/// light, organ pose, size and settings are the same: a box around the tools that moved, the triangles of the
-/// organ that moved, before and after, and the triangles that the tools' shadow moved on. Only blocks of the
-/// organ's triangles in that box are drawn, and only the changed part of the shadow map. The picture is the
+/// light, organ pose, size and settings are the same: the tiles of the tools that moved, of the triangles of
+/// the organ that moved, before and after, and of the triangles that the tools' shadow moved on. Only blocks
+/// of triangles in those tiles are drawn, and only the changed part of the shadow map. The picture is the
 /// same, bit for bit, as if all of it were drawn.
 class Painter final {
  public:
@@ -112,29 +109,30 @@ class Painter final {
   };
   // The part of a picture to draw.
   struct Part {
-    PixelBox pixels;
+    ChangedTiles tiles;
     PixelBox shadow;  // entries of the shadow map before it is softened
   };
   [[nodiscard]] std::unique_ptr<Materials>& materials() noexcept {
     return materials_[static_cast<std::size_t>(quality_)];
   }
   void draw_tools(const Program& program) const;
+  void draw_tools(const Program& program, const StudioView& view, const ChangedTiles& tiles) const;
   void draw_scene(const Program& program) const;
   void set_studio(const Program& program, const StudioView& view) const;
   void set_inclusions(const Program& program) const;
   [[nodiscard]] const Program& tissue_program();
   void set_marks(const Program& program, const StudioView& view) const;
-  void draw_materials(const StudioView& view, const PixelBox& pixels, bool each_sample);
+  void draw_materials(const StudioView& view, const ChangedTiles& tiles);
   void draw_shadow(const StudioView& view);
   void draw_occlusion(const StudioView& view);
   void draw_still(const StudioView& view);
   [[nodiscard]] Projection projection_of(const StudioView& view, const Pose& pose_W) const;
-  [[nodiscard]] Part whole() const noexcept;
+  [[nodiscard]] Part whole() const;
   [[nodiscard]] Part changed_part(const StudioView& view, const Camera& camera, const LitRegion& region);
   void draw_backdrop();
   void draw_soft_shadow(const StudioView& view, const PixelBox& changed);
   void draw_live(const StudioView& view, const Part& part);
-  void draw_part(const StudioView& view, const PixelBox& pixels);
+  void draw_part(const StudioView& view, const ChangedTiles& tiles);
 
   TissueAppearance look_;
   Quality quality_;

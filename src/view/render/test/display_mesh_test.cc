@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "palpate/builtin.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
 #include "view/render/organ_picture.h"
@@ -129,6 +131,23 @@ TEST(OrganPicture, DividesFinelyAroundAContactOnceAndNotAgain) {
   EXPECT_FALSE(organ.update(deform::indentations_of(with_view(0.008).hand_results())));
   EXPECT_FALSE(organ.update({}));
   EXPECT_TRUE(closed(organ.rest()));
+}
+
+TEST(IndexedCorners, AreTheGivenCornersInTheirOrder) {
+  const ToolPicture tool(geometry::make_tool("curved-forceps"));
+  const std::vector<deform::SurfaceVertex> corners = tool.corners(0);
+  const IndexedCorners indexed = indexed_corners(corners);
+  ASSERT_EQ(indexed.corners.size(), corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    EXPECT_EQ(indexed.vertices.at(indexed.corners[i]).position, corners[i].position);
+    EXPECT_EQ(indexed.vertices.at(indexed.corners[i]).normal, corners[i].normal);
+  }
+}
+
+TEST(IndexedCorners, ShareVerticesWhereTheSurfaceIsSmooth) {
+  const std::vector<deform::SurfaceVertex> corners = ToolPicture(geometry::make_tool("sphere:3")).corners(0);
+  // A closed mesh has about a sixth as many vertices as corners; some normals differ in their last bit.
+  EXPECT_LT(indexed_corners(corners).vertices.size(), corners.size() / 5);
 }
 
 }  // namespace
