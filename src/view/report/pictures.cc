@@ -16,7 +16,11 @@
 namespace palpate::report {
 namespace {
 
-constexpr int kTimedDraws = 3;
+constexpr std::size_t kMovingPictures = 60;
+constexpr int kMovingWidth = 1280;  // pixels, about a window's
+constexpr int kMovingHeight = 720;
+constexpr double kPicturePeriod = 1.0 / 60.0;  // s
+constexpr int kUntimedPictures = 3;            // shaders are compiled at their first use
 
 struct NamedMoment {
   const char* name;
@@ -31,31 +35,58 @@ std::array<NamedMoment, 4> named(const KeyTicks& key_ticks) {
            {"after", "4-after", key_ticks.after}}};
 }
 
-/// Snapshots at the given moments, in their order; a tick may occur twice.
-std::vector<haptics::Snapshot> take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
+/// The ticks of the moving pictures that are timed: from first contact on, as a window shows them.
+std::vector<std::uint64_t> moving_ticks(const HandAnalysis& hand) {
+  std::vector<std::uint64_t> ticks;
+  double next = 0.0;  // s
+  for (std::size_t i = hand.key_ticks.touch; i < hand.rows.size() && ticks.size() < kMovingPictures; ++i) {
+    if (!ticks.empty() && hand.rows[i].time < next) continue;
+    ticks.push_back(hand.rows[i].tick);
+    next = hand.rows[i].time + kPicturePeriod;
+  }
+  return ticks;
+}
+
+struct Snapshots {
+  std::vector<haptics::Snapshot> named;   // in the order of named()
+  std::vector<haptics::Snapshot> moving;  // in the order of moving_ticks()
+};
+
+/// Snapshots of one replay; a tick may occur twice.
+Snapshots take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
   std::vector<std::uint64_t> ticks;
   for (const NamedMoment& moment : named(hand.key_ticks)) ticks.push_back(hand.rows[moment.row].tick);
+  const std::vector<std::uint64_t> moving = moving_ticks(hand);
   std::vector<std::uint64_t> ascending = ticks;
+  ascending.insert(ascending.end(), moving.begin(), moving.end());
   std::sort(ascending.begin(), ascending.end());
   ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
   const std::vector<haptics::Snapshot> taken = record::snapshots_at(recording, ascending);
-  std::vector<haptics::Snapshot> result;
-  for (const std::uint64_t tick : ticks) {
+  const auto at = [&](std::uint64_t tick) {
     const auto place = std::lower_bound(ascending.begin(), ascending.end(), tick) - ascending.begin();
-    result.push_back(taken.at(static_cast<std::size_t>(place)));
-  }
+    return taken.at(static_cast<std::size_t>(place));
+  };
+  Snapshots result;
+  for (const std::uint64_t tick : ticks) result.named.push_back(at(tick));
+  for (const std::uint64_t tick : moving) result.moving.push_back(at(tick));
   return result;
 }
 
-double median_draw_ms(render::OffscreenRenderer& renderer, const haptics::Snapshot& snapshot,
-                      const render::Camera& camera) {
+/// Sets the time of moving pictures: drawn where they changed, as in the window with a still camera.
+void time_moving(const render::Subject& subject, const std::vector<haptics::Snapshot>& moving,
+                 const render::Camera& camera, PictureSet& set) {
+  render::OffscreenRenderer renderer(subject, kMovingWidth, kMovingHeight, render::Quality::kBalanced);
+  for (int i = 0; i < kUntimedPictures; ++i) renderer.draw_and_keep(moving.front(), camera);
+  renderer.finish();
   std::vector<double> times;
-  for (int i = 0; i < kTimedDraws; ++i) {
+  for (const haptics::Snapshot& snapshot : moving) {
     const std::int64_t start = monotonic_ns();
-    static_cast<void>(renderer.draw(snapshot, camera));
+    renderer.draw_and_keep(snapshot, camera);
+    renderer.finish();
     times.push_back(static_cast<double>(monotonic_ns() - start) * 1e-6);
   }
-  return quantile(times, 0.5);
+  set.moving_p50_ms = quantile(times, 0.5);
+  set.moving_p99_ms = quantile(times, 0.99);
 }
 
 /// Averages blocks of two by two pixels.
@@ -106,7 +137,8 @@ Figure written(const render::Image& image, Figure figure) {
 void draw_all(const record::Recording& recording, const HandAnalysis& hand,
               const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
               PictureSet& set) {
-  const std::vector<haptics::Snapshot> snapshots = take_snapshots(recording, hand);
+  const Snapshots taken = take_snapshots(recording, hand);
+  const std::vector<haptics::Snapshot>& snapshots = taken.named;
   const scene::Scene& scene = recording.scene;
   const render::Subject subject{scene.organ,
                                 scene.tools,
@@ -143,7 +175,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
         {file("-close.png"), what + ", close-up", caption_of(moment.name, hand.rows[moment.row], moved)}));
     ++i;
   }
-  set.draw_ms = median_draw_ms(renderer, deepest, wide);
+  time_moving(subject, taken.moving, wide, set);
 }
 
 }  // namespace

@@ -33,8 +33,9 @@ enum class TickQuantity { kComputing, kLateness };
 struct PictureSet {
   std::vector<Figure> overviews;  // before contact, at contact, at depth, after
   std::vector<Figure> close_ups;
-  std::string driver;         // OpenGL's name of the renderer
-  double draw_ms = 0.0;       // median rendering time of a picture
+  std::string driver;          // OpenGL's name of the renderer
+  double moving_p50_ms = 0.0;  // time of a moving picture of the run, balanced, of what changed; wall clock
+  double moving_p99_ms = 0.0;
   int width = 0;              // pixels
   int height = 0;             // pixels
   int contacts_at_depth = 0;  // number of contacts of hand 0 at its deepest tick
