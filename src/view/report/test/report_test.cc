@@ -170,6 +170,14 @@ TEST(ReportPictures, AreInThePageAndAsFilesOrItSaysWhyNot) {
   }
 }
 
+TEST(ReportPictures, InMotionAreComparedWithThePapersFrameTime) {
+  const TemporaryFolder folder;
+  const record::Recording recording = SyntheticRecording::make(true, 1600);
+  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, {true, 160, 120}));
+  const std::regex row("<td>32 ms</td><td>([0-9.]+ ms p50, [0-9.]+ ms p99 \\(in motion, balanced|not drawn)");
+  EXPECT_TRUE(std::regex_search(html, row));
+}
+
 TEST(ReportFolder, ThatCannotBeMadeIsRefused) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "file") << "in the way";
