@@ -49,6 +49,9 @@ constexpr double kNearFrom = 2.0;            // cells from which on the near fie
 constexpr double kNearTo = 3.5;              // where it has faded
 constexpr double kLeastShare = 0.25;         // of the half-space's motion that an organ has at least
 constexpr int kRadiusRounds = 6;
+// Slope of a dent's wall. A deeper dent is wider than the tool: real tissue gives way beside it, while the
+// linear half-space would have a wall that folds.
+constexpr double kSteepest = 1.7;
 constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
 constexpr double kLeastSide = 0.02;  // share of a displacement; a smaller side part slides freely
 
@@ -60,6 +63,11 @@ bool presses(const ResponseField::Contact& c) { return c.displacement.dot(c.norm
 
 bool drags(const ResponseField::Contact& c) {
   return presses(c) && side_of(c).norm() > kLeastSide * c.displacement.norm();
+}
+
+// Radius [m] of the contact of a tool that dents the surface to `depth` [m].
+double radius_of(double tip_radius, double depth) {
+  return std::max({kSmallestContact, ball_contact_radius(tip_radius, depth), depth / kSteepest});
 }
 
 double smooth_step(double x) {
@@ -96,11 +104,11 @@ void ResponseField::set_radius(Columns& columns) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
     cells[static_cast<Index>(axis)] = contact.normal.dot(response_->at(columns.along[axis], contact.point));
   const double beyond = cells.dot(contact.normal) - half_space(columns.spread);
-  double radius = std::max(kSmallestContact, ball_contact_radius(contact.tip_radius, depth));
+  double radius = radius_of(contact.tip_radius, depth);
   for (int round = 0; round < kRadiusRounds; ++round) {
     const double dent = half_space(radius);
     const double share = std::clamp(dent / std::max(dent + beyond, 0.5 * dent), 0.02, 1.0);
-    radius = std::max(kSmallestContact, ball_contact_radius(contact.tip_radius, share * depth));
+    radius = radius_of(contact.tip_radius, share * depth);
   }
   if (radius == columns.radius) return;
   columns.radius = radius;
@@ -145,7 +153,7 @@ void ResponseField::set(std::span<const Contact> contacts, float share) {
   contacts_.clear();
   for (const Contact& contact : contacts) {
     const double spread =
-        std::max(response_->spread(), ball_contact_radius(contact.tip_radius, contact.displacement.norm()));
+        std::max(response_->spread(), radius_of(contact.tip_radius, contact.displacement.norm()));
     const auto same = std::find_if(before_.begin(), before_.end(), [&](const Columns& c) {
       return c.contact.point == contact.point && c.spread == spread && c.contact.normal == contact.normal;
     });

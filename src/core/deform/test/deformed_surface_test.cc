@@ -364,6 +364,22 @@ TEST(WholeOrgan, ItsNormalsAreThoseOfTheDisplacedTriangles) {
   EXPECT_LT(degrees.back(), 20.0);  // at the rim of the dent, across a triangle
 }
 
+TEST(WholeOrgan, ADeepPressWithAThinToolMakesAFunnelAndNotAShaft) {
+  const geometry::TriangleMesh ball = geometry::make_ball(kBall, 20000);
+  DeformedSurface surface(ball, {}, kRounding);
+  surface.set_response(ball_on_bed());
+  Indentation press = top_press(12e-3);
+  press.tip_radius = 1.5e-3;
+  surface.update({&press, 1}, DeformedSurface::kSettle);
+  double steepest = 0.0;  // angle between a triangle and its rest [degrees]
+  for (const geometry::Triangle& t : surface.rest().triangles) {
+    const Vec3 rest = geometry::area_vector_doubled(surface.rest(), t).normalized();
+    steepest =
+        std::max(steepest, std::acos(std::clamp(rest.dot(area(surface, t).normalized()), -1.0, 1.0)) * 57.3);
+  }
+  EXPECT_LT(steepest, 68.0);
+}
+
 TEST(WholeOrgan, AResponseThatArrivesDuringAContactFadesIn) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 5000);
   DeformedSurface surface(ball, {}, kRounding);
