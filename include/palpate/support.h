@@ -20,7 +20,7 @@ struct HeldFaces {
 
 /// The surface within a radius of a point is held: a vessel, a ligament, a duct.
 struct Attachment {
-  Vec3 point = Vec3::Zero();  // organ frame [m]; the nearest surface point is the middle
+  Vec3 point = Vec3::Zero();  // organ frame [m]; the nearest point of the surface is the middle
   double radius = 5e-3;       // [m], > 0
 };
 
@@ -56,7 +56,7 @@ class HeldSurface final {
   [[nodiscard]] bool holds_inside(const Vec3& point) const noexcept;
 
  private:
-  Support support_;        // attachments moved to the nearest vertex
+  Support support_;        // attachments moved to the surface
   double bed_from_ = 0.0;  // coordinate along the bed's direction [m]
 };
 
@@ -64,7 +64,8 @@ class HeldSurface final {
 [[nodiscard]] double held_share(const Support& support, const TriangleMesh& organ);
 
 /// [setup] Checks a support on an organ. @throws as validate(), InputError when it holds less than kLeastHeld
-/// of the surface (the organ would drift or turn away) or more than kMostHeld (nothing could give way)
+/// of the surface (the organ would drift or turn away) or more than kMostHeld (nothing could give way), or an
+/// attachment is farther from the surface than its radius
 void check_support(const Support& support, const TriangleMesh& organ);
 
 }  // namespace palpate::geometry

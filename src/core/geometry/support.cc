@@ -7,6 +7,7 @@
 #include "core/base/index.h"
 #include "core/base/infinity.h"
 #include "core/base/text.h"
+#include "core/geometry/signed_distance.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -15,6 +16,19 @@ namespace {
 void check_direction(const std::string& field, const Vec3& direction) {
   if (!direction.allFinite() || !(direction.norm() > 1e-9))
     throw InputError(field + ": must be a direction, three finite numbers that are not all 0");
+}
+
+Vec3 nearest_point(const TriangleMesh& organ, const Vec3& p) {
+  Vec3 best = p;
+  double least = kInfinity;
+  for (const Triangle& t : organ.triangles) {
+    const Vec3 q =
+        nearest_on_triangle(p, organ.vertices[at(t[0])], organ.vertices[at(t[1])], organ.vertices[at(t[2])]);
+    if ((q - p).squaredNorm() >= least) continue;
+    least = (q - p).squaredNorm();
+    best = q;
+  }
+  return best;
 }
 
 }  // namespace
@@ -54,13 +68,8 @@ HeldSurface::HeldSurface(const Support& support, const TriangleMesh& organ) : su
     }
     bed_from_ = high - support_.bed->share * (high - low);
   }
-  for (Attachment& attachment : support_.attachments) {
-    const auto nearer = [&attachment](const Vec3& a, const Vec3& b) {
-      return (a - attachment.point).squaredNorm() < (b - attachment.point).squaredNorm();
-    };
-    const auto nearest = std::min_element(organ.vertices.begin(), organ.vertices.end(), nearer);
-    if (nearest != organ.vertices.end()) attachment.point = *nearest;
-  }
+  for (Attachment& attachment : support_.attachments)
+    attachment.point = nearest_point(organ, attachment.point);
 }
 
 bool HeldSurface::holds_inside(const Vec3& point) const noexcept {
@@ -90,6 +99,16 @@ double held_share(const Support& support, const TriangleMesh& organ) {
 }
 
 void check_support(const Support& support, const TriangleMesh& organ) {
+  validate(support);
+  for (const Attachment& attachment : support.attachments) {
+    const double away = (nearest_point(organ, attachment.point) - attachment.point).norm();
+    if (away <= attachment.radius) continue;
+    const auto tenths = [](double metres) { return shortest(std::round(1e4 * metres) / 10.0); };
+    const Vec3& p = attachment.point;
+    throw InputError("attachment.point_mm = [" + tenths(p.x()) + ", " + tenths(p.y()) + ", " + tenths(p.z()) +
+                     "]: is " + tenths(away) + " mm from the organ's surface, must be within its radius of " +
+                     tenths(attachment.radius) + " mm (millimetres in the organ's frame?)");
+  }
   const double share = held_share(support, organ);
   const auto percent = [](double part) { return shortest(std::round(1e4 * part) / 100.0) + " %"; };
   const std::string stated = "holds " + percent(share) + " of the organ's surface";

@@ -52,9 +52,17 @@ TEST(Support, InvalidNumbersAreRefusedByTheirKeys) {
   EXPECT_THROW(validate(point), ParameterError);
 }
 
+TEST(Support, AnAttachmentFartherFromTheSurfaceThanItsRadiusIsRefused) {
+  Support support;
+  support.attachments.push_back({Vec3(0.0, 0.0, 0.0095), 5e-3});  // 4.5 mm above the top
+  EXPECT_NO_THROW(check_support(support, box()));
+  support.attachments[0].point.z() = 0.0105;
+  EXPECT_THROW(check_support(support, box()), InputError);
+}
+
 TEST(Support, HoldingNothingOrAllIsRefused) {
   Support small;
-  small.attachments.push_back({Vec3::Zero(), 0.6e-3});
+  small.attachments.push_back({Vec3(0.0, 0.0, 5e-3), 0.6e-3});
   EXPECT_THROW(check_support(small, box()), InputError);
   Support all;
   all.attachments.push_back({Vec3::Zero(), 0.1});

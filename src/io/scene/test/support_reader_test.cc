@@ -30,21 +30,21 @@ std::string support_error(const std::string& content, const std::vector<std::str
 TEST(OrganSupport, ReadsEveryPartIntoSi) {
   const Scene scene = held_scene(
       "[organ.support]\nbed = { direction = [0, 0, -2], share = 0.4 }\nfaces = { away_from = [1, 0, 0] }\n"
-      "[[organ.support.attachment]]\npoint_mm = [1, 2, 3]\nradius_mm = 4\n");
+      "[[organ.support.attachment]]\npoint_mm = [1, 2, 19]\nradius_mm = 4\n");
   ASSERT_TRUE(scene.support);
   ASSERT_TRUE(scene.support->bed && scene.support->faces);
   EXPECT_EQ(scene.support->bed->direction, Vec3(0, 0, -2));
   EXPECT_EQ(scene.support->bed->share, 0.4);
   EXPECT_EQ(scene.support->faces->away_from, Vec3(1, 0, 0));
   ASSERT_EQ(scene.support->attachments.size(), 1U);
-  EXPECT_LT((scene.support->attachments[0].point - Vec3(1e-3, 2e-3, 3e-3)).norm(), 1e-15);
+  EXPECT_LT((scene.support->attachments[0].point - Vec3(1e-3, 2e-3, 19e-3)).norm(), 1e-15);
   EXPECT_DOUBLE_EQ(scene.support->attachments[0].radius, 4e-3);
 }
 
 TEST(OrganSupport, FlagsAddUpAndReplaceTheScenes) {
   const std::string bed = "[organ.support]\nbed = { direction = [0, 0, -1] }\n";
   EXPECT_EQ(held_scene(bed).support->bed->share, geometry::kDefaultBedShare);
-  const Scene scene = held_scene(bed, {"faces:0,0,1", "at:1,2,3,4.5"});
+  const Scene scene = held_scene(bed, {"faces:0,0,1", "at:1,2,19,4.5"});
   ASSERT_TRUE(scene.support && scene.support->faces);
   EXPECT_FALSE(scene.support->bed);
   EXPECT_DOUBLE_EQ(scene.support->attachments.at(0).radius, 4.5e-3);
@@ -73,7 +73,9 @@ TEST(OrganSupport, AFlagInAnotherFormIsRefusedWithTheForms) {
   }
   EXPECT_THAT(support_error("", {"bed:0,0,1", "bed:0,1,0"}), HasSubstr("at most one"));
   EXPECT_THAT(support_error("", {"bed:0,0,1,2"}), HasSubstr("bed.share"));
-  EXPECT_THAT(support_error("", {"at:0,0,0,0.5"}), HasSubstr("must hold at least 0.2 %"));
+  EXPECT_THAT(support_error("", {"at:0,0,20,0.5"}), HasSubstr("must hold at least 0.2 %"));
+  EXPECT_THAT(support_error("", {"at:0,0,0.02,5"}),  // metres
+              AllOf(HasSubstr("is 20 mm from the organ's surface"), HasSubstr("millimetres")));
 }
 
 }  // namespace
