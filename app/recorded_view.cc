@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "view/report/subject.h"
 
 #include "app/session.h"
 
@@ -32,15 +33,7 @@ std::uint32_t RecordedView::hands() const noexcept {
   return static_cast<std::uint32_t>(recording_.scene.devices.size());
 }
 
-render::Subject RecordedView::subject() const {
-  const scene::Scene& scene = recording_.scene;
-  return {scene.organ,
-          scene.tools,
-          scene.tissue.reach,
-          scene.tissue.name,
-          scene::visible_inclusions(scene.inclusions),
-          scene.support};
-}
+render::Subject RecordedView::subject() const { return report::subject_of(recording_.scene); }
 
 const haptics::TickRow& RecordedView::row(std::uint64_t tick, std::uint32_t hand) const {
   return recording_.rows.at(tick * hands() + hand);

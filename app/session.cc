@@ -28,6 +28,7 @@
 #include "palpate/session.h"
 #include "run/devices/ros.h"
 #include "run/ros/ros_node.h"
+#include "view/report/subject.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
@@ -350,9 +351,7 @@ void write_screenshot(const record::Recording& recording, const session::RunStat
       record::snapshots_at(recording, {statistics.deepest_tick}, OrganPreparation(no_cache).how());
   const haptics::Snapshot& deepest = snapshots.front();
   const contact::ToolResult& result = deepest.results[statistics.deepest_hand];
-  const scene::Scene& scene = recording.scene;
-  const render::Subject subject{scene.organ, scene.tools, scene.tissue.reach, scene.tissue.name,
-                                scene::visible_inclusions(scene.inclusions)};
+  const render::Subject subject = report::subject_of(recording.scene);
   render::OffscreenRenderer renderer(subject, kWidth, kHeight);
   const bool touched = result.phase != contact::Phase::kApproach;
   const render::Camera camera = render::frame_contact(

@@ -13,6 +13,7 @@
 #include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
+#include "view/report/subject.h"
 
 #include "app/window/window.h"
 
@@ -56,13 +57,10 @@ void Window::make_renderer() {
 }
 
 render::Subject Window::subject() const {
-  const scene::Scene& scene = run_->session().scene();
-  return {scene.organ,
-          scene.tools,
-          now_.tissue.reach,
-          scene.tissue.name,
-          scene::visible_inclusions(now_.inclusions),
-          scene.support};
+  render::Subject subject = report::subject_of(run_->session().scene());
+  subject.reach = now_.tissue.reach;
+  subject.inclusions = scene::visible_inclusions(now_.inclusions);
+  return subject;
 }
 
 void Window::take_rows() {

@@ -124,7 +124,10 @@ void Batch::reset_fault(std::span<const std::size_t> hands) {
 
 void Batch::displacements(std::span<const std::size_t> points, double* to) {
   const auto locked = lock();
-  while (deformers_.size() < jobs_) deformers_.emplace_back(surface_);
+  if (deformers_.empty()) {
+    const auto response = deform::prepare_response(scene_.organ, scene_.support);
+    while (deformers_.size() < jobs_) deformers_.emplace_back(surface_, response);
+  }
   std::vector<std::vector<Vec3>> moved(jobs_);
   on_threads(jobs_, hands_.size(), [&](std::size_t thread, std::size_t hand) {
     const haptics::SimulationState& state = hands_[hand].state;

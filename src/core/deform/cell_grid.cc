@@ -28,12 +28,9 @@ CellGrid::CellGrid(const geometry::Bounds& box, double edge) : edge_(edge) {
     whole[axis] = edge * cells_[k];
   }
   low_ = box.middle() - 0.5 * whole;
-}
-
-std::size_t CellGrid::stride(std::size_t axis) const noexcept {
-  std::size_t stride = 1;
-  for (std::size_t k = 2; k > axis; --k) stride *= static_cast<std::size_t>(cells_[k] + 2);
-  return stride;
+  strides_[2] = 1;
+  strides_[1] = static_cast<std::size_t>(cells_[2] + 2);
+  strides_[0] = strides_[1] * static_cast<std::size_t>(cells_[1] + 2);
 }
 
 std::size_t CellGrid::first_node(const std::array<int, 3>& cell) const noexcept {

@@ -37,7 +37,7 @@ class CellGrid final {
     return stride(0) * static_cast<std::size_t>(cells_[0] + 2);
   }
   /// [any] Step of a node's number along an axis.
-  [[nodiscard]] std::size_t stride(std::size_t axis) const noexcept;
+  [[nodiscard]] std::size_t stride(std::size_t axis) const noexcept { return strides_[axis]; }
   /// [any] The first node of a cell; the others are up to two strides further along each axis.
   [[nodiscard]] std::size_t first_node(const std::array<int, 3>& cell) const noexcept;
   /// [any] Number of a cell.
@@ -56,6 +56,7 @@ class CellGrid final {
   double edge_;
   Vec3 low_;
   std::array<int, 3> cells_{};
+  std::array<std::size_t, 3> strides_{};
 };
 
 /// The part of each cell that an organ fills: lines along z through every column of cells, cut exactly where

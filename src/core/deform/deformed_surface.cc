@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "core/base/index.h"
@@ -14,8 +15,6 @@ namespace {
 using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
-// m; a contact within this of one of the last frame is the same contact
-constexpr float kSameContact = 8e-3F;
 // m; a new front starts when the contact is farther than this from its front's source
 constexpr float kNewFront = 1.5e-3F;
 // m; largest error of a vertex that is not computed again, with a margin for rounding to the stated 0.05 mm
@@ -190,33 +189,27 @@ DeformedSurface::TrackedContact& DeformedSurface::contact_for(const contact::Sur
   return *best;
 }
 
-void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indentation,
-                              const contact::SurfacePoint& place, double share) {
+void DeformedSurface::prepare(TrackedContact& contact, const Indentation& indentation, const Drawn& drawn) {
   contact.used = true;
   contact.last_used = frame_;
-  contact.place = place;
+  contact.place = drawn.place;
   ContactField& field = contact.field;
-  field.point = place.point.cast<float>();
-  const Vector3f normal = normal_at(place);
+  field.point = drawn.place.point.cast<float>();
   const Vector3f direction = indentation.direction.cast<float>();
-  const float along_normal = direction.dot(normal);
-  const double depth = drawn_depth(indentation, place);
-  const DisplacementProfile profile(reach_, depth, indentation.tip_radius, indentation.half_width);
-  const auto drawn = static_cast<float>(depth);
-  field.normal_part = drawn * along_normal * normal;
-  field.side_part = drawn * direction - field.normal_part;
-  const double side_share = static_cast<double>(field.side_part.norm()) / depth;
+  const float along_normal = direction.dot(drawn.normal);
+  const DisplacementProfile profile(reach_, drawn.depth, indentation.tip_radius, indentation.half_width);
+  const auto depth = static_cast<float>(drawn.depth);
+  field.normal_part = depth * along_normal * drawn.normal;
+  field.side_part = depth * direction - field.normal_part;
+  const double side_share = static_cast<double>(field.side_part.norm()) / drawn.depth;
   const double fold = std::max(1.0, side_share * profile.steepest() / kMaxTangentialSlope);
   field.reach = static_cast<float>(profile.outer_radius());
   field.side_reach = static_cast<float>(fold * profile.outer_radius());
-  field.limit = end_ * field.side_reach;
+  field.limit = drawn.local > 0.0 ? end_ * field.side_reach : 0.0F;
+  field.normal_part *= static_cast<float>(drawn.local);
+  field.side_part *= static_cast<float>(drawn.local);
   contact.wanted =
       along_normal < 0.0F ? std::max(field.limit, static_cast<float>(kImprintReach)) : field.limit;
-  if (share < 1.0) {
-    field.normal_part *= static_cast<float>(share);
-    field.side_part *= static_cast<float>(share);
-    if (share <= 0.0) field.limit = 0.0F;
-  }
 }
 
 int DeformedSurface::run_fronts(TrackedContact& contact, int steps, bool settle) {
@@ -350,10 +343,7 @@ void DeformedSurface::move_blocks(bool settle) {
     }
     if (!settle && !state.lowered) {
       if (!near.empty()) state.error += added_error(block);
-      if (whole) {
-        state.error += whole_change(block);
-        close = close || near_whole_contact(block);
-      }
+      if (whole) state.error += whole_change(block);
       if (state.error <= (close ? 0.0F : kMaxError)) continue;
     }
     bool moves = false;
@@ -378,57 +368,64 @@ void DeformedSurface::set_response(std::shared_ptr<const OrganResponse> response
   for (const Vec3& v : rest_.vertices) places_.push_back(whole_->place_of(v));
   block_nodes_.clear();
   first_node_ = {0};
+  std::map<std::uint32_t, float> weight_of;
   for (std::size_t block = 0; block < blocks_.count(); ++block) {
-    const std::size_t begin = block_nodes_.size();
-    for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v)
-      for (const std::uint32_t node : whole_->nodes_of(places_[v])) block_nodes_.push_back(node);
-    const auto own = block_nodes_.begin() + static_cast<std::ptrdiff_t>(begin);
-    std::sort(own, block_nodes_.end());
-    block_nodes_.erase(std::unique(own, block_nodes_.end()), block_nodes_.end());
+    weight_of.clear();
+    for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v) {
+      const auto nodes = whole_->nodes_of(places_[v]);
+      const auto weights = ResponseField::weights_of(places_[v]);
+      for (std::size_t n = 0; n < nodes.size(); ++n)
+        weight_of[nodes[n]] = std::max(weight_of[nodes[n]], std::abs(weights[n]));
+    }
+    for (const auto& [node, weight] : weight_of) block_nodes_.push_back({node, weight});
     first_node_.push_back(block_nodes_.size());
   }
   const bool touched = std::any_of(contacts_.begin(), contacts_.end(), [](const auto& c) { return c->used; });
   whole_share_ = touched ? 0.0F : 1.0F;
 }
 
-double DeformedSurface::drawn_depth(const Indentation& indentation,
-                                    const contact::SurfacePoint& place) const {
-  if (!(indentation.direction.dot(normal_at(place).cast<double>()) < 0.0)) return indentation.depth;
-  return limited_depth(indentation.depth, grid_.far_side(place.point, indentation.direction,
-                                                         indentation.depth / kFreeShareOfThickness));
+DeformedSurface::Drawn DeformedSurface::drawn_at(const Indentation& indentation, double share) const {
+  Drawn drawn;
+  const double depth = share * indentation.depth;
+  if (!(depth > 0.0)) return drawn;
+  drawn.place = grid_.nearest(indentation.point);
+  if (drawn.place.triangle < 0) return drawn;
+  drawn.normal = normal_at(drawn.place);
+  drawn.depth = depth;
+  if (indentation.direction.dot(drawn.normal.cast<double>()) < 0.0) {
+    drawn.depth = limited_depth(
+        depth, grid_.far_side(drawn.place.point, indentation.direction, depth / kFreeShareOfThickness));
+  }
+  return drawn;
 }
 
-void DeformedSurface::set_whole(std::span<const Indentation> indentations, bool settle) {
+void DeformedSurface::set_whole(std::span<const Indentation> indentations, std::span<Drawn> drawn,
+                                bool settle) {
   std::vector<ResponseField::Contact> contacts;
-  std::vector<std::size_t> owner;
-  for (std::size_t i = 0; i < indentations.size(); ++i) {
-    const contact::SurfacePoint place = grid_.nearest(indentations[i].point);
-    if (!(indentations[i].depth > 0.0) || place.triangle < 0) continue;
-    contacts.push_back({place.point, normal_at(place).cast<double>(),
-                        drawn_depth(indentations[i], place) * indentations[i].direction,
-                        indentations[i].tip_radius});
-    owner.push_back(i);
+  std::vector<Drawn*> owner;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (!(drawn[i].depth > 0.0)) continue;
+    contacts.push_back({drawn[i].place.point, drawn[i].normal.cast<double>(),
+                        drawn[i].depth * indentations[i].direction, indentations[i].tip_radius});
+    owner.push_back(&drawn[i]);
   }
   whole_share_ = settle || contacts.empty() ? 1.0F : std::min(1.0F, whole_share_ + 1.0F / kFadeUpdates);
   whole_->set(contacts, whole_share_);
-  local_shares_.assign(indentations.size(), 0.0);
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const auto share = static_cast<double>(whole_share_);
-    local_shares_[owner[c]] = 1.0 - share * (1.0 - whole_->missing(c));
-  }
+  for (std::size_t c = 0; c < contacts.size(); ++c)
+    owner[c]->local = 1.0 - static_cast<double>(whole_share_) * (1.0 - whole_->missing(c));
 }
 
 float DeformedSurface::whole_change(std::size_t block) const {
   float change = 0.0F;
+  for (const NearFieldChange& near : whole_->near_changes()) {
+    const float distance = blocks_.distance(block, near.point());
+    const float moved = near.at(distance);
+    if (moved > 0.0F && distance < kAlwaysWithin) return kInfinityF;
+    change += moved;
+  }
   for (std::size_t n = first_node_[block]; n < first_node_[block + 1]; ++n)
-    change = std::max(change, whole_->change(block_nodes_[n]));
+    change += block_nodes_[n].weight * whole_->change(block_nodes_[n].node);
   return change;
-}
-
-bool DeformedSurface::near_whole_contact(std::size_t block) const {
-  for (std::size_t i = 0; i < whole_->contacts(); ++i)
-    if (blocks_.near(block, whole_->contact(i), whole_->near_reach())) return true;
-  return false;
 }
 
 void DeformedSurface::move_whole(std::size_t block) {
@@ -453,17 +450,14 @@ void DeformedSurface::update(std::span<const Indentation> indentations, int step
   const bool settle = steps == kSettle;
   int left = steps;
   const std::vector<double> shares = opposition_factors(indentations);
-  std::vector<Indentation> limited(indentations.begin(), indentations.end());
-  for (std::size_t i = 0; i < limited.size(); ++i) limited[i].depth *= shares[i];
-  if (whole_ != nullptr) set_whole(limited, settle);
+  std::vector<Drawn> drawn;
+  for (std::size_t i = 0; i < indentations.size(); ++i) drawn.push_back(drawn_at(indentations[i], shares[i]));
+  if (whole_ != nullptr) set_whole(indentations, drawn, settle);
   for (std::size_t i = 0; i < indentations.size(); ++i) {
-    const Indentation& indentation = limited[i];
     now_.push_back(nullptr);
-    if (!(indentation.depth > 0.0)) continue;
-    const contact::SurfacePoint place = grid_.nearest(indentation.point);
-    if (place.triangle < 0) continue;
-    TrackedContact& contact = contact_for(place);
-    prepare(contact, indentation, place, whole_ != nullptr ? local_shares_[i] : 1.0);
+    if (!(drawn[i].depth > 0.0)) continue;
+    TrackedContact& contact = contact_for(drawn[i].place);
+    prepare(contact, indentations[i], drawn[i]);
     const int taken = run_fronts(contact, left, settle);
     lower_to_front(contact);
     update_least_distances(contact);

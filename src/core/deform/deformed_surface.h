@@ -19,9 +19,10 @@ namespace palpate::deform {
 
 /// The displaced surface, by the rules of SurfaceDeformer, at a cost that grows with the vertices in reach
 /// and not with the mesh. Positions and normals are kept between frames. Only vertices in reach of a contact,
-/// now or in the last frame, are computed again, in blocks of 64. A block is skipped while FieldChange bounds
-/// the motion of its vertices by 0.045 mm, or by zero within 8 mm of a contact. So no vertex is off by more
-/// than 0.05 mm. With kSettle all blocks are computed.
+/// now or in the last frame, are computed again, in blocks of 64; with an organ's response, all vertices are
+/// in reach. A block is skipped while FieldChange, the changes of the response's nodes and NearFieldChange
+/// bound the motion of its vertices by 0.045 mm, or by zero within 8 mm of a contact. So no vertex is off by
+/// more than 0.05 mm. With kSettle all blocks are computed.
 ///
 /// Geodesic distances come from a front that continues between frames. While a contact moves, a vertex's
 /// distance is its straight distance from the contact plus the geodesic excess from the front's source; a new
@@ -87,12 +88,17 @@ class DeformedSurface final {
     float error = 0.0F;    // largest error of a vertex [m]
   };
   void begin_frame();
+  // An indentation as it is drawn: its depth may be shared with others and is limited by the organ's
+  // thickness.
+  struct Drawn {
+    contact::SurfacePoint place;
+    Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // of the rest surface, unit
+    double depth = 0.0;                                // [m]; 0: nothing is drawn
+    double local = 1.0;                                // share of the depth that the profile draws
+  };
+  [[nodiscard]] Drawn drawn_at(const Indentation& indentation, double share) const;
   TrackedContact& contact_for(const contact::SurfacePoint& place);
-  // @param share of the depth that the profile draws
-  void prepare(TrackedContact& contact, const Indentation& indentation, const contact::SurfacePoint& place,
-               double share);
-  // Depth [m] of an indentation, limited by the organ's thickness.
-  [[nodiscard]] double drawn_depth(const Indentation& indentation, const contact::SurfacePoint& place) const;
+  void prepare(TrackedContact& contact, const Indentation& indentation, const Drawn& drawn);
   int run_fronts(TrackedContact& contact, int steps, bool settle);
   void lower_to_front(TrackedContact& contact);
   void update_least_distances(TrackedContact& contact);
@@ -100,9 +106,9 @@ class DeformedSurface final {
   void find_changes();
   [[nodiscard]] float added_error(std::size_t block);
   void move_blocks(bool settle);
-  void set_whole(std::span<const Indentation> indentations, bool settle);
+  void set_whole(std::span<const Indentation> indentations, std::span<Drawn> drawn, bool settle);
+  // Bound of the motion of a block's vertices by the response [m]; infinity near a contact that changed.
   [[nodiscard]] float whole_change(std::size_t block) const;
-  [[nodiscard]] bool near_whole_contact(std::size_t block) const;
   void move_whole(std::size_t block);
   [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
@@ -127,10 +133,14 @@ class DeformedSurface final {
   std::vector<Range> near_;
   std::unique_ptr<ResponseField> whole_;      // null: the profile alone
   std::vector<ResponseField::Place> places_;  // of the vertices
-  std::vector<double> local_shares_;          // per indentation: share of its depth that the profile draws
   float whole_share_ = 1.0F;                  // of the response
-  std::vector<std::uint32_t> block_nodes_;    // of the response, that move each block's vertices
-  std::vector<std::size_t> first_node_;       // per block: in block_nodes_; one more at the end
+  // A node of the response, and the largest weight that it has for a vertex of a block.
+  struct BlockNode {
+    std::uint32_t node = 0;
+    float weight = 0.0F;
+  };
+  std::vector<BlockNode> block_nodes_;
+  std::vector<std::size_t> first_node_;  // per block: in block_nodes_; one more at the end
 };
 
 }  // namespace palpate::deform

@@ -6,10 +6,10 @@
 
 namespace palpate::deform {
 
-HalfSpaceTerms half_space_terms(double r, double a) noexcept {
+HalfSpaceTerms<> half_space_terms(double r, double a) noexcept {
   constexpr double kPi = std::numbers::pi;
   const double k = 1.5 / (a * a * a);
-  HalfSpaceTerms terms;
+  HalfSpaceTerms<> terms;
   r = std::max(r, 1e-6 * a);  // the quotients below; psi is even in r
   const double r2 = r * r;
   const double a2 = a * a;
@@ -34,17 +34,8 @@ HalfSpaceTerms half_space_terms(double r, double a) noexcept {
   return terms;
 }
 
-Vec3 half_space_displacement(const HalfSpaceTerms& terms, const Vec3& e, const Vec3& inward,
-                             const Vec3& force) noexcept {
-  const double normal = force.dot(inward);
-  const Vec3 side = force - normal * inward;
-  const double along = e.dot(side);
-  const Vec3 u = 2.0 * terms.psi * side -
-                 2.0 * kPoisson * ((terms.psi + 2.0 * terms.t) * along * e - terms.t * side) +
-                 (1.0 - 2.0 * kPoisson) * terms.s * (along * inward - normal * e) +
-                 2.0 * (1.0 - kPoisson) * terms.psi * normal * inward;
-  constexpr double kShear = 1.0 / (2.0 * (1.0 + kPoisson));
-  return u / (4.0 * std::numbers::pi * kShear);
+double half_space_depth(double a) noexcept {
+  return 2.0 * (1.0 - kPoisson) * half_space_terms(0.0, a).psi / kHalfSpaceModulus;
 }
 
 double ball_contact_radius(double tip_radius, double depth) noexcept {

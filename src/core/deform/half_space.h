@@ -1,4 +1,6 @@
 #pragma once
+#include <numbers>
+
 #include <Eigen/Core>
 
 #include "palpate/pose.h"
@@ -11,24 +13,41 @@ inline constexpr double kPoisson = 0.45;
 
 /// Displacement of the surface of an elastic half-space (Young's modulus 1) around a round contact of radius
 /// a, under a unit force that is spread as Hertz's pressure (closed forms: Johnson 1985, chapter 3).
-/// With e the unit vector from the contact, z the inward normal and f the force:
+/// With e the unit vector from the contact, z the inward normal and f = f_z z + f_t the force:
 ///
 ///     u = 2 psi f_t - 2 nu ((psi + 2 t) (e f_t) e - t f_t) + (1 - 2 nu) s ((e f_t) z - f_z e)
 ///         + 2 (1 - nu) psi f_z z,   all divided by 4 pi G.
+template <typename Scalar = double>
 struct HalfSpaceTerms {
-  double psi = 0.0;  // potential of the pressure [1/m]
-  double s = 0.0;    // derivative of its integral along z, by r [1/m]
-  double t = 0.0;    // [1/m]
+  Scalar psi{};  // potential of the pressure [1/m]
+  Scalar s{};    // derivative of its integral along z, by r [1/m]
+  Scalar t{};    // [1/m]
 };
 
-/// [any] Terms at a distance r [m] from the middle of the contact. @param a radius of the contact [m], > 0
-[[nodiscard]] HalfSpaceTerms half_space_terms(double r, double a) noexcept;
+/// 4 pi G at Young's modulus 1.
+inline constexpr double kHalfSpaceModulus = 4.0 * std::numbers::pi / (2.0 * (1.0 + kPoisson));
 
-/// [any] Displacement [m/N at Young's modulus 1] by these terms.
-/// @param e unit vector in the surface, away from the contact; zero at the middle
-/// @param inward unit normal @param force any vector
-[[nodiscard]] Vec3 half_space_displacement(const HalfSpaceTerms& terms, const Vec3& e, const Vec3& inward,
-                                           const Vec3& force) noexcept;
+/// [any] Terms at a distance r [m] from the middle of the contact. @param a radius of the contact [m], > 0
+[[nodiscard]] HalfSpaceTerms<> half_space_terms(double r, double a) noexcept;
+
+/// [any] Displacement by these terms [m/N at Young's modulus 1], not yet divided by 4 pi G.
+/// @param e in the surface, away from the contact, unit; zero at the middle @param inward unit normal
+/// @param normal part of the force along `inward` @param side its other part
+template <typename Scalar>
+[[nodiscard]] Eigen::Matrix<Scalar, 3, 1> half_space_displacement(
+    const HalfSpaceTerms<Scalar>& terms, const Eigen::Matrix<Scalar, 3, 1>& e,
+    const Eigen::Matrix<Scalar, 3, 1>& inward, Scalar normal,
+    const Eigen::Matrix<Scalar, 3, 1>& side) noexcept {
+  constexpr auto kNu = static_cast<Scalar>(kPoisson);
+  const Scalar along = e.dot(side);
+  return (2 * (1 - kNu) * terms.psi * normal + (1 - 2 * kNu) * terms.s * along) * inward -
+         ((1 - 2 * kNu) * terms.s * normal + 2 * kNu * (terms.psi + 2 * terms.t) * along) * e +
+         (2 * terms.psi + 2 * kNu * terms.t) * side;
+}
+
+/// [any] Depth of the middle of a contact of radius a [m] under a unit force along the normal [m/N at Young's
+/// modulus 1].
+[[nodiscard]] double half_space_depth(double a) noexcept;
 
 /// [any] Radius a [m] of the contact of a rigid ball of radius R [m] that is pressed into a half-space to the
 /// depth D [m]: D = a artanh(a/R) (Sneddon 1965). Below R at any depth.

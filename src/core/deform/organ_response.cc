@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/index.h"
+#include "core/base/simd.h"
 #include "core/deform/surface_parts.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
@@ -99,12 +100,23 @@ OrganResponse::Displacements OrganResponse::none() const {
   return Displacements(grid_.nodes(), Eigen::Vector4f::Zero());
 }
 
-void OrganResponse::add(const Load& load, const Eigen::Vector3f& force, Displacements& to) const {
-  Eigen::VectorXf sum = Eigen::VectorXf::Zero(body_.compliance.rows());
-  for (const auto& [node, share] : load.shares)
-    sum.noalias() += body_.compliance.middleCols<3>(3 * node) * (share * force);
+OrganResponse::Displacements OrganResponse::under(const Load& load, std::size_t axis) const {
+  const auto rows = static_cast<std::size_t>(body_.compliance.rows());
+  std::vector<float> sum(rows, 0.0F);
+  for (const auto& [node, share] : load.shares) {
+    const float* const column = body_.compliance.col(3 * node + static_cast<Index>(axis)).data();
+    const Float4 by(share);
+    std::size_t row = 0;
+    for (; row + Float4::kSize <= rows; row += Float4::kSize)
+      (Float4::load_unaligned(&sum[row]) + by * Float4::load_unaligned(column + row))
+          .store_unaligned(&sum[row]);
+    for (; row < rows; ++row) sum[row] += share * column[row];
+  }
+  Displacements under = none();
   for (std::size_t n = 0; n < body_.nodes.size(); ++n)
-    to[palpate::at(body_.nodes[n])].head<3>() += sum.segment<3>(3 * static_cast<Index>(n));
+    under[palpate::at(body_.nodes[n])].head<3>() =
+        Eigen::Vector3f(sum[3 * n], sum[3 * n + 1], sum[3 * n + 2]);
+  return under;
 }
 
 double OrganResponse::work(const Load& load, const Eigen::Vector3f& force, const Displacements& field) const {

@@ -41,8 +41,8 @@ class OrganResponse final {
   /// `normal` faces. @param point on the surface [m] @param normal outward, unit
   [[nodiscard]] Load load_at(const Vec3& point, const Vec3& normal, double radius) const;
 
-  /// Adds the displacements under the force on a load. @param force [N at Young's modulus 1]
-  void add(const Load& load, const Eigen::Vector3f& force, Displacements& to) const;
+  /// The displacements under a unit force along an axis on a load.
+  [[nodiscard]] Displacements under(const Load& load, std::size_t axis) const;
 
   /// Work of a force on a load in a displacement field [N m].
   [[nodiscard]] double work(const Load& load, const Eigen::Vector3f& force, const Displacements& field) const;

@@ -29,7 +29,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -45,15 +44,13 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 
 constexpr double kSmallestContact = 0.5e-3;  // m, radius
-constexpr double kNearFrom = 2.0;            // cells from which on the near field fades
-constexpr double kNearTo = 3.5;              // where it has faded
 constexpr double kLeastShare = 0.25;         // of the half-space's motion that an organ has at least
 constexpr int kRadiusRounds = 6;
 // Slope of a dent's wall. A deeper dent is wider than the tool: real tissue gives way beside it, while the
 // linear half-space would have a wall that folds.
 constexpr double kSteepest = 1.7;
-constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
-constexpr double kLeastSide = 0.02;  // share of a displacement; a smaller side part slides freely
+constexpr double kSoftening = 1e-5;    // keeps coincident contacts solvable
+constexpr double kLeastSide = 0.02;    // share of a displacement; a smaller side part slides freely
 
 Vec3 side_of(const ResponseField::Contact& c) {
   return c.displacement - c.displacement.dot(c.normal) * c.normal;
@@ -70,11 +67,6 @@ double radius_of(double tip_radius, double depth) {
   return std::max({kSmallestContact, ball_contact_radius(tip_radius, depth), depth / kSteepest});
 }
 
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
-
 }  // namespace
 
 ResponseField::ResponseField(std::shared_ptr<const OrganResponse> response)
@@ -84,10 +76,8 @@ ResponseField::Columns ResponseField::columns_for(const Contact& contact, double
   Columns columns;
   columns.spread = spread;
   columns.load = response_->load_at(contact.point, contact.normal, spread);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    columns.along[axis] = response_->none();
-    response_->add(columns.load, Eigen::Vector3f::Unit(static_cast<Index>(axis)), columns.along[axis]);
-  }
+  for (std::size_t axis = 0; axis < 3; ++axis) columns.along[axis] = response_->under(columns.load, axis);
+  columns.near.place(contact.point, -contact.normal);
   return columns;
 }
 
@@ -95,60 +85,35 @@ void ResponseField::set_radius(Columns& columns) const {
   // The tool dents the surface by the part of its depth by which the organ as a whole does not give way.
   const Contact& contact = columns.contact;
   const double depth = contact.displacement.norm();
-  const auto half_space = [&contact](double radius) {
-    return half_space_displacement(half_space_terms(0.0, radius), Vec3::Zero(), -contact.normal,
-                                   -contact.normal)
-        .dot(-contact.normal);
-  };
   Vec3 cells;
   for (std::size_t axis = 0; axis < 3; ++axis)
     cells[static_cast<Index>(axis)] = contact.normal.dot(response_->at(columns.along[axis], contact.point));
-  const double beyond = cells.dot(contact.normal) - half_space(columns.spread);
+  const double beyond = cells.dot(contact.normal) - half_space_depth(columns.spread);
   double radius = radius_of(contact.tip_radius, depth);
   for (int round = 0; round < kRadiusRounds; ++round) {
-    const double dent = half_space(radius);
+    const double dent = half_space_depth(radius);
     const double share = std::clamp(dent / std::max(dent + beyond, 0.5 * dent), 0.02, 1.0);
     radius = radius_of(contact.tip_radius, share * depth);
   }
   if (radius == columns.radius) return;
   columns.radius = radius;
-  Near& near = columns.near;
-  const double reach = kNearTo * response_->spread();
-  near.per_metre = static_cast<float>(static_cast<double>(kEntries) / reach);
-  near.terms = {};
-  if (radius >= columns.spread) return;
-  for (std::size_t i = 0; i < kEntries; ++i) {
-    const double r = static_cast<double>(i) * reach / static_cast<double>(kEntries);
-    const HalfSpaceTerms fine = half_space_terms(r, radius);
-    const HalfSpaceTerms blunt = half_space_terms(r, columns.spread);
-    const double share = 1.0 - smooth_step((r / response_->spread() - kNearFrom) / (kNearTo - kNearFrom));
-    near.terms[i] = {static_cast<float>(share * (fine.psi - blunt.psi)),
-                     static_cast<float>(share * (fine.s - blunt.s)),
-                     static_cast<float>(share * (fine.t - blunt.t)), 0.0F};
-  }
+  columns.near.set_terms(radius, columns.spread, response_->grid().edge());
 }
 
 Matrix3d ResponseField::response(const Columns& from, const Vec3& point) const {
   Matrix3d motion;
-  const Vec3 offset = point - from.contact.point;
-  const double r = offset.norm();
-  const double place = std::min(r * from.near.per_metre, static_cast<double>(kEntries));
-  const auto entry = std::min(static_cast<std::size_t>(place), kEntries - 1);
-  const double share = place - static_cast<double>(entry);
-  const auto& low = from.near.terms[entry];
-  const auto& high = from.near.terms[entry + 1];
-  const HalfSpaceTerms terms{low[0] + share * (high[0] - low[0]), low[1] + share * (high[1] - low[1]),
-                             low[2] + share * (high[2] - low[2])};
-  Vec3 e = offset - offset.dot(from.contact.normal) * from.contact.normal;
-  e = e.norm() > 1e-9 ? Vec3(e.normalized()) : Vec3::Zero();
   for (Index axis = 0; axis < 3; ++axis) {
-    motion.col(axis) = response_->at(from.along[static_cast<std::size_t>(axis)], point) +
-                       half_space_displacement(terms, e, -from.contact.normal, Vec3::Unit(axis));
+    PlaceMotion near;
+    from.near.add(point.cast<float>(), from.near.part_of(Vec3::Unit(axis)), near);
+    motion.col(axis) =
+        response_->at(from.along[static_cast<std::size_t>(axis)], point) + near.displacement.cast<double>();
   }
   return motion;
 }
 
 void ResponseField::set(std::span<const Contact> contacts, float share) {
+  std::vector<NearField> near_before;
+  for (const Columns& c : contacts_) near_before.push_back(c.near);
   std::swap(before_, contacts_);
   contacts_.clear();
   for (const Contact& contact : contacts) {
@@ -176,6 +141,7 @@ void ResponseField::set(std::span<const Contact> contacts, float share) {
   solve_presses();
   solve_sides();
   sum_up(share);
+  compare_near(near_before);
 }
 
 void ResponseField::solve_presses() {
@@ -208,11 +174,7 @@ void ResponseField::solve_presses() {
                                                               static_cast<Index>(3 * column.contact)) *
                                          column.direction);
       }
-      const double radius = contacts_[row.contact].radius;
-      const Vec3& inward = row.direction;
-      const double least =
-          kLeastShare *
-          half_space_displacement(half_space_terms(0.0, radius), Vec3::Zero(), inward, inward).dot(inward);
+      const double least = kLeastShare * half_space_depth(contacts_[row.contact].radius);
       matrix(a, a) = std::max(matrix(a, a), least) * (1.0 + kSoftening);
     }
     const Eigen::VectorXd force = matrix.partialPivLu().solve(wanted);
@@ -247,18 +209,16 @@ void ResponseField::solve_sides() {
 }
 
 void ResponseField::sum_up(float share) {
-  constexpr double kPerShear = 2.0 * (1.0 + kPoisson) / (4.0 * std::numbers::pi);
   const OrganResponse::Displacements before = std::exchange(field_, response_->none());
   Eigen::VectorXd force(between_.rows());
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     Columns& c = contacts_[i];
-    response_->add(c.load, share * c.force.cast<float>(), field_);
     force.segment<3>(static_cast<Index>(3 * i)) = c.force;
-    const double normal = -c.force.dot(c.contact.normal);
-    c.point = c.contact.point.cast<float>();
-    c.inward = -c.contact.normal.cast<float>();
-    c.normal_force = share * static_cast<float>(kPerShear * normal);
-    c.side_force = share * (kPerShear * (c.force + normal * c.contact.normal)).cast<float>();
+    const Vec3 shared = static_cast<double>(share) * c.force;
+    const Eigen::Vector3f by = shared.cast<float>();
+    for (std::size_t n = 0; n < field_.size(); ++n)
+      field_[n] += by.x() * c.along[0][n] + by.y() * c.along[1][n] + by.z() * c.along[2][n];
+    c.near.set_force(shared);
   }
   for (std::size_t n = 0; n < field_.size(); ++n) change_[n] = (field_[n] - before[n]).norm();
   const Eigen::VectorXd reached = between_ * force;
@@ -271,6 +231,29 @@ void ResponseField::sum_up(float share) {
     const double missing = wanted > 0.0 ? 1.0 - there / wanted : 0.0;
     missing_.push_back(missing > 1e-3 ? std::min(missing, 1.0) : 0.0);
   }
+}
+
+void ResponseField::compare_near(std::span<const NearField> before) {
+  near_changes_.clear();
+  std::vector<bool> continued(before.size(), false);
+  const auto compare = [this](const NearField* then, const NearField* now) {
+    near_changes_.emplace_back();
+    near_changes_.back().set(then, now);
+  };
+  for (const Columns& c : contacts_) {
+    std::size_t nearest = before.size();
+    float least = kSameContact;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const float way = (before[i].point() - c.near.point()).norm();
+      if (continued[i] || way >= least) continue;
+      nearest = i;
+      least = way;
+    }
+    if (nearest < before.size()) continued[nearest] = true;
+    compare(nearest < before.size() ? &before[nearest] : nullptr, &c.near);
+  }
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!continued[i]) compare(&before[i], nullptr);
 }
 
 ResponseField::Place ResponseField::place_of(const Vec3& vertex) const noexcept {
@@ -289,42 +272,13 @@ std::array<std::uint32_t, CellGrid::kNodesOfCell> ResponseField::nodes_of(const 
   return nodes;
 }
 
-Eigen::Vector3f ResponseField::contact(std::size_t i) const noexcept { return contacts_[i].point; }
-
-float ResponseField::near_reach() const noexcept { return static_cast<float>(kNearTo * response_->spread()); }
-
-void ResponseField::add_near(const Columns& from, const Eigen::Vector3f& vertex,
-                             PlaceMotion& motion) const noexcept {
-  const Eigen::Vector3f offset = vertex - from.point;
-  const float r = offset.norm();
-  const float entry = r * from.near.per_metre;
-  if (!(entry < static_cast<float>(kEntries))) return;
-  const auto low = static_cast<std::size_t>(entry);
-  const float share = entry - static_cast<float>(low);
-  const auto& first = from.near.terms[low];
-  const auto& second = from.near.terms[low + 1];
-  Eigen::Vector3f e = offset - offset.dot(from.inward) * from.inward;
-  const float across = e.norm();
-  if (across > 1e-7F) e /= across;
-  // as half_space_displacement()
-  constexpr auto kNu = static_cast<float>(kPoisson);
-  const auto moved = [&](float psi, float s, float t) {
-    Eigen::Vector3f u = 2.0F * (1.0F - kNu) * psi * from.normal_force * from.inward -
-                        (1.0F - 2.0F * kNu) * s * from.normal_force * e;
-    if (!from.side_force.isZero(0.0F)) {
-      const float along = e.dot(from.side_force);
-      u += 2.0F * psi * from.side_force - 2.0F * kNu * ((psi + 2.0F * t) * along * e - t * from.side_force) +
-           (1.0F - 2.0F * kNu) * s * along * from.inward;
-    }
-    return u;
-  };
-  const float psi_step = second[0] - first[0];
-  const float s_step = second[1] - first[1];
-  const float t_step = second[2] - first[2];
-  motion.displacement +=
-      moved(first[0] + share * psi_step, first[1] + share * s_step, first[2] + share * t_step);
-  if (r > 1e-7F)
-    motion.gradient += (from.near.per_metre / r) * moved(psi_step, s_step, t_step) * offset.transpose();
+std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place& place) noexcept {
+  CellGrid::Place in_cell;
+  for (std::size_t axis = 0; axis < 3; ++axis) in_cell.within[axis] = static_cast<double>(place.within[axis]);
+  std::array<float, CellGrid::kNodesOfCell> weights{};
+  std::ranges::transform(CellGrid::weights(in_cell), weights.begin(),
+                         [](double w) { return static_cast<float>(w); });
+  return weights;
 }
 
 PlaceMotion ResponseField::at(const Eigen::Vector3f& vertex, const Place& place) const noexcept {
@@ -373,7 +327,7 @@ PlaceMotion ResponseField::at(const Eigen::Vector3f& vertex, const Place& place)
   store(by_edge * by_x, motion.gradient.col(0));
   store(by_edge * by_y, motion.gradient.col(1));
   store(by_edge * by_z, motion.gradient.col(2));
-  for (const Columns& from : contacts_) add_near(from, vertex, motion);
+  for (const Columns& from : contacts_) from.near.add(vertex, motion);
   return motion;
 }
 

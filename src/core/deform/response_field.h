@@ -6,16 +6,11 @@
 
 #include <Eigen/Core>
 
+#include "core/deform/near_field.h"
 #include "core/deform/organ_response.h"
 #include "palpate/pose.h"
 
 namespace palpate::deform {
-
-/// A displacement and its derivative by place.
-struct PlaceMotion {
-  Eigen::Vector3f displacement = Eigen::Vector3f::Zero();  // [m]
-  Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();
-};
 
 /// The displacement of a whole organ under several contacts, each with its own depth.
 class ResponseField final {
@@ -46,24 +41,17 @@ class ResponseField final {
   [[nodiscard]] double missing(std::size_t i) const noexcept { return missing_[i]; }
   /// [any] How much a node's displacement changed in the last set() [m].
   [[nodiscard]] float change(std::uint32_t node) const noexcept { return change_[node]; }
-  /// [any] Nodes of a vertex's cell, from its first.
+  /// [any] How the fields near contacts changed in the last set().
+  [[nodiscard]] std::span<const NearFieldChange> near_changes() const noexcept { return near_changes_; }
+  /// [any] Nodes of a vertex's cell, from its first, and their weights.
   [[nodiscard]] std::array<std::uint32_t, CellGrid::kNodesOfCell> nodes_of(const Place& place) const noexcept;
-  /// [any] Contacts, and the distance [m] within which at() varies faster than its nodes.
-  [[nodiscard]] std::size_t contacts() const noexcept { return contacts_.size(); }
-  [[nodiscard]] Eigen::Vector3f contact(std::size_t i) const noexcept;
-  [[nodiscard]] float near_reach() const noexcept;
+  [[nodiscard]] static std::array<float, CellGrid::kNodesOfCell> weights_of(const Place& place) noexcept;
   /// [any] Place of a rest vertex, for at().
   [[nodiscard]] Place place_of(const Vec3& vertex) const noexcept;
   /// [any] Motion of a rest vertex.
   [[nodiscard]] PlaceMotion at(const Eigen::Vector3f& vertex, const Place& place) const noexcept;
 
  private:
-  static constexpr std::size_t kEntries = 96;
-  // The half-space's field with the contact's radius, less that with the cells' spread, by the distance.
-  struct Near {
-    float per_metre = 0.0F;                                  // entries
-    std::array<std::array<float, 4>, kEntries + 1> terms{};  // psi, s, t, 0 [1/m]
-  };
   // The field of one contact under unit forces along the axes.
   struct Columns {
     Contact contact;
@@ -71,12 +59,7 @@ class ResponseField final {
     double radius = 0.0;  // of the contact [m]
     OrganResponse::Load load;
     std::array<OrganResponse::Displacements, 3> along;
-    Near near;
-    Eigen::Vector3f point = Eigen::Vector3f::Zero();   // [m]
-    Eigen::Vector3f inward = Eigen::Vector3f::Zero();  // unit
-    // of the force, by 4 pi G and times the field's share
-    float normal_force = 0.0F;
-    Eigen::Vector3f side_force = Eigen::Vector3f::Zero();
+    NearField near;             // under the force times the field's share
     Vec3 force = Vec3::Zero();  // [N at Young's modulus 1]
   };
   [[nodiscard]] Columns columns_for(const Contact& contact, double spread) const;
@@ -85,7 +68,7 @@ class ResponseField final {
   void solve_presses();
   void solve_sides();
   void sum_up(float share);
-  void add_near(const Columns& from, const Eigen::Vector3f& vertex, PlaceMotion& motion) const noexcept;
+  void compare_near(std::span<const NearField> before);
 
   std::shared_ptr<const OrganResponse> response_;
   std::vector<Columns> contacts_;
@@ -94,6 +77,7 @@ class ResponseField final {
   std::vector<double> missing_;
   OrganResponse::Displacements field_;
   std::vector<float> change_;  // per node [m]
+  std::vector<NearFieldChange> near_changes_;
 };
 
 }  // namespace palpate::deform

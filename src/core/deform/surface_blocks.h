@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -50,6 +51,11 @@ class SurfaceBlocks final {
     const Sphere& sphere = spheres_[block];
     const float reach = radius + sphere.radius;
     return (sphere.middle - point).squaredNorm() < reach * reach;
+  }
+
+  /// [any] Lower bound of the distance [m] of the block's vertices from a point.
+  [[nodiscard]] float distance(std::size_t block, const Eigen::Vector3f& point) const noexcept {
+    return std::max(0.0F, (spheres_[block].middle - point).norm() - spheres_[block].radius);
   }
 
   /// [any] Writes the block's vertices under these contacts, blended as described at SurfaceDeformer. Normals

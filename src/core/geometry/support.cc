@@ -105,8 +105,10 @@ void check_support(const Support& support, const TriangleMesh& organ) {
     if (away <= attachment.radius) continue;
     const auto tenths = [](double metres) { return shortest(std::round(1e4 * metres) / 10.0); };
     const Vec3& p = attachment.point;
-    throw InputError("attachment.point_mm = [" + tenths(p.x()) + ", " + tenths(p.y()) + ", " + tenths(p.z()) +
-                     "]: is " + tenths(away) + " mm from the organ's surface, must be within its radius of " +
+    const auto written = [](double metres) { return shortest(std::round(1e9 * metres) / 1e6); };
+    throw InputError("attachment.point_mm = [" + written(p.x()) + ", " + written(p.y()) + ", " +
+                     written(p.z()) + "]: is " + tenths(away) +
+                     " mm from the organ's surface, must be within its radius of " +
                      tenths(attachment.radius) + " mm (millimetres in the organ's frame?)");
   }
   const double share = held_share(support, organ);

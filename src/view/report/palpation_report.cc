@@ -10,6 +10,7 @@
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/page.h"
+#include "view/report/subject.h"
 
 namespace palpate::report {
 namespace {
@@ -93,8 +94,8 @@ std::vector<render::SurfaceMark> marks_of(const palpation::Score& score) {
 render::Image draw_felt_stiffness(const scene::Scene& scene, const palpation::Scorer& scorer, int height) {
   const int width = height * 8 / 7;
   const palpation::FeltMap& map = scorer.map();
-  const render::Subject subject{scene.organ,       scene.tools, scene.tissue.reach,
-                                scene.tissue.name, {},          scene.support};
+  render::Subject subject = subject_of(scene);
+  subject.inclusions.clear();
   haptics::Snapshot at_rest;
   at_rest.organ_W = scene.organ_pose;
   render::OffscreenRenderer renderer(subject, width, height);

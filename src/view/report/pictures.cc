@@ -12,6 +12,7 @@
 #include "palpate/recording.h"
 #include "view/report/page.h"
 #include "view/report/sections.h"
+#include "view/report/subject.h"
 
 namespace palpate::report {
 namespace {
@@ -140,12 +141,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   const Snapshots taken = take_snapshots(recording, hand);
   const std::vector<haptics::Snapshot>& snapshots = taken.named;
   const scene::Scene& scene = recording.scene;
-  const render::Subject subject{scene.organ,
-                                scene.tools,
-                                scene.tissue.reach,
-                                scene.tissue.name,
-                                scene::visible_inclusions(scene.inclusions),
-                                scene.support};
+  const render::Subject subject = subject_of(scene);
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
   set.driver = renderer.driver();
   set.width = options.picture_width;

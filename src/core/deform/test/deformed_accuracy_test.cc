@@ -1,6 +1,7 @@
 // DeformedSurface with skipped blocks against the same surface computed in full in every frame.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <string>
@@ -83,8 +84,11 @@ geometry::TriangleMesh hollow_ball() {
 // The same contacts on two surfaces: one with skipped blocks as in pictures, one computed in full.
 class Pair {
  public:
-  explicit Pair(const geometry::TriangleMesh& mesh)
-      : live_(mesh, {}, kAccuracyRounding), full_(mesh, {}, kAccuracyRounding) {}
+  explicit Pair(const geometry::TriangleMesh& mesh, const std::shared_ptr<const OrganResponse>& response = {})
+      : live_(mesh, {}, kAccuracyRounding), full_(mesh, {}, kAccuracyRounding) {
+    live_.set_response(response);
+    full_.set_response(response);
+  }
 
   void update(std::span<const Indentation> contacts) {
     for (std::size_t v = 0; v < full_.vertices().size(); v += SurfaceBlocks::kBlock)
@@ -217,6 +221,20 @@ TEST(LiveAccuracy, HoldsWhereContactsSlidePartAndTurn) {
   expect_on(plate, {Vec3(0.005, -0.003, 0.003), -Vec3::UnitZ()}, "plate");
   expect_on(sheet, {Vec3(-0.004, 0.0, 0.0), -Vec3::UnitZ()}, "sheet");
   for (const Place& place : places_on(liver, 4)) expect_on(liver, place, "liver");
+}
+
+TEST(LiveAccuracy, HoldsWhereAWholeOrganGivesWay) {
+  const geometry::TriangleMesh liver = in_runs(geometry::make_organ("liver-30k"));
+  geometry::Support support;
+  support.bed = geometry::Bed{Vec3::UnitY(), 0.3};
+  const auto response = prepare_response(liver, support);
+  for (const Place& place : places_on(liver, 4)) {
+    Pair pair(liver, response);
+    for (const double depth : in_and_out())
+      pair.update(std::vector{Indentation{place.point, place.inwards, depth, 0.003, 0.0}});
+    for (const std::vector<Indentation>& contacts : ways_about(place)) pair.update(contacts);
+    expect_stated_accuracy(pair, "liver on its bed");
+  }
 }
 
 }  // namespace

@@ -14,7 +14,9 @@ const Vec3 kInward = Vec3::UnitZ();
 Vec3 displacement(double x, double y, double a, const Vec3& force) {
   const double r = std::hypot(x, y);
   const Vec3 e = r > 0.0 ? Vec3(x / r, y / r, 0.0) : Vec3::Zero();
-  return half_space_displacement(half_space_terms(r, a), e, kInward, force);
+  const double normal = force.dot(kInward);
+  const Vec3 side = force - normal * kInward;
+  return half_space_displacement(half_space_terms(r, a), e, kInward, normal, side) / kHalfSpaceModulus;
 }
 
 // Surface displacement of a point force at the origin (Boussinesq and Cerruti; Johnson 1985, 3.19 and 3.75).
@@ -34,7 +36,9 @@ Vec3 under_point(double x, double y, const Vec3& force) {
 
 TEST(HalfSpace, UnderTheMiddleItIsHertzs) {
   // D = a^2/R and F = 4/3 a^3 E* / R: D/F = 3 (1 - nu^2) / (4 a).
-  EXPECT_NEAR(displacement(0.0, 0.0, 2.0, kInward).z(), 3.0 * (1.0 - kPoisson * kPoisson) / 8.0, 1e-9);
+  const double hertz = 3.0 * (1.0 - kPoisson * kPoisson) / 8.0;
+  EXPECT_NEAR(displacement(0.0, 0.0, 2.0, kInward).z(), hertz, 1e-9);
+  EXPECT_NEAR(half_space_depth(2.0), hertz, 1e-9);
 }
 
 TEST(HalfSpace, EqualsTheSumOfPointForcesOverThePressure) {

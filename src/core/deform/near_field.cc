@@ -1,0 +1,138 @@
+#include "core/deform/near_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::deform {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr double kFadesFrom = 2.0;  // cells from the contact
+constexpr double kEnds = 3.5;
+constexpr auto kNu = static_cast<float>(kPoisson);
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3.0 - 2.0 * x);
+}
+
+HalfSpaceTerms<float> between(const HalfSpaceTerms<float>& a, const HalfSpaceTerms<float>& b, float share) {
+  return {a.psi + share * (b.psi - a.psi), a.s + share * (b.s - a.s), a.t + share * (b.t - a.t)};
+}
+
+HalfSpaceTerms<float> scaled(const HalfSpaceTerms<float>& a, float by) {
+  return {by * a.psi, by * a.s, by * a.t};
+}
+
+HalfSpaceTerms<float> difference(const HalfSpaceTerms<float>& a, const HalfSpaceTerms<float>& b) {
+  return {a.psi - b.psi, a.s - b.s, a.t - b.t};
+}
+
+// Bounds of the displacement by terms that a force along the normal or along the surface has been multiplied
+// with, for any direction from the contact.
+float under_normal(const HalfSpaceTerms<float>& terms) {
+  return 2.0F * (1.0F - kNu) * std::abs(terms.psi) + (1.0F - 2.0F * kNu) * std::abs(terms.s);
+}
+float under_side(const HalfSpaceTerms<float>& terms) {
+  return 2.0F * std::abs(terms.psi) + 2.0F * kNu * std::abs(terms.t) +
+         (1.0F - 2.0F * kNu) * std::abs(terms.s);
+}
+
+}  // namespace
+
+void NearField::place(const Vec3& point, const Vec3& inward) noexcept {
+  point_ = point.cast<float>();
+  inward_ = inward.cast<float>();
+}
+
+void NearField::set_terms(double radius, double spread, double cell) noexcept {
+  const double reach = kEnds * cell;
+  per_metre_ = static_cast<float>(static_cast<double>(kEntries) / reach);
+  terms_ = {};
+  if (radius >= spread) return;
+  for (std::size_t i = 0; i < kEntries; ++i) {
+    const double r = static_cast<double>(i) * reach / static_cast<double>(kEntries);
+    const HalfSpaceTerms<> fine = half_space_terms(r, radius);
+    const HalfSpaceTerms<> blunt = half_space_terms(r, spread);
+    const double share = 1.0 - smooth_step((r / cell - kFadesFrom) / (kEnds - kFadesFrom));
+    terms_[i] = {static_cast<float>(share * (fine.psi - blunt.psi)),
+                 static_cast<float>(share * (fine.s - blunt.s)),
+                 static_cast<float>(share * (fine.t - blunt.t))};
+  }
+}
+
+NearField::Force NearField::part_of(const Vec3& force) const noexcept {
+  const Vector3f scaled = (force / kHalfSpaceModulus).cast<float>();
+  const float normal = scaled.dot(inward_);
+  Vector3f side = scaled - normal * inward_;
+  if (side.squaredNorm() < 1e-12F * normal * normal) side.setZero();
+  return {normal, side};
+}
+
+void NearField::add(const Vector3f& vertex, const Force& force, PlaceMotion& motion) const noexcept {
+  const Vector3f offset = vertex - point_;
+  const float r = offset.norm();
+  const float entry = r * per_metre_;
+  if (!(entry < static_cast<float>(kEntries))) return;
+  const auto low = static_cast<std::size_t>(entry);
+  const Terms& first = terms_[low];
+  const Terms& second = terms_[low + 1];
+  // Shorter than a unit vector beside the half-space's surface, so that nothing jumps on the line through the
+  // organ under the contact.
+  const float by_r = 1.0F / std::max(r, 1e-7F);
+  const Vector3f e = by_r * (offset - offset.dot(inward_) * inward_);
+  motion.displacement += half_space_displacement(between(first, second, entry - static_cast<float>(low)), e,
+                                                 inward_, force.normal, force.side);
+  const Vector3f slope =
+      half_space_displacement(difference(second, first), e, inward_, force.normal, force.side);
+  motion.gradient += (per_metre_ * by_r) * slope * offset.transpose();
+}
+
+void NearFieldChange::set(const NearField* before, const NearField* now) noexcept {
+  const NearField none;
+  const NearField& a = before != nullptr ? *before : none;
+  const NearField& b = now != nullptr ? *now : none;
+  const bool both = before != nullptr && now != nullptr;
+  point_ = now != nullptr ? b.point_ : a.point_;
+  drift_ = both ? (b.point_ - a.point_).norm() : 0.0F;
+  per_metre_ = std::max(a.per_metre_, b.per_metre_);
+  const float turn = both ? (b.inward_ - a.inward_).norm() : 0.0F;
+  const float side = b.force_.side.norm();
+  const float side_before = a.force_.side.norm();
+  float beyond = 0.0F;
+  bounds_.back() = 0.0F;
+  for (std::size_t i = NearField::kEntries; i-- > 0;) {
+    const HalfSpaceTerms<float>& here = b.terms_[i];
+    // At the same distance in the same direction.
+    const float by_normal =
+        under_normal(difference(scaled(here, b.force_.normal), scaled(a.terms_[i], a.force_.normal)));
+    const float by_side = (b.force_.side - a.force_.side).norm() * under_side(here) +
+                          side_before * under_side(difference(here, a.terms_[i]));
+    float bound = by_normal + by_side;
+    if (drift_ > 0.0F || turn > 0.0F) {
+      // Nearer or farther, and in another direction e.
+      const HalfSpaceTerms<float> step = difference(b.terms_[i + 1], here);
+      bound +=
+          drift_ * per_metre_ * (std::abs(b.force_.normal) * under_normal(step) + side * under_side(step));
+      const float r = static_cast<float>(i) / per_metre_;
+      const float e_turn = r > 0.0F ? std::min(2.0F, 2.0F * (drift_ / r + turn)) : 2.0F;
+      const HalfSpaceTerms<float> most{std::max(std::abs(here.psi), std::abs(b.terms_[i + 1].psi)),
+                                       std::max(std::abs(here.s), std::abs(b.terms_[i + 1].s)),
+                                       std::max(std::abs(here.t), std::abs(b.terms_[i + 1].t))};
+      bound += std::abs(b.force_.normal) *
+               (2.0F * (1.0F - kNu) * most.psi * turn + (1.0F - 2.0F * kNu) * most.s * e_turn);
+      bound += side * ((4.0F * kNu * (most.psi + 2.0F * most.t) + (1.0F - 2.0F * kNu) * most.s) * e_turn +
+                       (1.0F - 2.0F * kNu) * most.s * turn);
+    }
+    beyond = std::max(beyond, bound);
+    bounds_[i] = beyond;
+  }
+}
+
+float NearFieldChange::at(float distance) const noexcept {
+  const float entry = std::max(0.0F, (distance - drift_) * per_metre_);
+  return bounds_[std::min(static_cast<std::size_t>(entry), NearField::kEntries)];
+}
+
+}  // namespace palpate::deform
