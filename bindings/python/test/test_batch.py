@@ -171,14 +171,15 @@ def test_restart_takes_only_the_hands_that_are_named_back_before_their_first_tic
             batch.restart(hands)
 
 
-def test_displacement_of_a_batch_is_that_of_the_surface_of_each_hand():
+@pytest.mark.parametrize('support', [[], ['bed:0,0,-1']])
+def test_displacement_of_a_batch_is_that_of_the_surface_of_each_hand(support):
     samples = presses(3)
-    batch = palpate.Batch(None, 3, surface_edge=4e-3)
+    batch = palpate.Batch(None, 3, surface_edge=4e-3, organ_support=support)
     batch.step(poses_of(samples))
     rest = batch.surface.vertices
     moved = batch.displacement()
     for hand in range(3):
-        simulation = palpate.TickedSimulation(no_hand=True, surface_edge=4e-3)
+        simulation = palpate.TickedSimulation(no_hand=True, surface_edge=4e-3, organ_support=support)
         simulation.tick(samples[hand][:, np.newaxis])
         assert moved[hand].tobytes() == (simulation.surface().vertices - rest).tobytes()
     assert (np.linalg.norm(moved, axis=2).max(axis=1) > 2e-3).all()
