@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kGoalDepth = 10e-3;  // m, of both experiments
+
 struct Experiment {
   const char* task;
   const char* file;
@@ -37,18 +39,22 @@ struct DemoFlags {
   bool json = false;
   bool no_cache = false;
   haptics::LoopThread thread;
+  std::array<fs::path, kExperiments.size()> profiles;  // measured; empty: none
 };
+
+using Profiles = std::array<std::optional<report::MeasuredProfile>, kExperiments.size()>;
 
 fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions,
                            const std::vector<OutputFiles>& files, const fs::path& folder,
-                           const std::string& command_line) {
+                           const Profiles& profiles, const std::string& command_line) {
   std::vector<record::Recording> recordings;
   for (const OutputFiles& file : files) recordings.push_back(record::read_recording(file.recording));
   std::vector<report::Experiment> experiments;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    experiments.push_back({title_of(sessions[i]->scene()), &recordings[i], command_line});
+    experiments.push_back(
+        {title_of(sessions[i]->scene()), &recordings[i], command_line, kGoalDepth, profiles[i]});
   }
-  Progress bar("report");
+  Progress bar("report", WithoutTerminal::kSteps);
   return report::write_report(experiments, folder,
                               [&bar](double done, const std::string& what) { bar.update(done, what); });
 }
@@ -57,6 +63,10 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   std::optional<StopOnSignal> signals(std::in_place);
   session::require_usable_core(flags.thread.core, "--core");
   require_writable_folder(flags.folder, "--report");
+  Profiles profiles;
+  for (std::size_t i = 0; i < profiles.size(); ++i) {
+    if (!flags.profiles[i].empty()) profiles[i] = report::read_measured_profile(flags.profiles[i]);
+  }
   report::make_report_folder(flags.folder);
   std::vector<std::unique_ptr<Session>> sessions;
   for (const Experiment& experiment : kExperiments) {
@@ -90,7 +100,7 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
     report_message("the demo did not finish; no report was written");
     return exit_code;
   }
-  const fs::path page = write_demo_report(sessions, files, flags.folder, command_line);
+  const fs::path page = write_demo_report(sessions, files, flags.folder, profiles, command_line);
   if (flags.json) {
     std::cout << json_text({{"experiments", summaries}, {"report", page.string()}}) << '\n';
   } else {
@@ -109,6 +119,11 @@ void add_demo(CLI::App& program, const std::string& command_line, int& exit_code
       ->capture_default_str();
   add_thread_flags(*command, flags->thread);
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
+  for (std::size_t i = 0; i < kExperiments.size(); ++i) {
+    command->add_option(std::string("--") + kExperiments[i].task + "-profile", flags->profiles[i],
+                        std::string("deformation measured in a ") + kExperiments[i].task +
+                            " (CSV: r_mm, u_mm, depth_mm), to show beside figure 7 with its absolute error");
+  }
   command->add_flag("--json", flags->json, "summary as one JSON document");
   command->footer("Example: palpate demo --report out");
   command->callback([flags, &command_line, &exit_code] { exit_code = demo(*flags, command_line); });

@@ -44,7 +44,9 @@ void Progress::clear() {
 void Progress::update(double share, const std::string& what) {
   if (!terminal_ && otherwise_ == WithoutTerminal::kNothing) return;
   const std::int64_t now = monotonic_ns();
-  if (now < next_draw_ns_) return;
+  const bool steps = !terminal_ && otherwise_ == WithoutTerminal::kSteps;
+  if (steps ? what == step_ : now < next_draw_ns_) return;
+  step_ = what;
   share = share > 0.0 ? std::min(share, 1.0) : 0.0;
   if (!terminal_) {
     next_draw_ns_ = now + kNextLine_ns;

@@ -6,8 +6,9 @@
 
 namespace palpate::app {
 
-/// What a progress bar shows where standard error is no terminal: nothing, or a line every ten seconds.
-enum class WithoutTerminal { kNothing, kLines };
+/// What a progress bar shows where standard error is no terminal: nothing, a line every ten seconds, or a
+/// line at each new step.
+enum class WithoutTerminal { kNothing, kLines, kSteps };
 
 /// A progress bar on standard error. For one thread.
 class Progress final {
@@ -30,6 +31,7 @@ class Progress final {
   std::string title_;
   bool terminal_;
   WithoutTerminal otherwise_;
+  std::string step_;  // of the last line, with kSteps
   bool drawn_ = false;
   std::int64_t next_draw_ns_ = 0;
 };

@@ -106,10 +106,11 @@ struct RunFlags {
   std::optional<std::string> igtl;
   haptics::LoopThread thread;
   std::string ui_scale;
+  fs::path profile;  // measured; empty: none
   OutputFiles files;
 };
 
-void check_outputs(const OutputFiles& files, const scene::Scene& scene) {
+void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs::path& profile) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
@@ -119,7 +120,9 @@ void check_outputs(const OutputFiles& files, const scene::Scene& scene) {
     require_regular_output(files.report / "recording.h5", "--report");
     outputs.push_back({"--report", files.report / "recording.h5"});
   }
-  require_no_overwrite(outputs, sources_of(scene));
+  std::vector<NamedFile> inputs = sources_of(scene);
+  inputs.push_back({"--profile", profile});
+  require_no_overwrite(outputs, inputs);
 }
 
 /// Whether this run has a window. Reports a missing display for a run in real time without --headless.
@@ -212,8 +215,10 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
+  std::optional<report::MeasuredProfile> profile;
+  if (!flags.profile.empty()) profile = report::read_measured_profile(flags.profile);
   scene::Scene scene = scene::load(flags.request);
-  check_outputs(flags.files, scene);
+  check_outputs(flags.files, scene, flags.profile);
   const std::shared_ptr<Session> session =
       prepare(std::move(scene), flags.duration_s, flags.no_cache, &signals->flag());
   const bool window = wants_window(flags);
@@ -263,9 +268,9 @@ int run(const RunFlags& flags, const std::string& command_line) {
     if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);
     if (draw && !files.report.empty()) {
-      Progress bar("report");
+      Progress bar("report", WithoutTerminal::kSteps);
       files.report =
-          report::write_report({{title, &recording, command_line}}, files.report,
+          report::write_report({{title, &recording, command_line, 0.0, profile}}, files.report,
                                [&bar](double done, const std::string& what) { bar.update(done, what); });
     }
   }
@@ -287,6 +292,11 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--duration-s", flags.duration_s, "simulated time: exactly round(S x rate) ticks");
   command.add_option("--record", flags.files.recording, "write every tick to this HDF5 file");
   command.add_option("--report", flags.files.report, "write report.html and its figures to this folder");
+  command
+      .add_option("--profile", flags.profile,
+                  "with --report: deformation measured around a contact (CSV: r_mm, u_mm, depth_mm), to show "
+                  "beside this run's with its absolute error")
+      ->needs("--report");
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG picture of the deepest contact");
   command.add_flag("--headless", flags.headless, "no window, even if there is a display");
   command.add_option("--ui-scale", flags.ui_scale,

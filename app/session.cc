@@ -1,5 +1,6 @@
 #include "app/session.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cctype>
@@ -23,6 +24,7 @@
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
+#include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
@@ -334,7 +336,13 @@ std::string title_of(const scene::Scene& scene) {
   if (organ.empty()) organ = "organ";
   organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));
   std::string tools;
-  for (const geometry::Tool& tool : scene.tools) tools += (tools.empty() ? "" : " and ") + tool.name;
+  const std::vector<std::string>& builtin = geometry::builtin_tool_names();
+  for (const geometry::Tool& tool : scene.tools) {
+    std::string name = tool.name;
+    if (std::find(builtin.begin(), builtin.end(), name) != builtin.end())
+      std::replace(name.begin(), name.end(), '-', ' ');
+    tools += (tools.empty() ? "" : " and ") + name;
+  }
   const char* done = scene.task == scene::Task::kPull      ? " pulled with "
                      : scene.task == scene::Task::kPalpate ? " palpated with "
                                                            : " pressed with ";

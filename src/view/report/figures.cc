@@ -125,9 +125,9 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
   const OrganMotionPlot way = organ_motion_plot(hand, scene, stride);
   const bool moving = !way.lines.empty();
   const double end = std::max(hand.rows.back().time, 1e-3);
-  std::string script = preamble(860, moving ? 720 : 520, kKey);
+  std::string script = preamble(680, moving ? 640 : 460, kKey);
   script +=
-      fmt::format("set multiplot\nset lmargin at screen 0.095\nset rmargin at screen {}\nset xrange [0:{}]\n",
+      fmt::format("set multiplot\nset lmargin at screen 0.12\nset rmargin at screen {}\nset xrange [0:{}]\n",
                   way.turns ? "0.925" : "0.985", shortest(end));
   if (hand.key_ticks.contact) {
     script += vertical(hand.rows[hand.key_ticks.touch].time, "contact", "0.95");
@@ -140,7 +140,7 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
   script += moving ? panel("0.09", "0.36") : panel("0.125", "0.535");
   script +=
       "set format x '%g'\nset xlabel 'time (s)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
-      "set yrange [0:0.05<*]\nset key top right\n";
+      "set yrange [0:0.05<*]\nset offsets 0,0,graph 0.2,0\nset key top right horizontal\n";
   script += fmt::format(
       "plot 'rows.dat' using 1:4 with lines lw 1 lc {} title 'to the hand, with noise', '' using 1:3 with "
       "lines lw 2 lc {} title 'tissue'\n"
@@ -176,7 +176,7 @@ Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, mo
     const double depth = 1.08 * deepest * i / kCurvePoints;
     curve.rows.push_back({depth * kMilli, law.force_at(depth).force});
   }
-  std::string script = preamble(860, 470, kKey);
+  std::string script = preamble(540, 440, kKey);
   script +=
       "set key top left\nset xlabel 'depth (mm)' offset 0,0.4\nset ylabel 'force (N)' offset 1\n"
       "set xrange [0:" +
@@ -233,7 +233,7 @@ Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& scene,
   const PlotData band{"band.dat",
                       {{0.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)},
                        {rate / 2.0, flat, flat * std::max(0.0, 1.0 - spread), flat * (1.0 + spread)}}};
-  std::string script = preamble(640, 420, kKey);
+  std::string script = preamble(540, 380, kKey);
   script += fmt::format(
       "set xlabel 'frequency (Hz)' offset 0,0.4\n"
       "set ylabel 'power density ({})' offset 1\n"
@@ -265,7 +265,7 @@ Figure draw_noise_histogram(const HandAnalysis& hand, const std::filesystem::pat
   PlotData curve{"normal.dat", {}};
   for (int i = -100; i <= 100; ++i)
     curve.rows.push_back({kRange * i / 100, normal_density(kRange * i / 100)});
-  std::string script = preamble(640, 420, kKey);
+  std::string script = preamble(540, 380, kKey);
   script +=
       "set xlabel 'noise force / σ' offset 0,0.4\nset ylabel 'density' offset 1\nset yrange [0:*]\n"
       "set xrange [-5:5]\nset style fill solid 0.45 noborder\n";
@@ -300,7 +300,7 @@ Figure draw_tick_histogram(const Analysis& analysis, double rate_Hz, TickQuantit
   }
   const auto most = static_cast<double>(*std::max_element(bins.counts.begin(), bins.counts.end()));
   const Percentiles& marks = time.figures;
-  std::string script = preamble(640, 420, kKey);
+  std::string script = preamble(540, 380, kKey);
   script += fmt::format(
       "set logscale x\n"
       "set logscale y\n"

@@ -81,7 +81,7 @@ set key {}
 }
 
 std::string two_panes(int height, const std::string& key, double lower_share, const std::string& upper,
-                      const std::string& lower) {
+                      const std::string& lower, int width) {
   constexpr const char* kScript = R"({}set lmargin 11
 set multiplot
 set origin 0,{}
@@ -97,8 +97,7 @@ set format x '%g'
 {}
 unset multiplot
 )";
-  constexpr int kWidth = 760;
-  return fmt::format(kScript, preamble(kWidth, height, key), lower_share, 1.0 - lower_share, upper,
+  return fmt::format(kScript, preamble(width, height, key), lower_share, 1.0 - lower_share, upper,
                      lower_share, lower);
 }
 

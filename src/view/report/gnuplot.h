@@ -37,10 +37,11 @@ inline constexpr const char* kGrey = "#9a9a9a";
 /// Legend at the upper left, for figures with two panels.
 inline constexpr const char* kKeyLeft = "top left Left reverse samplen 2 spacing 1.15 noopaque";
 
-/// [setup] Script of a figure of 760 points with two panels above each other and a common x axis.
+/// [setup] Script of a figure with two panels above each other and a common x axis.
 /// @param lower_share of the height @param upper, lower commands that draw the panels
+/// @param height, width in points
 [[nodiscard]] std::string two_panes(int height, const std::string& key, double lower_share,
-                                    const std::string& upper, const std::string& lower);
+                                    const std::string& upper, const std::string& lower, int width = 760);
 
 /// [any] Text in single quotes of a script.
 [[nodiscard]] std::string quoted(const std::string& text);

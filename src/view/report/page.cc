@@ -2,6 +2,8 @@
 
 #include <array>
 #include <ctime>
+#include <map>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/chrono.h>
@@ -12,6 +14,7 @@
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/output_file.h"
+#include "io/system/sha256.h"
 #include "palpate/error.h"
 
 namespace palpate::report {
@@ -19,7 +22,7 @@ namespace {
 
 constexpr const char* kStyle = R"css(
 :root { --ink: #1f2328; --soft: #5b6570; --line: #dfe3e8; --paper: #ffffff; --tint: #f6f7f9;
-        --met: #006b4f; --missed: #b3410a; }
+        --met: #006b4f; --late: #9a6700; --missed: #b3261e; }
 * { box-sizing: border-box; }
 html { -webkit-text-size-adjust: 100%; }
 body { margin: 0 auto; padding: 2.5rem 1.25rem 4rem; max-width: 66rem; background: var(--paper);
@@ -31,7 +34,7 @@ h2 { font-size: 1.45rem; line-height: 1.25; margin: 3rem 0 .75rem; padding-top: 
 header + section h2 { margin-top: 0; border-top: 0; padding-top: 0; }
 h3 { font-size: 1.08rem; margin: 2rem 0 .5rem; }
 p { margin: .5rem 0 .9rem; max-width: 46rem; }
-header p { color: var(--soft); margin: 0; }
+header p { color: var(--ink); margin: .5rem 0 0; font-size: 1.12rem; max-width: 52rem; }
 nav { margin: 0 0 1rem; } nav a { margin-right: 1.2rem; }
 a { color: #00578a; }
 pre { background: var(--tint); border: 1px solid var(--line); border-radius: 4px; padding: .6rem .8rem;
@@ -43,30 +46,80 @@ th, td { text-align: left; vertical-align: top; padding: .32rem 1.1rem .32rem 0;
          border-bottom: 1px solid var(--line); }
 thead th { border-bottom: 2px solid var(--ink); font-weight: 600; }
 tbody th { font-weight: 400; color: var(--soft); }
-.facts td { overflow-wrap: anywhere; }
+td, th { overflow-wrap: break-word; } .facts td { overflow-wrap: anywhere; }
 ul { margin: .4rem 0 1rem; padding-left: 1.2rem; max-width: 50rem; }
 ul.marks { list-style: none; padding: 0; }
 ul.marks li { padding: .12rem 0 .12rem 1.6rem; text-indent: -1.6rem; }
 .mark { display: inline-block; width: 1.6rem; text-indent: 0; font-weight: 700; }
-.met { color: var(--met); } .missed { color: var(--missed); } .information { color: var(--soft); }
+.met { color: var(--met); } .late { color: var(--late); } .missed { color: var(--missed); } .information { color: var(--soft); }
 figure { margin: 0 0 1rem; break-inside: avoid; }
 figure img { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 3px; }
 figcaption { font-size: .86rem; color: var(--soft); margin-top: .35rem; line-height: 1.45; }
 .absent { background: var(--tint); border: 1px dashed #b6bdc6; border-radius: 3px; padding: 1.2rem;
           color: var(--soft); font-size: .9rem; overflow-wrap: anywhere; }
-.two { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem 1.25rem; }
+.two { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 1rem 1.25rem; }
 .four { display: grid; grid-template-columns: repeat(4, 1fr); gap: 1rem .8rem; }
-.one { max-width: 52rem; }
+.one { max-width: 52rem; } .wide { max-width: 46rem; }
+details { border-top: 1px solid var(--line); padding: .1rem 0; }
+details:last-of-type { border-bottom: 1px solid var(--line); }
+summary { cursor: pointer; font-weight: 600; padding: .45rem 0; }
+summary:hover { color: #00578a; }
+details[open] > summary { margin-bottom: .4rem; }
+code { font: .92em ui-monospace, "DejaVu Sans Mono", monospace; }
 @media (max-width: 46rem) {
   body { padding: 1.25rem .9rem 3rem; } h1 { font-size: 1.6rem; }
-  .two { grid-template-columns: 1fr; } .four { grid-template-columns: 1fr 1fr; }
+  header p { font-size: 1.02rem; } h2 { margin-top: 2rem; } summary { padding: .7rem 0; }
+  .two { grid-template-columns: minmax(0, 1fr); } .four { grid-template-columns: 1fr 1fr; }
+  th, td { padding-right: .7rem; } table { font-size: .86rem; }
 }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; } nav { display: none; }
   h2, h3 { break-after: avoid; } tr, pre { break-inside: avoid; }
-  section.experiment { break-before: page; } .one { max-width: 16cm; } a { color: inherit; }
+  details::details-content { content-visibility: visible; display: block; }
+  details { border: 0; } summary { list-style: none; padding: .8rem 0 .2rem; break-after: avoid; }
+  section.experiment, #paper { break-before: page; } .one { max-width: 13cm; } a { color: inherit; }
 }
 )css";
+
+/// The figures of a report, in the format of sha256sum.
+constexpr const char* kFigureList = "report-figures.sha256";
+
+/// Whether a name of the list may be deleted: a figure in the folder itself, whatever the list says.
+bool is_figure_name(const std::string& name) {
+  const std::filesystem::path path(name);
+  return !name.empty() && name.find('/') == std::string::npos &&
+         (path.extension() == ".svg" || path.extension() == ".png");
+}
+
+/// Deletes a figure of an earlier report, unless it is a link or its content changed since.
+void delete_stale_figure(const std::filesystem::path& file, const std::string& checksum) {
+  std::error_code error;  // an error counts as absent: the file then stays
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, error))) return;
+  if (sha256_of_file(file) == checksum) std::filesystem::remove(file, error);
+}
+
+void replace_figure_list(const std::filesystem::path& folder,
+                         const std::vector<std::filesystem::path>& figures) {
+  std::map<std::string, std::string> now;  // checksum by name
+  for (const std::filesystem::path& figure : figures) {
+    if (figure.parent_path() == folder) now[figure.filename().string()] = sha256_of_file(figure);
+  }
+  const std::filesystem::path list = folder / kFigureList;
+  constexpr std::size_t kChecksum = 64;  // digits; two blanks follow
+  if (regular_file_exists(list)) {
+    constexpr InputKind kList{"the list of a report's figures", std::uint64_t{1} << 20};
+    std::istringstream lines(InputFile(list, kList).read_rest());
+    for (std::string line; std::getline(lines, line);) {
+      if (line.size() < kChecksum + 2) continue;
+      const std::string name = line.substr(kChecksum + 2);
+      if (is_figure_name(name) && !now.contains(name))
+        delete_stale_figure(folder / name, line.substr(0, kChecksum));
+    }
+  }
+  std::string text;
+  for (const auto& [name, checksum] : now) text += checksum + "  " + name + "\n";
+  write_output(list, text);
+}
 
 std::string read_bytes(const std::filesystem::path& file) {
   return InputFile(file, kPictureInput).read_rest();
@@ -81,7 +134,7 @@ Page::Page(const std::string& title, const std::string& subtitle) : title_(title
 void Page::section(const std::string& id, const std::string& heading) {
   if (in_section_) body_ += "</section>\n";
   in_section_ = true;
-  const bool experiment = id.starts_with("experiment");
+  const bool experiment = id.starts_with("experiment") || id == "details";
   body_ += fmt::format("<section id=\"{}\"{}>\n<h2>{}</h2>\n", escaped(id),
                        experiment ? " class=\"experiment\"" : "", escaped(heading));
 }
@@ -127,11 +180,18 @@ void Page::table(const TableRows& html_rows) {
   body_ += "</tbody></table></div>\n";
 }
 
+void Page::open_details(const std::string& heading) {
+  body_ += "<details>\n<summary>" + escaped(heading) + "</summary>\n";
+}
+
+void Page::close_details() { body_ += "</details>\n"; }
+
 void Page::open_grid(const std::string& css_class) { body_ += "<div class=\"" + css_class + "\">\n"; }
 
 void Page::close_grid() { body_ += "</div>\n"; }
 
 void Page::figures(const std::string& css_class, const std::vector<Figure>& figures) {
+  if (figures.empty()) return;
   open_grid(css_class);
   for (const Figure& each : figures) figure(each);
   close_grid();
@@ -140,6 +200,7 @@ void Page::figures(const std::string& css_class, const std::vector<Figure>& figu
 void Page::figure(const Figure& figure) {
   body_ += "<figure>\n";
   if (figure.missing.empty()) {
+    files_.push_back(figure.file);
     const std::string type = figure.file.extension() == ".svg" ? "image/svg+xml" : "image/png";
     body_ += fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", escaped(figure.alternative), type,
                          base64(read_bytes(figure.file)));
@@ -170,6 +231,7 @@ std::string Page::html() const {
 std::filesystem::path Page::write(const std::filesystem::path& folder) const {
   std::filesystem::path file = folder / "report.html";
   write_output(file, html());
+  replace_figure_list(folder, files_);
   return file;
 }
 
@@ -212,7 +274,7 @@ std::string utc_time(std::int64_t unix_ns) {
 }
 
 std::string number(double value, const char* unit) {
-  constexpr int kDigits = 12;
+  constexpr int kDigits = 6;
   return brief(value, kDigits) + (*unit == '\0' ? "" : " ") + unit;
 }
 

@@ -19,7 +19,7 @@ inline constexpr double kMilli = 1e3;  // m to mm, N to mN
 /// [any] A count with commas between thousands: 2,110.
 [[nodiscard]] std::string grouped(std::uint64_t value);
 
-/// [any] A value with its unit, at most 12 digits: 1.5 mm; `unit` may be empty.
+/// [any] A value with its unit, at most 6 digits: 1.5 mm; `unit` may be empty.
 [[nodiscard]] std::string number(double value, const char* unit);
 /// [any] A length [m]: 1.5 mm.
 [[nodiscard]] std::string millimetres(double metres);
@@ -57,6 +57,9 @@ class Page final {
   void facts(const std::vector<std::pair<std::string, std::string>>& rows);
   /// Adds a table. The first row is the header; the first column names the rows.
   void table(const TableRows& html_rows);
+  /// Begins a folded part, which a click on its heading opens. It prints unfolded.
+  void open_details(const std::string& heading);
+  void close_details();
   void open_grid(const std::string& css_class);
   void close_grid();
   /// Embeds figures in a grid; for a missing one its reason is shown. @throws InputError when a file cannot
@@ -65,7 +68,9 @@ class Page final {
 
   /// The HTML of the page.
   [[nodiscard]] std::string html() const;
-  /// Writes the page as report.html. @return the file @throws InputError when it cannot be written.
+  /// Writes the page as report.html, and a list of its figures that lie in the folder, with their checksums.
+  /// Figures in the list of an earlier report that this page does not have are deleted, unless they were
+  /// changed since. @return the file @throws InputError when it cannot be written.
   [[nodiscard]] std::filesystem::path write(const std::filesystem::path& folder) const;
 
  private:
@@ -74,6 +79,7 @@ class Page final {
   bool in_section_ = false;
   std::string title_;
   std::string body_;
+  std::vector<std::filesystem::path> files_;  // of the figures
 };
 
 }  // namespace palpate::report

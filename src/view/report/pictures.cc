@@ -48,31 +48,6 @@ std::vector<std::uint64_t> moving_ticks(const HandAnalysis& hand) {
   return ticks;
 }
 
-struct Snapshots {
-  std::vector<haptics::Snapshot> named;   // in the order of named()
-  std::vector<haptics::Snapshot> moving;  // in the order of moving_ticks()
-};
-
-/// Snapshots of one replay; a tick may occur twice.
-Snapshots take_snapshots(const record::Recording& recording, const HandAnalysis& hand) {
-  std::vector<std::uint64_t> ticks;
-  for (const NamedMoment& moment : named(hand.key_ticks)) ticks.push_back(hand.rows[moment.row].tick);
-  const std::vector<std::uint64_t> moving = moving_ticks(hand);
-  std::vector<std::uint64_t> ascending = ticks;
-  ascending.insert(ascending.end(), moving.begin(), moving.end());
-  std::sort(ascending.begin(), ascending.end());
-  ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
-  const std::vector<haptics::Snapshot> taken = record::snapshots_at(recording, ascending);
-  const auto at = [&](std::uint64_t tick) {
-    const auto place = std::lower_bound(ascending.begin(), ascending.end(), tick) - ascending.begin();
-    return taken.at(static_cast<std::size_t>(place));
-  };
-  Snapshots result;
-  for (const std::uint64_t tick : ticks) result.named.push_back(at(tick));
-  for (const std::uint64_t tick : moving) result.moving.push_back(at(tick));
-  return result;
-}
-
 /// Sets the time of moving pictures: drawn where they changed, as in the window with a still camera.
 void time_moving(const render::Subject& subject, const std::vector<haptics::Snapshot>& moving,
                  const render::Camera& camera, PictureSet& set) {
@@ -135,11 +110,29 @@ Figure written(const render::Image& image, Figure figure) {
   return figure;
 }
 
-void draw_all(const record::Recording& recording, const HandAnalysis& hand,
+render::Subject subject_of(const scene::Scene& scene) {
+  return {scene.organ,
+          scene.tools,
+          scene.tissue.reach,
+          scene.tissue.name,
+          scene::visible_inclusions(scene.inclusions),
+          scene.support};
+}
+
+/// The same camera for all moments, chosen at the largest depth, so that only organ and tool differ.
+render::Camera camera_of(const render::Subject& subject, const HandAnalysis& hand,
+                         const ReplayedMoments& moments, bool close_up) {
+  const haptics::Snapshot& deepest = moments.named[2];
+  const contact::ToolResult& result = deepest.results[hand.hand];
+  const bool contact = hand.key_ticks.contact;
+  return render::frame_contact(subject, deepest, contact ? result.contact_W : result.nearest_W,
+                               contact ? result.normal_W : result.away_W, close_up);
+}
+
+void draw_all(const record::Recording& recording, const HandAnalysis& hand, const ReplayedMoments& moments,
               const std::filesystem::path& folder, const std::string& prefix, const ReportOptions& options,
               PictureSet& set) {
-  const Snapshots taken = take_snapshots(recording, hand);
-  const std::vector<haptics::Snapshot>& snapshots = taken.named;
+  const std::vector<haptics::Snapshot>& snapshots = moments.named;
   const scene::Scene& scene = recording.scene;
   const render::Subject subject = subject_of(scene);
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
@@ -147,15 +140,10 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
   set.width = options.picture_width;
   set.height = options.picture_height;
 
-  // The same two cameras for all moments, chosen at the largest depth, so that only organ and tool differ.
-  const haptics::Snapshot& deepest = snapshots[2];
-  const contact::ToolResult& result = deepest.results[hand.hand];
-  const Vec3 focus = hand.key_ticks.contact ? result.contact_W : result.nearest_W;
-  const Vec3 normal = hand.key_ticks.contact ? result.normal_W : result.away_W;
-  const render::Camera near = render::frame_contact(subject, deepest, focus, normal, true);
+  const render::Camera near = camera_of(subject, hand, moments, true);
   const render::Camera wide =
-      with_room(render::frame_contact(subject, deepest, focus, normal, false), subject, scene.organ_motion);
-  set.contacts_at_depth = result.view_count;
+      with_room(camera_of(subject, hand, moments, false), subject, scene.organ_motion);
+  set.contacts_at_depth = snapshots[2].results[hand.hand].view_count;
 
   const Vec3 middle = geometry::bounds(scene.organ).middle();
   std::size_t i = 0;
@@ -171,21 +159,50 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand,
         {file("-close.png"), what + ", close-up", caption_of(moment.name, hand.rows[moment.row], moved)}));
     ++i;
   }
-  time_moving(subject, taken.moving, wide, set);
+  time_moving(subject, moments.moving, wide, set);
 }
 
 }  // namespace
 
+ReplayedMoments replay_moments(const record::Recording& recording, const HandAnalysis& hand,
+                               const std::vector<std::uint64_t>& profile_ticks) {
+  std::vector<std::uint64_t> ticks;
+  for (const NamedMoment& moment : named(hand.key_ticks)) ticks.push_back(hand.rows[moment.row].tick);
+  const std::vector<std::uint64_t> moving = moving_ticks(hand);
+  std::vector<std::uint64_t> ascending = ticks;
+  ascending.insert(ascending.end(), moving.begin(), moving.end());
+  ascending.insert(ascending.end(), profile_ticks.begin(), profile_ticks.end());
+  std::sort(ascending.begin(), ascending.end());
+  ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
+  const std::vector<haptics::Snapshot> taken = record::snapshots_at(recording, ascending);
+  const auto at = [&](std::uint64_t tick) {
+    const auto place = std::lower_bound(ascending.begin(), ascending.end(), tick) - ascending.begin();
+    return taken.at(static_cast<std::size_t>(place));
+  };
+  ReplayedMoments result;
+  for (const std::uint64_t tick : ticks) result.named.push_back(at(tick));
+  for (const std::uint64_t tick : moving) result.moving.push_back(at(tick));
+  for (const std::uint64_t tick : profile_ticks) result.profiles.push_back(at(tick));
+  return result;
+}
+
+Vec3 across_pictures_S(const record::Recording& recording, const HandAnalysis& hand,
+                       const ReplayedMoments& moments) {
+  const render::Camera camera = camera_of(subject_of(recording.scene), hand, moments, true);
+  const Vec3 right_W = (camera.target - camera.eye).cross(camera.up).normalized();
+  return moments.named[2].organ_W.rotation.conjugate() * right_W;
+}
+
 PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
-                         const std::filesystem::path& folder, const std::string& prefix,
-                         const ReportOptions& options) {
+                         const ReplayedMoments& moments, const std::filesystem::path& folder,
+                         const std::string& prefix, const ReportOptions& options) {
   PictureSet set;
   if (!options.pictures) {
     set.missing = "they were not asked for";
     return set;
   }
   try {
-    draw_all(recording, hand, folder, prefix, options, set);
+    draw_all(recording, hand, moments, folder, prefix, options, set);
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {

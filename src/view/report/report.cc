@@ -12,25 +12,43 @@ namespace {
 
 using Progress = std::function<void(double, const std::string&)>;
 
+HandFigures draw_hand(const ExperimentResults& worked, std::size_t i, const SurfaceLine& line,
+                      const model::FalloffRatios& reach, const std::filesystem::path& start) {
+  const HandAnalysis& hand = worked.analysis.hands[i];
+  const record::Recording& recording = *worked.experiment->recording;
+  const std::optional<MeasuredProfile>& measured = worked.experiment->measured;
+  const auto file = [&start](const char* name) { return std::filesystem::path(start.string() + name); };
+  return {draw_over_time(hand, recording.scene, file("over-time.svg")),
+          draw_law(hand, recording, worked.analysis.direction, file("law.svg")),
+          draw_profile(line, recording.scene, reach, measured ? &*measured : nullptr, file("profile.svg")),
+          draw_noise_spectrum(hand, recording.scene, file("noise-spectrum.svg")),
+          draw_noise_histogram(hand, file("noise-histogram.svg"))};
+}
+
 ExperimentResults work_out(const Experiment& experiment, const std::filesystem::path& folder,
                            std::size_t number, const ReportOptions& options, const Progress& progress) {
   const record::Recording& recording = *experiment.recording;
   const std::string prefix = std::to_string(number) + "-";
   ExperimentResults worked;
   worked.experiment = &experiment;
+  progress(0.0, "replaying the run");
   worked.analysis = analyse(recording);
-  progress(0.1, "pictures of organ and tool");
-  worked.pictures =
-      draw_pictures(recording, worked.analysis.hands.front(), folder, prefix + "picture-", options);
-  progress(0.6, "figures");
-  for (const HandAnalysis& hand : worked.analysis.hands) {
-    const std::string start =
-        prefix + (worked.analysis.hands.size() > 1 ? fmt::format("hand-{}-", hand.hand + 1) : "");
-    worked.hands.push_back(
-        {draw_over_time(hand, recording.scene, folder / (start + "over-time.svg")),
-         draw_law(hand, recording, worked.analysis.direction, folder / (start + "law.svg")),
-         draw_noise_spectrum(hand, recording.scene, folder / (start + "noise-spectrum.svg")),
-         draw_noise_histogram(hand, folder / (start + "noise-histogram.svg"))});
+  const std::vector<HandAnalysis>& hands = worked.analysis.hands;
+  std::vector<std::uint64_t> profile_ticks;
+  for (const HandAnalysis& hand : hands) {
+    const std::size_t row = row_of_profile(hand, worked.analysis.direction,
+                                           experiment.measured ? &*experiment.measured : nullptr);
+    profile_ticks.push_back(hand.rows[row].tick);
+  }
+  const ReplayedMoments moments = replay_moments(recording, hands.front(), profile_ticks);
+  progress(0.3, "pictures of organ and tool");
+  worked.pictures = draw_pictures(recording, hands.front(), moments, folder, prefix + "picture-", options);
+  progress(0.7, "figures");
+  const Vec3 across_S = across_pictures_S(recording, hands.front(), moments);
+  for (std::size_t i = 0; i < hands.size(); ++i) {
+    const std::string start = prefix + (hands.size() > 1 ? fmt::format("hand-{}-", i + 1) : "");
+    const SurfaceLine line = surface_line(recording.scene, moments.profiles[i], i, across_S);
+    worked.hands.push_back(draw_hand(worked, i, line, moments.profiles[i].reach, folder / start));
   }
   const double rate = recording.scene.rate_Hz;
   worked.tick_time = draw_tick_histogram(worked.analysis, rate, TickQuantity::kComputing,
@@ -56,14 +74,13 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
     all.push_back(work_out(experiment, folder, all.size() + 1, options, part));
   }
   const std::string title = experiments.size() == 1 ? experiments.front().title : "Palpate report";
-  const std::string subtitle =
-      fmt::format("{}{}, recorded by palpate, an open haptic soft-tissue simulator", experiments.size(),
-                  experiments.size() == 1 ? " experiment" : " experiments");
-  Page page(title, subtitle);
+  Page page(title, lead_sentence(all));
   write_summary(page, all);
   std::size_t number = 0;
   for (const ExperimentResults& worked : all) write_experiment(page, worked, ++number);
   write_comparison(page, all);
+  write_details(page, all);
+  page.paragraph("Recorded and drawn by palpate, an open haptic soft-tissue simulator.");
   std::filesystem::path file = page.write(folder);
   if (progress) progress(1.0, "report");
   return file;

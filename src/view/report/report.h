@@ -1,10 +1,12 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/recording.h"
+#include "view/report/surface_line.h"
 
 namespace palpate::report {
 
@@ -12,7 +14,9 @@ namespace palpate::report {
 struct Experiment {
   std::string title;  // e.g. "Gallbladder pressed with curved forceps"
   const record::Recording* recording = nullptr;
-  std::string command;  // the command line of the run
+  std::string command;                        // the command line of the run
+  double goal_depth = 0.0;                    // m that the run should reach; 0: none
+  std::optional<MeasuredProfile> measured{};  // to show beside the run's deformation
 };
 
 /// Settings of the rendered pictures.
@@ -22,7 +26,8 @@ struct ReportOptions {
   int picture_height = 720;  // pixels
 };
 
-/// [setup] Writes `folder`/report.html (self-contained) and its figures as files.
+/// [setup] Writes `folder`/report.html (self-contained) and its figures as files, and deletes figures of an
+/// earlier report there (Page::write).
 /// @param progress receives the completed fraction 0..1 and a description of the current step; may be empty
 /// @return path of report.html. @throws InputError when the folder cannot be written.
 std::filesystem::path write_report(const std::vector<Experiment>& experiments,

@@ -9,6 +9,7 @@
 #include "view/report/gnuplot.h"
 #include "view/report/page.h"
 #include "view/report/report.h"
+#include "view/report/surface_line.h"
 
 namespace palpate::report {
 
@@ -42,19 +43,42 @@ struct PictureSet {
   std::string missing;        // reason why there are no pictures; empty: they exist
 };
 
-/// [setup] Replays the recording and renders organ and tool before contact, at contact, at the largest depth
-/// and at the end, each as overview and close-up. Each kind uses one fixed camera. Writes PNG files into
+/// States of a replay that the report draws.
+struct ReplayedMoments {
+  std::vector<haptics::Snapshot> named;     // before contact, at contact, at depth, after
+  std::vector<haptics::Snapshot> moving;    // of the moving pictures that are timed
+  std::vector<haptics::Snapshot> profiles;  // of the deformation profiles, one per hand
+};
+
+/// [setup] Replays the recording. @param hand that the pictures show @param profile_ticks one per hand
+/// @throws InputError as record::snapshots_at()
+[[nodiscard]] ReplayedMoments replay_moments(const record::Recording& recording, const HandAnalysis& hand,
+                                             const std::vector<std::uint64_t>& profile_ticks);
+
+/// [setup] The direction from left to right in the pictures, in the organ's frame at depth.
+[[nodiscard]] Vec3 across_pictures_S(const record::Recording& recording, const HandAnalysis& hand,
+                                     const ReplayedMoments& moments);
+
+/// [setup] The deformation along a line as figure 7 of the paper: theory, the run's surface, and a measured
+/// profile where there is one; below, absolute errors. @param measured may be null
+[[nodiscard]] Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene,
+                                  const model::FalloffRatios& reach, const MeasuredProfile* measured,
+                                  const std::filesystem::path& file);
+
+/// [setup] Renders organ and tool before contact, at contact, at the largest depth and at the end, each as
+/// overview and close-up. Each kind uses one fixed camera. Writes PNG files into
 /// `folder`, with names that begin with `prefix`. Overviews are rendered at double size and averaged. Without
 /// OpenGL there are no pictures and `missing` gives the reason. @throws InputError when a file cannot be
 /// written.
 [[nodiscard]] PictureSet draw_pictures(const record::Recording& recording, const HandAnalysis& hand,
-                                       const std::filesystem::path& folder, const std::string& prefix,
-                                       const ReportOptions& options);
+                                       const ReplayedMoments& moments, const std::filesystem::path& folder,
+                                       const std::string& prefix, const ReportOptions& options);
 
 /// The figures of one hand.
 struct HandFigures {
   Figure over_time;
   Figure law;
+  Figure profile;
   Figure noise_spectrum;
   Figure noise_histogram;
 };
@@ -69,13 +93,40 @@ struct ExperimentResults {
   Figure lateness;
 };
 
-/// [setup] Title and results, as a table and a list.
+/// [setup] The experiments and their main results in one sentence.
+[[nodiscard]] std::string lead_sentence(const std::vector<ExperimentResults>& all);
+/// [setup] The picture at depth of each experiment, and results that need attention.
 void write_summary(Page& page, const std::vector<ExperimentResults>& all);
-/// [setup] One experiment in full. @param number counts from 1
+/// [setup] One experiment: force over depth, deformation, pictures. @param number counts from 1
 void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number);
 /// [setup] The results of the paper beside these.
 void write_comparison(Page& page, const std::vector<ExperimentResults>& all);
+/// [setup] Checks, statistics, settings and timing of all experiments, folded.
+void write_details(Page& page, const std::vector<ExperimentResults>& all);
 /// [setup] Conditions of the run: scene, organ, tissue parameters, tool, device, noise, limits, machine.
 void write_what_was_run(Page& page, const ExperimentResults& worked);
+
+/// Results of one experiment in sentences.
+enum class Mark { kMet, kLate, kMissed, kInformation };
+struct Check {
+  Mark mark = Mark::kInformation;
+  std::string html;
+};
+/// [setup] All results of an experiment.
+[[nodiscard]] std::vector<Check> checks_of(const ExperimentResults& worked);
+
+/// Largest share of late ticks that needs no more than an explanation (Mark::kLate).
+inline constexpr double kUsualLateShare = 1e-3;
+/// [setup] Whether ticks were late, and what that means. @param ticks > 0
+[[nodiscard]] Check deadline_check(std::uint64_t missed, std::uint64_t ticks);
+
+/// [any] The hand with the largest depth.
+[[nodiscard]] const HandAnalysis& main_hand(const ExperimentResults& worked);
+/// [any] Whether the recording has tick times; an offline one has them when it was closed properly.
+[[nodiscard]] bool is_timed(const Analysis& analysis);
+/// [any] Whether the organ is pulled, not pressed.
+[[nodiscard]] bool is_pull(const ExperimentResults& worked);
+/// [any] A time [ns] in microseconds, with one decimal.
+[[nodiscard]] std::string microseconds(std::int64_t ns);
 
 }  // namespace palpate::report

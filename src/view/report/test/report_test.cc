@@ -60,8 +60,8 @@ class Report : public ::testing::Test {
 };
 
 TEST_F(Report, HasEverySection) {
-  for (const char* section : {"What came out", "What was run", "Organ and tool", "Force and depth over time",
-                              "Force over depth, on the law", "Touch noise", "Timing", "Beside the paper"}) {
+  for (const char* section : {"Beside the paper", "Details", "Checks", "Force and depth over time",
+                              "Touch noise", "Timing", "What was run"}) {
     EXPECT_THAT(html_, HasSubstr(section));
   }
   EXPECT_THAT(html_, HasSubstr("id=\"experiment-1\""));
@@ -87,6 +87,24 @@ TEST(ReportOfAMovingOrgan, SaysTheMotionAndPlotsTheOrgansWayBesideTheDepth) {
 TEST_F(Report, SaysNothingOfMotionWhereTheOrganLiesStill) {
   EXPECT_THAT(html_, Not(HasSubstr("organ&#39;s motion")));
   EXPECT_THAT(read(out() / "1-over-time.svg"), Not(HasSubstr("organ (mm)")));
+}
+
+TEST_F(Report, BeginsWithOneSentenceOfAllExperiments) {
+  EXPECT_THAT(html_, HasSubstr("<p>A box pressed &amp; held to 12.0 mm with up to "));
+  EXPECT_THAT(html_, HasSubstr(", and a box touched to "));
+}
+
+TEST_F(Report, FoldsStatisticsSettingsAndTimings) {
+  const std::size_t first = html_.find("<details>");
+  for (const char* folded : {"Kolmogorov", "p99.9", "What was run", "Stiffness k"})
+    EXPECT_GT(html_.find(folded), first) << folded;
+  EXPECT_EQ(count(html_, "<details>"), count(html_, "</details>"));
+}
+
+TEST_F(Report, RoundsNumbersToSixDigits) {
+  // The layers' limits add up to 8 mm (1 - 0.7^6) / 0.3 = 23.52936 mm.
+  EXPECT_THAT(html_, HasSubstr("largest 23.5294 mm"));
+  EXPECT_THAT(html_, Not(HasSubstr("23.52936")));
 }
 
 TEST_F(Report, NeedsNothingFromOutside) {
@@ -123,14 +141,14 @@ TEST_F(Report, PutsThePapersFiguresBeside) {
   EXPECT_THAT(html_, HasSubstr("1,057 vertices, 2,110 triangles"));
   EXPECT_THAT(html_, HasSubstr("32 ms"));
   EXPECT_THAT(html_, HasSubstr("under 1 ms"));
-  EXPECT_THAT(html_, HasSubstr("0.1800 N/cm"));
+  EXPECT_THAT(html_, HasSubstr("0.18 N/cm"));
 }
 
 TEST_F(Report, LeavesEveryFigureAsAFileAndInThePage) {
   std::size_t drawn = 0;
-  for (const char* name :
-       {"1-over-time.svg", "1-law.svg", "1-noise-spectrum.svg", "1-noise-histogram.svg", "1-tick-time.svg",
-        "1-lateness.svg", "2-over-time.svg", "2-law.svg", "2-tick-time.svg", "2-lateness.svg"}) {
+  for (const char* name : {"1-over-time.svg", "1-law.svg", "1-profile.svg", "1-noise-spectrum.svg",
+                           "1-noise-histogram.svg", "1-tick-time.svg", "1-lateness.svg", "2-over-time.svg",
+                           "2-law.svg", "2-profile.svg", "2-tick-time.svg", "2-lateness.svg"}) {
     EXPECT_THAT(read(out() / name), HasSubstr("<svg")) << name;
     ++drawn;
   }
@@ -143,7 +161,7 @@ TEST_F(Report, SaysWhyAFigureIsMissing) {
 }
 
 TEST_F(Report, SaysWhyThereAreNoPictures) {
-  EXPECT_EQ(count(html_, "There are no pictures of organ and tool: they were not asked for"), 2U);
+  EXPECT_EQ(count(html_, "There are no pictures of organ and tool: they were not asked for"), 1U);
   EXPECT_EQ(count(html_, "data:image/png;base64,"), 0U);
 }
 
@@ -176,6 +194,65 @@ TEST(ReportPictures, InMotionAreComparedWithThePapersFrameTime) {
   const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, {true, 160, 120}));
   const std::regex row("<td>32 ms</td><td>([0-9.]+ ms p50, [0-9.]+ ms p99 \\(in motion, balanced|not drawn)");
   EXPECT_TRUE(std::regex_search(html, row));
+}
+
+/// The report of a run with this many late ticks out of 4000.
+std::string report_of_late_ticks(std::uint64_t missed) {
+  const TemporaryFolder folder;
+  record::Recording recording = SyntheticRecording::make(false, 4000);
+  recording.facts.missed_deadlines = missed;
+  return read(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
+}
+
+TEST(ReportOfLateTicks, ExplainsFewAndMarksThemAmber) {
+  const std::string html = report_of_late_ticks(4);  // 0.1 %, the largest usual share
+  EXPECT_THAT(html, HasSubstr("class=\"mark late\""));
+  EXPECT_THAT(html,
+              HasSubstr("4 of 4,000 ticks began a full period or more late (0.10 %). Up to 0.1 % is usual"));
+  EXPECT_THAT(html, HasSubstr("palpate doctor"));
+  EXPECT_THAT(html, Not(HasSubstr("class=\"mark missed\"")));
+}
+
+TEST(ReportOfLateTicks, MarksMoreThanTheUsualShareAsMissed) {
+  const std::string html = report_of_late_ticks(5);
+  EXPECT_THAT(html, HasSubstr("class=\"mark missed\""));
+  EXPECT_THAT(html, HasSubstr("palpate doctor"));
+}
+
+TEST(ReportFolder, LosesTheFiguresOfAnEarlierReportAndNothingElse) {
+  const TemporaryFolder folder;
+  const record::Recording recording = SyntheticRecording::make(false, 300);
+  const Experiment one{"t", &recording, "c"};
+  static_cast<void>(write_report({one, one}, folder.path(), {}, kNoPictures));
+  const auto exists = [&folder](const char* name) { return std::filesystem::exists(folder.path() / name); };
+  ASSERT_TRUE(exists("2-law.svg"));
+  ASSERT_TRUE(exists("2-over-time.svg"));
+  std::ofstream(folder.path() / "2-over-time.svg") << "changed by its owner";
+  std::ofstream(folder.path() / "2-mine.svg") << "of a stranger";
+  std::filesystem::rename(folder.path() / "2-tick-time.svg", folder.path() / "kept");
+  std::filesystem::create_symlink("kept", folder.path() / "2-tick-time.svg");
+  static_cast<void>(write_report({one}, folder.path(), {}, kNoPictures));
+  EXPECT_FALSE(exists("2-law.svg"));
+  EXPECT_TRUE(exists("1-law.svg"));
+  EXPECT_TRUE(exists("2-over-time.svg"));
+  EXPECT_TRUE(exists("2-mine.svg"));
+  EXPECT_TRUE(exists("2-tick-time.svg"));
+  EXPECT_TRUE(exists("kept"));
+}
+
+TEST(ReportFolder, DeletesNothingOutsideItWhateverItsListSays) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "out");
+  std::ofstream(folder.path() / "other.svg") << "";
+  std::ofstream(folder.path() / "out" / "notes.txt") << "";
+  // SHA-256 of no bytes [FIPS 180-4]
+  const std::string empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+  std::ofstream(folder.path() / "out" / "report-figures.sha256") << empty << "  ../other.svg\n"
+                                                                 << empty << "  notes.txt\nshort\n";
+  const record::Recording recording = SyntheticRecording::make(false, 300);
+  static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path() / "out", {}, kNoPictures));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "other.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "notes.txt"));
 }
 
 TEST(ReportFolder, ThatCannotBeMadeIsRefused) {

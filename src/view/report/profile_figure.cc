@@ -1,0 +1,148 @@
+// Figure 7 of the paper for a run: the deformation along a line through the contact, and absolute errors.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "core/base/text.h"
+#include "palpate/surface.h"
+#include "view/report/page.h"
+#include "view/report/sections.h"
+#include "view/report/surface_line.h"
+
+namespace palpate::report {
+namespace {
+
+constexpr int kTheoryPoints = 240;
+
+/// Differences of two curves, for a plot and in numbers.
+struct LineErrors {
+  PlotData data;         // distance, absolute error [mm]
+  double largest = 0.0;  // mm
+  double rms = 0.0;      // mm
+
+  LineErrors(std::string name) : data{std::move(name), {}} {}
+  void add(double distance, double error) {
+    if (!std::isfinite(error)) return;
+    data.rows.push_back({distance * kMilli, std::abs(error) * kMilli});
+    largest = std::max(largest, data.rows.back()[1]);
+  }
+  void finish() {
+    double sum = 0.0;
+    for (const std::vector<double>& row : data.rows) sum += row[1] * row[1];
+    if (!data.rows.empty()) rms = std::sqrt(sum / static_cast<double>(data.rows.size()));
+  }
+  [[nodiscard]] std::string text(double depth) const {
+    return fmt::format("RMS {} mm, largest {} mm ({} of the depth)", fixed(rms, 2), fixed(largest, 2),
+                       percent(largest / (depth * kMilli), 0));
+  }
+};
+
+PlotData table_of(const char* name, const std::vector<LinePlace>& places) {
+  PlotData data{name, {}};
+  for (const LinePlace& place : places)
+    data.rows.push_back({place.distance * kMilli, place.displacement * kMilli});
+  return data;
+}
+
+std::string profile_script(bool measured, double largest_error, double from, double to) {
+  std::vector<std::string> curves = {
+      fmt::format("'theory.dat' using 1:2 with lines lw 6 lc rgb '#a9cbe4' title 'theory'"),
+      fmt::format("'shown.dat' using 1:2 with lines lw 2 lc rgb '{}' title 'surface of this run'", kGreen)};
+  std::vector<std::string> errors;
+  if (measured) {
+    curves.push_back(fmt::format(
+        "'measured.dat' using 1:2 with points pt 7 ps 0.5 lc rgb '{}' title 'measured'", kOrange));
+    errors = {
+        fmt::format("'theory-error.dat' using 1:2 with linespoints pt 7 ps 0.3 lw 1.5 lc rgb '{}' title "
+                    "'theory - measured'",
+                    kBlue),
+        fmt::format("'shown-error.dat' using 1:2 with lines lw 1.5 lc rgb '{}' title 'run - measured'",
+                    kGreen)};
+  } else {
+    errors = {fmt::format("'shown-error.dat' using 1:2 with lines lw 1.5 lc rgb '{}' notitle", kOrange)};
+  }
+  const std::string upper =
+      fmt::format("set xrange [{}:{}]\n", shortest(from * kMilli), shortest(to * kMilli)) +
+      "set ylabel 'displacement (mm)'; set yrange [*<0:*]; set offsets 0,0,graph 0.22,0\n" + plot(curves);
+  const std::string lower = fmt::format(
+      "set xlabel 'distance from the contact along the surface (mm)'; set ylabel 'error (mm)'\n"
+      "set yrange [0:*]; set offsets 0,0,graph {},0; set ytics {}\n",
+      measured ? "0.5" : "0.15", shortest(tic_step(largest_error)));
+  constexpr int kWidth = 540;
+  return two_panes(440, kKeyLeft, 0.36, upper, lower + plot(errors), kWidth);
+}
+
+std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
+                            const MeasuredProfile* measured, const LineErrors& theory,
+                            const LineErrors& shown) {
+  std::string text = fmt::format(
+      "As figure 7 of the paper: deformation along the line through the contact, {} mm deep, from left to "
+      "right in the pictures. Theory: u(r) of the model for a tip of {} mm radius.",
+      fixed(line.depth * kMilli, 2), fixed(line.tip_radius * kMilli, 1));
+  if (measured == nullptr) {
+    text += " Absolute error of the run's surface beside the theory: " + shown.text(line.depth) + ".";
+  } else {
+    text +=
+        fmt::format(" Measured: {}, {} mm deep. Absolute error of the theory: {}; of the run's surface: {}.",
+                    measured->file.filename().string(), fixed(measured->depth * kMilli, 2),
+                    theory.text(measured->depth), shown.text(measured->depth));
+    constexpr double kSameDepth = 0.02;
+    if (std::abs(line.depth - measured->depth) > kSameDepth * measured->depth)
+      text += " The depths differ: this run has no tick as deep as the measurement.";
+  }
+  if (line.contacts > 1) {
+    text += fmt::format(
+        " The tool has {} contacts there, and the run's surface lies on all of it; the theory is of the "
+        "deepest contact alone.",
+        line.contacts);
+  }
+  if (scene.support) text += " The organ gives way as a whole, which the theory leaves out.";
+  return text;
+}
+
+}  // namespace
+
+Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const model::FalloffRatios& reach,
+                    const MeasuredProfile* measured, const std::filesystem::path& file) {
+  Figure figure{file, "Deformation along the line through the contact, and absolute errors"};
+  if (line.places.size() < 2) {
+    figure.missing = "The tool did not touch the organ.";
+    return figure;
+  }
+  const deform::DisplacementProfile theory(reach, line.depth, line.tip_radius);
+  double from = line.places.front().distance;
+  double to = line.places.back().distance;
+  LineErrors theory_error("theory-error.dat");
+  LineErrors shown_error("shown-error.dat");
+  if (measured != nullptr) {
+    from = std::min(from, measured->places.front().distance);
+    to = std::max(to, measured->places.back().distance);
+    for (const LinePlace& place : measured->places) {
+      theory_error.add(place.distance, theory.at(std::abs(place.distance)) - place.displacement);
+      shown_error.add(place.distance, displacement_at(line.places, place.distance) - place.displacement);
+    }
+  } else {
+    for (const LinePlace& place : line.places)
+      shown_error.add(place.distance, place.displacement - theory.at(std::abs(place.distance)));
+  }
+  theory_error.finish();
+  shown_error.finish();
+  std::vector<LinePlace> curve;
+  for (int i = 0; i <= kTheoryPoints; ++i) {
+    const double r = from + (to - from) * i / kTheoryPoints;
+    curve.push_back({r, theory.at(std::abs(r))});
+  }
+  std::vector<PlotData> tables = {table_of("theory.dat", curve), table_of("shown.dat", line.places),
+                                  theory_error.data, shown_error.data};
+  if (measured != nullptr) tables.push_back(table_of("measured.dat", measured->places));
+  figure.caption = profile_caption(line, scene, measured, theory_error, shown_error);
+  return drawn(
+      figure,
+      profile_script(measured != nullptr, std::max(theory_error.largest, shown_error.largest), from, to),
+      tables);
+}
+
+}  // namespace palpate::report
