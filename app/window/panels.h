@@ -47,7 +47,9 @@ struct PanelModel {
   const model::TissueParameters& tissue;  // in force
   const noise::NoiseSettings& noise;      // in force
   std::vector<HandStatus> hands;
-  std::string recording{};  // file being written; empty: none
+  std::string recording{};       // file being written; empty: none
+  bool records_run = false;      // that file is of the whole run, so that it ends with the run (--record)
+  std::string recording_note{};  // what is recorded, since when
   std::string looked_at{};  // file that the viewer could open: this one, or the previous one; empty: none
   bool ended = false;       // the run has ended
   bool paused = false;      // the picture is held, the run continues
@@ -71,10 +73,10 @@ struct Commands {
   std::optional<haptics::LiveInclusion> inclusion;
   std::optional<scene::Overrides> request;  // start another session with its own tissue and noise
   std::optional<ChosenFile> file;
-  bool again = false;  // restart the session with the same tissue and noise
-  std::optional<bool> record;
-  bool pause = false;      // hold the picture, or release it
-  bool pause_run = false;  // pause the run, or resume it
+  bool again = false;          // restart the session with the same tissue and noise
+  std::optional<bool> record;  // begin a recording of this run, or end it; the run goes on
+  bool pause = false;          // hold the picture, or release it
+  bool pause_run = false;      // pause the run, or resume it
   bool screenshot = false;
   bool reset_faults = false;
   bool full_screen = false;

@@ -98,7 +98,7 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
 }
 
 void Window::control_key(SDL_Keycode key) {
-  if (key == SDLK_r) commands_.record = run_->recording().empty() || run_->ended();
+  if (key == SDLK_r) commands_.record = !recording();
   if (key == SDLK_SPACE) commands_.pause_run = true;
   if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
   if (key == SDLK_s) {

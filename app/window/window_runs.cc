@@ -22,12 +22,19 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
-  search_.reset();  // refers to the previous session
+  search_.reset();  // search and tape refer to the previous session
+  tape_.reset();
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
   ++runs_begun_;
-  if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Scene& scene = run_->session().scene();
+  if (run_->recording().empty()) {
+    tape_ = std::make_unique<RunTape>(scene);
+  } else {
+    last_recording_ = run_->recording();
+  }
+  run_closed_ = false;
+  ended_by_user_ = false;
   now_ = LiveParameters(scene);
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(scene.rate_Hz);
@@ -66,10 +73,16 @@ render::Subject Window::subject() const {
 }
 
 void Window::take_rows() {
-  if (search_ == nullptr) {
-    traces_->take(run_->observer(), !paused_);
-  } else {
-    traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) { search_->add(row); });
+  traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) {
+    if (search_ != nullptr) search_->add(row);
+    if (tape_ != nullptr) tape_->add(row);
+  });
+  haptics::ParameterUpdate update;
+  while (run_->observer().take(update)) {
+    if (tape_ != nullptr) tape_->add(update);
+  }
+  if (search_ != nullptr && search_->take_untouched_marks() > 0) {
+    viewport_.show_message("no mark: the tool does not touch the tissue. Press, then mark.");
   }
 }
 
@@ -88,8 +101,7 @@ void Window::poll_search() {
 
 /// Ends the run: zero force, recording closed, devices free for the next session.
 void Window::end_run() {
-  run_->stop();
-  take_rows();
+  close_run();
   steering_.drop();
   run_->session().close_devices();
   const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
@@ -102,10 +114,22 @@ void Window::end_run() {
   }
 }
 
+/// Stops the run and completes its recording and its search.
+void Window::close_run() {
+  if (std::exchange(run_closed_, true)) return;
+  run_->stop();
+  take_rows();
+  end_recording();
+  if (search_ == nullptr) return;
+  search_->end();
+  searches_.push_back(
+      {recording_now(), run_->session().scene().seed, run_->observer().left_out(), *search_->score()});
+}
+
 void Window::poll_runs() {
   poll_next();
   if (!run_->ended() || next_ != nullptr) return;
-  if (!options_.stays) leaving_ = true;
+  if (!options_.stays && !ended_by_user_) leaving_ = true;
 }
 
 void Window::poll_next() {
@@ -133,13 +157,15 @@ void Window::poll_next() {
   }
 }
 
-void Window::restart(scene::Overrides request, bool keep_edits, fs::path recording) {
+/// Starts another session. Where the first was recorded (--record) it is, too, in a file of its own.
+void Window::restart(scene::Overrides request, bool keep_edits) {
   if (next_ != nullptr) {
     viewport_.show_message("the next session is being prepared already");
     return;
   }
-  next_ = std::make_unique<NextSession>(std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
-                                        std::move(recording));
+  next_ = std::make_unique<NextSession>(
+      std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
+      options_.recording.empty() ? fs::path() : free_name(options_.recording, false));
 }
 
 /// Opens a recording in a separate process, which cannot delay the running loop. The viewer shows the rows
@@ -270,7 +296,7 @@ void Window::take_file(const ChosenFile& file) {
       }
       return;
   }
-  restart(std::move(request), false, {});
+  restart(std::move(request), false);
 }
 
 void Window::grant(const Commands& commands) {
@@ -287,7 +313,10 @@ void Window::grant(const Commands& commands) {
     search_->shows_map = *commands.map;
     search_->draw_on(live_, true);
   }
-  if (commands.end_search) run_->session().control().stop();
+  if (commands.end_search) {
+    ended_by_user_ = true;
+    run_->session().control().stop();
+  }
   if (commands.look) {
     if (last_recording_.empty()) {
       viewport_.show_message("nothing is recorded yet: Ctrl + R records");
@@ -296,9 +325,9 @@ void Window::grant(const Commands& commands) {
     }
   }
   if (commands.file) take_file(*commands.file);
-  if (commands.request) restart(*commands.request, false, {});
-  if (commands.record) restart(request_, true, *commands.record ? named_by_time(".h5") : fs::path());
-  if (commands.again) restart(request_, true, {});
+  if (commands.record) record(*commands.record);
+  if (commands.request) restart(*commands.request, false);
+  if (commands.again) restart(request_, true);
 }
 
 void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {
