@@ -228,6 +228,8 @@ PanelModel Window::shown() const {
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
   shown.rows_left_out = run_->observer().left_out();
   shown.tissue_note = tissue_note_;
+  shown.can_undo = history_.can_undo();
+  shown.can_redo = history_.can_redo();
   if (search_ != nullptr) {
     shown.search = search_->status();
     if (steering_.mouse_steers()) shown.search->pointer_gain = search_->pointer_gain(*traces_);
@@ -245,6 +247,7 @@ void Window::compose() {
   if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, plotted(all));
   draw_overlay();
   draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
+  draw_leave_dialog(all, panels_, commands_);
   if (std::optional<ChosenFile> file = panels_.files.draw()) commands_.file = std::move(file);
   Viewport::end_panels();
 }
@@ -253,7 +256,7 @@ void Window::compose() {
 void Window::draw_overlay() {
   bool fault = false;
   banner_ = banner_text(fault);
-  viewport_.draw_overlay(layout_.picture, {{banner_, fault}},
+  viewport_.draw_overlay(layout_.picture, {{banner_, fault}, {tissue_note_, false}},
                          title_of(run_->session().scene()) + formatted("   %.1f s", traces_->newest_time()));
 }
 

@@ -22,6 +22,7 @@
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
+#include "app/window/parameter_history.h"
 #include "app/window/run_tape.h"
 #include "app/window/search.h"
 #include "app/window/steering.h"
@@ -119,7 +120,9 @@ class Window final {
   // window_events.cc
   void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
-  void control_key(SDL_Keycode key);
+  void escape_key(const SDL_KeyboardEvent& key);
+  void enter_key();
+  void control_key(const SDL_Keysym& key);
   void letter_key(SDL_Keycode key);
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
@@ -143,6 +146,9 @@ class Window final {
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
   void apply_inclusion(const haptics::LiveInclusion& change);
+  void apply_parameters(const Commands& commands);
+  void apply_all(const LiveParameters& wanted);
+  void undo_or_redo(bool undo);
   void restart(scene::Overrides request, bool keep_edits);
   // window_recording.cc
   void record(bool on);
@@ -191,6 +197,7 @@ class Window final {
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
   LiveParameters now_;  // of this run, or of the next one
+  ParameterHistory history_;
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;
@@ -200,6 +207,8 @@ class Window final {
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;
+  EscapeGuard escape_;
+  bool panel_used_ = false;  // later than the picture, so that Enter may be meant for the panel
   bool mouse_over_ = false;  // the last mouse event was over the picture
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include <imgui.h>
 #include <sys/wait.h>
 
 #include "io/system/child_process.h"
@@ -36,6 +37,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   run_closed_ = false;
   ended_by_user_ = false;
   now_ = LiveParameters(scene);
+  history_.clear();
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(scene.rate_Hz);
   snapshot_there_ = false;
@@ -235,6 +237,41 @@ void Window::apply_inclusion(const haptics::LiveInclusion& change) {
   }
 }
 
+/// Applies changes of parameters, and keeps the former ones for undo.
+void Window::apply_parameters(const Commands& commands) {
+  const bool held = ImGui::IsAnyItemActive();
+  history_.next_frame(held);
+  const LiveParameters before = now_;
+  if (commands.tissue) apply_tissue(*commands.tissue);
+  if (commands.noise) apply_noise(*commands.noise);
+  if (commands.inclusion) apply_inclusion(*commands.inclusion);
+  if (!equal(before, now_)) history_.add(before, held);
+  if (commands.undo) undo_or_redo(*commands.undo);
+}
+
+void Window::undo_or_redo(bool undo) {
+  const std::optional<LiveParameters> wanted = undo ? history_.undo(now_) : history_.redo(now_);
+  if (wanted) {
+    apply_all(*wanted);
+  } else {
+    viewport_.show_message(undo ? "no change of this run is left to undo" : "nothing is left to redo");
+  }
+}
+
+void Window::apply_all(const LiveParameters& wanted) {
+  if (wanted.tissue != now_.tissue) apply_tissue(wanted.tissue);
+  LiveParameters other_noise = now_;
+  other_noise.noise = wanted.noise;
+  if (!equal(other_noise, now_)) apply_noise(wanted.noise);
+  for (std::size_t i = 0; i < wanted.inclusions.size(); ++i) {
+    const model::Inclusion& inclusion = wanted.inclusions[i].inclusion;
+    if (inclusion == now_.inclusions[i].inclusion) continue;
+    const Vec3& centre_S = inclusion.centre_S;
+    apply_inclusion(
+        {static_cast<std::uint32_t>(i), {centre_S.x(), centre_S.y(), centre_S.z()}, inclusion.ratio});
+  }
+}
+
 /// Pauses or resumes the run. Parameter updates wait until it resumes; only the latest of each kind is kept.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
@@ -301,9 +338,7 @@ void Window::take_file(const ChosenFile& file) {
 
 void Window::grant(const Commands& commands) {
   if (commands.leave) leaving_ = true;
-  if (commands.tissue) apply_tissue(*commands.tissue);
-  if (commands.noise) apply_noise(*commands.noise);
-  if (commands.inclusion) apply_inclusion(*commands.inclusion);
+  apply_parameters(commands);
   if (commands.reset_faults) run_->session().control().reset_faults();
   if (commands.pause) paused_ = !paused_;
   if (commands.pause_run) pause_run();
