@@ -156,9 +156,49 @@ bool wants_outputs(const RunFlags& flags) {
 /// Result of the first run, and the events of later runs in its window.
 struct Played {
   RunResult result;
-  bool later_fault = false;   // a later run in the window latched a fault
-  bool display_lost = false;  // the display closed during a run
+  bool later_fault = false;               // a later run in the window latched a fault
+  bool display_lost = false;              // the display closed during a run
+  std::vector<SearchOutcome> searches{};  // of task palpate, in the window
 };
+
+/// The scores of the searches in a window. Where the window missed rows, the score is of the recording.
+void complete_scores(std::vector<SearchOutcome>& searches, bool no_cache) {
+  for (SearchOutcome& search : searches) {
+    if (search.rows_left_out == 0) continue;
+    if (search.recording.empty() || !file_exists(search.recording)) {
+      report_message(fmt::format("a search's score lacks {} rows that the window was too slow for",
+                                 search.rows_left_out));
+      continue;
+    }
+    search.score = score_of(record::read_recording(search.recording), no_cache).scorer().score();
+  }
+}
+
+void print_searches(const std::vector<SearchOutcome>& searches) {
+  for (std::size_t i = 0; i < searches.size(); ++i) {
+    const SearchOutcome& search = searches[i];
+    if (searches.size() > 1) std::cout << fmt::format("\nsearch {}, seed {}\n", i + 1, search.seed);
+    if (searches.size() > 1 && !search.recording.empty()) {
+      std::cout << fmt::format("{:<20}{}\n", "recording", search.recording.string());
+    }
+    if (search.score.contact_time == 0.0) {
+      std::cout << "the tissue was never touched\n";
+    } else {
+      print_score(std::cout, search.score);
+    }
+  }
+}
+
+nlohmann::ordered_json searches_json(const std::vector<SearchOutcome>& searches) {
+  auto list = nlohmann::ordered_json::array();
+  for (const SearchOutcome& search : searches) {
+    nlohmann::ordered_json one = {{"seed", search.seed}, {"recording", nullptr}};
+    if (!search.recording.empty()) one["recording"] = search.recording.string();
+    one["score"] = nlohmann::ordered_json::parse(palpation::to_json(search.score));  // its own JSON
+    list.push_back(std::move(one));
+  }
+  return list;
+}
 
 Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& flags,
                       const fs::path& recording, net::IgtlServer* igtl, const std::atomic<bool>& stop) {
@@ -180,7 +220,8 @@ Played play_in_window(const std::shared_ptr<Session>& session, const RunFlags& f
     report_message(std::to_string(outcome.more_runs) + " more run" + (outcome.more_runs > 1 ? "s" : "") +
                    " in the window; the summary is of the first run");
   }
-  return {std::move(outcome.result), outcome.later_fault, outcome.display_lost};
+  complete_scores(outcome.searches, flags.no_cache);
+  return {std::move(outcome.result), outcome.later_fault, outcome.display_lost, std::move(outcome.searches)};
 }
 
 /// Plays the session in a window, or without one when none can be opened.
@@ -200,7 +241,7 @@ Played play_as_asked(const std::shared_ptr<Session>& session, const RunFlags& fl
   how.run = {recording, flags.offline, flags.thread};
   how.igtl = igtl;
   how.stop = &stop;
-  return {play(*session, how), false, false};
+  return {play(*session, how), false, false, {}};
 }
 
 /// Prints the scene's remarks before a run that takes minutes or has no end; a shorter one ends with them.
@@ -260,8 +301,9 @@ int run(const RunFlags& flags, const std::string& command_line) {
     files.screenshot.clear();
   }
   std::optional<palpation::Score> score;
+  if (!played.searches.empty()) score = played.searches.front().score;
   const bool scores =
-      palpates && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
+      palpates && !score && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
   if (draw || scores) {
     const record::Recording recording = record::read_recording(recorded);
     if (scores) score = score_of(recording, flags.no_cache).scorer().score();
@@ -277,10 +319,15 @@ int run(const RunFlags& flags, const std::string& command_line) {
   if (flags.json) {
     nlohmann::ordered_json summary = summary_json(result, files, tally);
     if (score) summary["score"] = nlohmann::ordered_json::parse(palpation::to_json(*score));  // its own JSON
+    if (played.searches.size() > 1) summary["searches"] = searches_json(played.searches);
     std::cout << json_text(summary) << '\n';
   } else {
     print_summary(std::cout, result, files);
-    if (score) print_score(std::cout, *score);
+    if (!played.searches.empty()) {
+      print_searches(played.searches);
+    } else if (score) {
+      print_score(std::cout, *score);
+    }
   }
   const int code = exit_code_of(result, flags.max_missed);
   return played.later_fault ? kFault : code;

@@ -86,6 +86,31 @@ void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& sta
   ImGui::End();
 }
 
+void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& commands) {
+  constexpr const char* kTitle = "Leave?";
+  if (state.leave == LeaveDialog::kClosed) return;
+  if (state.leave == LeaveDialog::kOpening) ImGui::OpenPopup(kTitle);
+  const ImVec2 all = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos(ImVec2(0.5F * all.x, 0.5F * all.y), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+  bool stays = true;
+  if (ImGui::BeginPopupModal(
+          kTitle, nullptr,
+          ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings)) {
+    ImGui::TextUnformatted(shown.recording_note.c_str());
+    ImGui::TextUnformatted("Leaving ends the run and completes the recording.");
+    ImGui::Spacing();
+    if (ImGui::Button("End and leave")) commands.leave = true;
+    ImGui::SameLine();
+    const bool esc =
+        state.leave == LeaveDialog::kOpen && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+    stays = !ImGui::Button("Go on  (Esc)") && !esc;
+    ImGui::SetItemDefaultFocus();
+    if (!stays) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+  }
+  state.leave = stays ? LeaveDialog::kOpen : LeaveDialog::kClosed;
+}
+
 void draw_key_lines(const char* name, std::span<const KeyLine> lines) {
   if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
   for (const KeyLine& line : lines) {

@@ -47,7 +47,9 @@ struct PanelModel {
   const model::TissueParameters& tissue;  // in force
   const noise::NoiseSettings& noise;      // in force
   std::vector<HandStatus> hands;
-  std::string recording{};  // file being written; empty: none
+  std::string recording{};       // file being written; empty: none
+  bool records_run = false;      // that file is of the whole run, so that it ends with the run (--record)
+  std::string recording_note{};  // what is recorded, since when
   std::string looked_at{};  // file that the viewer could open: this one, or the previous one; empty: none
   bool ended = false;       // the run has ended
   bool paused = false;      // the picture is held, the run continues
@@ -61,6 +63,8 @@ struct PanelModel {
   std::uint64_t rows_left_out = 0;
   std::span<const scene::InclusionSetup> inclusions{};  // in force, visible and hidden
   std::optional<SearchStatus> search{};                 // of task palpate
+  bool can_undo = false;
+  bool can_redo = false;
   std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
 };
 
@@ -71,19 +75,23 @@ struct Commands {
   std::optional<haptics::LiveInclusion> inclusion;
   std::optional<scene::Overrides> request;  // start another session with its own tissue and noise
   std::optional<ChosenFile> file;
-  bool again = false;  // restart the session with the same tissue and noise
-  std::optional<bool> record;
-  bool pause = false;      // hold the picture, or release it
-  bool pause_run = false;  // pause the run, or resume it
+  bool again = false;          // restart the session with the same tissue and noise
+  std::optional<bool> record;  // begin a recording of this run, or end it; the run goes on
+  bool pause = false;          // hold the picture, or release it
+  bool pause_run = false;      // pause the run, or resume it
   bool screenshot = false;
   bool reset_faults = false;
   bool full_screen = false;
-  bool home = false;  // restore the first view
-  bool look = false;  // open the recording in a viewer
+  bool home = false;         // restore the first view
+  std::optional<bool> undo;  // the last change of parameters; false: redo
+  bool look = false;         // open the recording in a viewer
   bool leave = false;
   std::optional<bool> map;  // of the felt stiffness
   bool end_search = false;
 };
+
+/// The question before the window closes while it records.
+enum class LeaveDialog { kClosed, kOpening, kOpen };
 
 /// Visibility of the panels, and the state of their input fields.
 struct PanelState {
@@ -93,6 +101,12 @@ struct PanelState {
   double user_threshold = 20e-3;  // N, touch threshold of the user
   double noise_share = 0.6;       // fraction of the threshold
   FileChooser files;
+  LeaveDialog leave = LeaveDialog::kClosed;
+
+  /// Whether a dialog has the keyboard.
+  [[nodiscard]] bool dialog_is_open() const noexcept {
+    return files.is_open() || leave != LeaveDialog::kClosed;
+  }
 };
 
 /// Layout of the window. The panels are beside the picture, never on it.
@@ -126,6 +140,7 @@ struct Plotted {
 // Each function draws one panel (between ImGui's NewFrame and Render) and adds the user's commands.
 void draw_left(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
+void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_plots(const Rectangle& place, const Plotted& plotted);
 void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
 [[nodiscard]] Plotted plotted(const PanelModel& shown);

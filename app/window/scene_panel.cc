@@ -102,6 +102,23 @@ bool half_button(const char* text, bool enabled, const std::string& explanation)
   return pressed;
 }
 
+void record_button(const PanelModel& shown, Commands& commands) {
+  if (shown.records_run) {
+    (void)half_button("End recording###record", false,
+                      "the program records whole runs (--record): this recording ends with its run");
+    return;
+  }
+  const bool recording = !shown.recording.empty();
+  const char* text = recording     ? "End recording###record"
+                     : shown.ended ? "Save the run###record"
+                                   : "Record###record";
+  if (half_button(text, true,
+                  "Ctrl + R: writes palpate-DATE-TIME.h5 in the working folder; the run goes on.\n"
+                  "The recording has all of the run from its start, so that it replays bit for bit.")) {
+    commands.record = !recording;
+  }
+}
+
 void run_buttons(const PanelModel& shown, Commands& commands) {
   if (half_button("Run again", true, "Enter: zero force, then the same from the start"))
     commands.again = true;
@@ -112,12 +129,7 @@ void run_buttons(const PanelModel& shown, Commands& commands) {
                   pause)) {
     commands.pause_run = true;
   }
-  const bool recording = !shown.recording.empty() && !shown.ended;
-  if (half_button(recording ? "End recording" : "Record", true,
-                  "Ctrl + R: the session starts again, so that the recording is complete\n"
-                  "and replays bit for bit; ending it begins a session without")) {
-    commands.record = !recording;
-  }
+  record_button(shown, commands);
   ImGui::SameLine();
   const std::string look = shown.looked_at.empty()
                                ? "V: nothing is recorded yet; Record, or palpate run --record FILE"
@@ -153,11 +165,11 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
               "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps");
     choose_task(shown, commands);
   }
+  run_buttons(shown, commands);
+  ImGui::TextColored(shown.recording.empty() ? colour::kFaint : colour::kForce, "%s",
+                     shown.recording_note.c_str());
   inclusion_rows(shown, commands);
   search_panel(shown, commands);
-  run_buttons(shown, commands);
-  const bool recording = !shown.recording.empty() && !shown.ended;
-  if (recording) ImGui::TextColored(colour::kForce, "recording to %s", short_name(shown.recording).c_str());
   ImGui::Spacing();
 }
 

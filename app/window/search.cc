@@ -10,6 +10,7 @@
 
 #include "core/haptics/simulation.h"
 #include "io/system/clock.h"
+#include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/palpation_report.h"
 
@@ -26,12 +27,18 @@ void score_rows(const palpation::Score& score) {
   }
 }
 
-/// The colours of the map, with the factors at their ends.
+/// The colours of the map, with the factors at their ends. Without the map its place stays empty, so that
+/// nothing below moves.
 void colour_bar(const SearchStatus& search) {
   constexpr int kSteps = 32;
   const float width = ImGui::GetContentRegionAvail().x;
   const float height = 0.6F * ImGui::GetFontSize();
   const ImVec2 corner = ImGui::GetCursorScreenPos();
+  if (!search.shows_map) {
+    ImGui::Dummy(ImVec2(width, height));
+    ImGui::TextDisabled("its colours");
+    return;
+  }
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 colour = render::map_colour((i + 0.5) / kSteps);
     const auto level = [&](int k) { return static_cast<int>(std::lround(255.0 * render::srgb(colour[k]))); };
@@ -56,6 +63,18 @@ void Search::end() {
   if (score_) return;
   score_ = scorer_.score();
   shows_map = true;
+}
+
+std::size_t Search::take_untouched_marks() {
+  return scorer_.untouched_marks() - std::exchange(untouched_, scorer_.untouched_marks());
+}
+
+std::string answer_text(const palpation::Score& score) {
+  const char* lumps = score.lumps.size() == 1 ? "lump" : "lumps";
+  std::string text = fmt::format("{} of {} {} found", score.found, score.lumps.size(), lumps);
+  if (score.wrong > 0) text += fmt::format(", {} false mark{}", score.wrong, score.wrong > 1 ? "s" : "");
+  if (score.error) text += fmt::format(", marks {:.1f} mm away", *score.error / kMillimetre);
+  return text + ".";
 }
 
 double Search::pointer_gain(const Traces& traces) const {
@@ -115,31 +134,39 @@ SearchStatus Search::status() const {
 void search_panel(const PanelModel& shown, Commands& commands) {
   if (!shown.search) return;
   const SearchStatus& search = *shown.search;
-  {
-    const Rows rows("search");
-    rows.text("Hidden lumps", std::to_string(search.lumps));
-    rows.text("Marks", std::to_string(search.marks),
-              "M, the left mouse button or the device's button marks the place under the tool");
-    rows.text("Coverage", fmt::format("{:.0f} %", 100.0 * search.coverage),
-              "touched share of the organ's upper side");
-    if (search.pointer_gain < 1.0) {
-      rows.text("Pointer", fmt::format("{:.0f} % of its speed", 100.0 * search.pointer_gain),
-                "pseudo-haptics: over stiff places the mouse moves the tool less");
-    }
-  }
-  bool map = search.shows_map;
-  if (ImGui::Checkbox("Map of the felt stiffness", &map)) commands.map = map;
-  if (map) colour_bar(search);
+  ImGui::Separator();
   if (search.score) {
-    score_rows(*search.score);
     if (ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) {
       scene::Overrides request = shown.request;
       request.seed = shown.scene.seed + 1;
       commands.request = std::move(request);
     }
-  } else if (ImGui::Button("End the search", ImVec2(-1.0F, 0.0F))) {
-    commands.end_search = true;
+  } else {
+    ImGui::PushTextWrapPos(0.0F);
+    ImGui::TextColored(colour::kFaint,
+                       "Press, compare the force at equal depth, and mark each lump while you touch it: M, a "
+                       "click or the device's button.");
+    ImGui::PopTextWrapPos();
+    if (ImGui::Button("End the search", ImVec2(-1.0F, 0.0F))) commands.end_search = true;
   }
+  bool map = search.shows_map;
+  if (ImGui::Checkbox("Map of the felt stiffness  (T)", &map)) commands.map = map;
+  colour_bar(search);
+  {
+    const Rows rows("search");
+    rows.text("Hidden lumps", std::to_string(search.lumps));
+    rows.text("Marks", std::to_string(search.marks), "of places under the tool, made in contact");
+    rows.text("Coverage", fmt::format("{:.0f} %", 100.0 * search.coverage),
+              "touched share of the organ's upper side");
+    if (search.pointer_gain) {
+      rows.text("Pointer",
+                *search.pointer_gain < 1.0
+                    ? fmt::format("{:.0f} % of its speed", 100.0 * *search.pointer_gain)
+                    : "at its full speed",
+                "pseudo-haptics: over stiff places the mouse moves the tool less");
+    }
+  }
+  if (search.score) score_rows(*search.score);
 }
 
 }  // namespace palpate::app

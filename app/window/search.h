@@ -1,7 +1,10 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "palpate/scene.h"
@@ -22,7 +25,15 @@ struct SearchStatus {
   bool shows_map = false;                   // the picture shows the felt stiffness
   double low = 1.0;                         // factors at the ends of the map's colours
   double high = 1.25;
-  double pointer_gain = 1.0;  // of the mouse, below 1 over stiff places; 1 also without a mouse
+  std::optional<double> pointer_gain{};  // of the mouse, below 1 over stiff places; none without a mouse
+};
+
+/// A search of a window's session, after its end.
+struct SearchOutcome {
+  std::filesystem::path recording;  // empty: not recorded
+  std::uint64_t seed = 0;           // of the places
+  std::uint64_t rows_left_out = 0;  // that the window missed, so that the score is of the others
+  palpation::Score score;
 };
 
 /// The search for hidden inclusions in a window's run (task palpate). All members: [setup], the window's
@@ -36,6 +47,8 @@ class Search final {
   void add(const haptics::TickRow& row) { scorer_.add(row); }
   /// Ends the search: the score is final.
   void end();
+  /// Number of new presses of the button without contact since the last call; they mark nothing.
+  [[nodiscard]] std::size_t take_untouched_marks();
   [[nodiscard]] bool ended() const noexcept { return score_.has_value(); }
 
   /// How far the pointer moves for a motion of the mouse, where the tissue was last pressed: the inverse cube
@@ -57,9 +70,13 @@ class Search final {
   const Session& session_;
   palpation::Scorer scorer_;
   std::optional<palpation::Score> score_;
-  double low_ = 1.0;  // factors at the ends of the map's colours
+  std::size_t untouched_ = 0;  // presses without contact that take_untouched_marks() has returned
+  double low_ = 1.0;           // factors at the ends of the map's colours
   double high_ = 1.25;
   std::int64_t next_ns_ = 0;  // time of the next update of the picture
 };
+
+/// [any] The result of a search as one sentence: "2 of 3 lumps found, 1 false mark."
+[[nodiscard]] std::string answer_text(const palpation::Score& score);
 
 }  // namespace palpate::app

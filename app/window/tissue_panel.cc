@@ -1,4 +1,6 @@
 // The panels "Tissue" and "Touch noise", which change parameters of the running session.
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -77,6 +79,27 @@ bool relaxation_rows(model::TissueParameters& tissue) {
   return changed;
 }
 
+/// The tissue as its preset or, of another name, as the scene has it.
+std::optional<model::TissueParameters> preset_of(const PanelModel& shown) {
+  const auto& names = model::tissue_preset_names();
+  if (std::find(names.begin(), names.end(), shown.tissue.name) != names.end()) {
+    return model::tissue_preset(shown.tissue.name);
+  }
+  if (shown.tissue.name == shown.scene.tissue.name) return shown.scene.tissue;
+  return std::nullopt;
+}
+
+void undo_buttons(const PanelModel& shown, Commands& commands) {
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  ImGui::BeginDisabled(!shown.can_undo);
+  if (ImGui::Button("Undo  (Ctrl + Z)", ImVec2(half, 0.0F))) commands.undo = true;
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!shown.can_redo);
+  if (ImGui::Button("Redo  (Ctrl + Y)", ImVec2(half, 0.0F))) commands.undo = false;
+  ImGui::EndDisabled();
+}
+
 std::string evidence(const model::TissueParameters& tissue) {
   if (!tissue.source || tissue.source->indenter.empty()) {
     return "illustrative: no [tissue.source] names a measurement";
@@ -119,10 +142,14 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
     changed |= relaxation_rows(tissue);
     ImGui::TreePop();
   }
-  if (!shown.tissue_note.empty()) {
-    ImGui::PushTextWrapPos(0.0F);
-    ImGui::TextColored(colour::kWarning, "%s", shown.tissue_note.c_str());
-    ImGui::PopTextWrapPos();
+  undo_buttons(shown, commands);
+  if (const std::optional<model::TissueParameters> preset = preset_of(shown)) {
+    ImGui::BeginDisabled(*preset == shown.tissue);
+    if (ImGui::Button("Reset to preset", ImVec2(-1.0F, 0.0F))) {
+      tissue = *preset;
+      changed = true;
+    }
+    ImGui::EndDisabled();
   }
   if (ImGui::Button("Save as a file ...", ImVec2(-1.0F, 0.0F))) {
     state.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue.name + ".toml"));

@@ -132,7 +132,13 @@ bool Viewport::take_events(
 }
 
 void Viewport::take(const SDL_Event& event) {
-  ImGui_ImplSDL2_ProcessEvent(&event);
+  if (event.type == SDL_KEYDOWN || event.type == SDL_KEYUP) {
+    input_.add_key(event.key);
+  } else if (event.type == SDL_TEXTINPUT) {
+    input_.add_text(event.text.text);
+  } else {
+    ImGui_ImplSDL2_ProcessEvent(&event);
+  }
   if (event.type == SDL_MOUSEMOTION) mouse_at_ = {event.motion.x, event.motion.y};
   if (event.type == SDL_MOUSEBUTTONDOWN || event.type == SDL_MOUSEBUTTONUP) take_mouse(event.button);
   if (event.type == SDL_KEYDOWN) take_key(event.key.keysym);
@@ -155,10 +161,24 @@ void Viewport::take_mouse(const SDL_MouseButtonEvent& button) {
   mouse_at_ = {button.x, button.y};
   const int number = imgui_button(button.button);
   if (number < 0) return;
-  const bool down = button.type == SDL_MOUSEBUTTONDOWN;
-  const std::uint32_t bit = 1U << static_cast<std::uint32_t>(number);
-  mouse_down_ = down ? mouse_down_ | bit : mouse_down_ & ~bit;
-  if (down) mouse_pressed_ |= bit;
+  input_.add_button(static_cast<std::size_t>(number), button.type == SDL_MOUSEBUTTONDOWN);
+}
+
+/// Gives the panels the keys, buttons and text of this frame.
+void Viewport::pass_input() {
+  constexpr float kDoubleClick = 0.3F;  // s, at a high frame rate
+  const InputQueue::Frame frame = input_.next();
+  ImGuiIO& io = ImGui::GetIO();
+  for (std::size_t code = 0; code < frame.keys.size(); ++code) io.KeysDown[code] = frame.keys[code];
+  io.KeyCtrl = (frame.modifiers & KMOD_CTRL) != 0;
+  io.KeyShift = (frame.modifiers & KMOD_SHIFT) != 0;
+  io.KeyAlt = (frame.modifiers & KMOD_ALT) != 0;
+  io.KeySuper = (frame.modifiers & KMOD_GUI) != 0;
+  if (!frame.text.empty()) io.AddInputCharactersUTF8(frame.text.c_str());
+  for (std::size_t button = 0; button < frame.buttons.size(); ++button) {
+    io.MouseDown[button] = frame.buttons[button];
+  }
+  io.MouseDoubleClickTime = kDoubleClick + 2.0F * io.DeltaTime;  // its clicks are in frames of their own
 }
 
 void Viewport::look_at_scale() {
@@ -188,10 +208,7 @@ void Viewport::begin_panels() {
   // Use the mouse position of the events. It differs from the system's when a test sends events.
   ImGuiIO& io = ImGui::GetIO();
   io.MousePos = ImVec2(static_cast<float>(mouse_at_.first), static_cast<float>(mouse_at_.second));
-  for (std::uint32_t button = 0; button < 3; ++button) {
-    io.MouseDown[button] = (((mouse_down_ | mouse_pressed_) >> button) & 1U) != 0;
-  }
-  mouse_pressed_ = 0;
+  pass_input();
   const bool dialog = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup);
   if (keys_in_panels_ || dialog) {
     io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;

@@ -13,6 +13,7 @@
 #include "palpate/offscreen.h"
 
 #include "app/window/display.h"
+#include "app/window/input_queue.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {
@@ -107,6 +108,7 @@ class Viewport final {
  private:
   void take_key(const SDL_Keysym& key);
   void take_mouse(const SDL_MouseButtonEvent& button);
+  void pass_input();
   void look_at_scale();
 
   Display display_;
@@ -120,8 +122,7 @@ class Viewport final {
   bool scale_may_differ_ = false;
   bool keys_in_panels_ = false;  // arrows, Space and Enter belong to the panels
   std::pair<int, int> mouse_at_{-1, -1};
-  std::uint32_t mouse_down_ = 0;     // one bit per ImGui button
-  std::uint32_t mouse_pressed_ = 0;  // in this frame, so that a click shorter than a frame counts
+  InputQueue input_;  // for the panels
 };
 
 /// [setup] "palpate-DATE-TIME" with this file name extension, in the working folder.

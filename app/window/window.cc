@@ -75,6 +75,7 @@ bool Window::frame() {
   take_rows();
   if (leaving_) return false;
   poll_search();
+  poll_recording();
   steering_.update_devices(camera_);
   const Traces::NoiseStatistics statistics = traces_->take_noise_statistics();
   steering_.rumble(statistics.tissue, statistics.noise);
@@ -198,6 +199,10 @@ std::string Window::banner_text(bool& fault) const {
     return run_->failure();
   }
   if (next_ != nullptr) return "The next session is being prepared ...";
+  if (search_ != nullptr && search_->ended()) {
+    return "The search has ended: " + answer_text(*search_->score()) +
+           "  The dark balls in the picture are the lumps.  Esc: leave.";
+  }
   if (run_->ended()) return "The run has ended.  Enter: once more.  Esc: leave.";
   if (run_->pausing()) return "The run is paused: no time passes in it.  Ctrl + Space: on with it.";
   if (paused_) return "The picture is held; the run goes on.  Space: on with it.";
@@ -208,7 +213,9 @@ PanelModel Window::shown() const {
   PanelModel shown{
       run_->session().scene(), request_, *traces_, shown_, now_.tissue, now_.noise, hand_texts()};
   shown.inclusions = now_.inclusions;
-  shown.recording = run_->recording().string();
+  shown.recording = recording() ? recording_now().string() : std::string();
+  shown.records_run = tape_ == nullptr && !run_->ended();
+  shown.recording_note = recording_note();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
   shown.paused = paused_;
@@ -221,6 +228,8 @@ PanelModel Window::shown() const {
   for (const auto& [when, age] : ages_) shown.largest_age = std::max(shown.largest_age, age);
   shown.rows_left_out = run_->observer().left_out();
   shown.tissue_note = tissue_note_;
+  shown.can_undo = history_.can_undo();
+  shown.can_redo = history_.can_redo();
   if (search_ != nullptr) {
     shown.search = search_->status();
     if (steering_.mouse_steers()) shown.search->pointer_gain = search_->pointer_gain(*traces_);
@@ -238,6 +247,7 @@ void Window::compose() {
   if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, plotted(all));
   draw_overlay();
   draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
+  draw_leave_dialog(all, panels_, commands_);
   if (std::optional<ChosenFile> file = panels_.files.draw()) commands_.file = std::move(file);
   Viewport::end_panels();
 }
@@ -246,13 +256,13 @@ void Window::compose() {
 void Window::draw_overlay() {
   bool fault = false;
   banner_ = banner_text(fault);
-  viewport_.draw_overlay(layout_.picture, {{banner_, fault}},
+  viewport_.draw_overlay(layout_.picture, {{banner_, fault}, {tissue_note_, false}},
                          title_of(run_->session().scene()) + formatted("   %.1f s", traces_->newest_time()));
 }
 
 WindowOutcome Window::finish() {
   if (!run_->started()) run_->start();  // an unstarted run has no result
-  run_->stop();
+  close_run();
   next_.reset();
   if (first_ended_) {
     later_fault_ = later_fault_ || (run_->result() && run_->result()->loop.fault != haptics::Fault::kNone);
@@ -265,6 +275,7 @@ WindowOutcome Window::finish() {
   outcome.result = *first_result_;
   outcome.more_runs = runs_begun_ - 1;
   outcome.later_fault = later_fault_;
+  outcome.searches = searches_;
   outcome.frames = all_ages_.count();
   outcome.median_age = 1e-9 * static_cast<double>(all_ages_.percentile(0.5));
   outcome.largest_age = 1e-9 * static_cast<double>(all_ages_.max());

@@ -22,6 +22,8 @@
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
+#include "app/window/parameter_history.h"
+#include "app/window/run_tape.h"
 #include "app/window/search.h"
 #include "app/window/steering.h"
 #include "app/window/traces.h"
@@ -50,11 +52,12 @@ class Observers final {
 
 /// Options of the window and of its sessions.
 struct WindowOptions {
-  std::filesystem::path recording;   // of the first session; empty: not recorded
+  // Of the first session; later ones get the names NAME-2.h5 and so on. Empty: none is recorded.
+  std::filesystem::path recording;
   haptics::LoopThread thread;        // thread settings of every session's loop
   std::optional<double> duration_s;  // of every session
   bool no_cache = false;
-  bool stays = true;                        // the window stays open after the run
+  bool stays = true;  // the window stays open after the run; after a search that the user ends it always does
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C
   net::IgtlServer* igtl = nullptr;          // sends all runs to other programs; outlives the window
   Display::Size size{1440, 900};
@@ -64,13 +67,14 @@ struct WindowOptions {
 
 /// Result of a window's sessions.
 struct WindowOutcome {
-  RunResult result;             // result of the first session
-  std::uint64_t more_runs = 0;  // sessions started in the window
-  bool later_fault = false;     // one of those had a fault
-  std::uint64_t frames = 0;     // frames that showed a running session
-  double median_age = 0.0;      // s, age of the shown snapshots
-  double largest_age = 0.0;     // s
-  bool display_lost = false;    // the window ended because the display was lost
+  RunResult result;                       // result of the first session
+  std::uint64_t more_runs = 0;            // sessions started in the window
+  std::vector<SearchOutcome> searches{};  // of task palpate, in their order
+  bool later_fault = false;               // one of those had a fault
+  std::uint64_t frames = 0;               // frames that showed a running session
+  double median_age = 0.0;                // s, age of the shown snapshots
+  double largest_age = 0.0;               // s
+  bool display_lost = false;              // the window ended because the display was lost
 };
 
 /// The window of `palpate run`: picture and panels. The session runs on other threads. All members: [setup],
@@ -116,7 +120,9 @@ class Window final {
   // window_events.cc
   void take_event(const SDL_Event& event, std::pair<int, int> way);
   void key_down(const SDL_KeyboardEvent& key);
-  void control_key(SDL_Keycode key);
+  void escape_key(const SDL_KeyboardEvent& key);
+  void enter_key();
+  void control_key(const SDL_Keysym& key);
   void letter_key(SDL_Keycode key);
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
@@ -131,6 +137,7 @@ class Window final {
   void poll_runs();
   void poll_next();
   void end_run();
+  void close_run();
   void take_rows();
   void poll_search();
   void grant(const Commands& commands);
@@ -139,7 +146,18 @@ class Window final {
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
   void apply_inclusion(const haptics::LiveInclusion& change);
-  void restart(scene::Overrides request, bool keep_edits, std::filesystem::path recording);
+  void apply_parameters(const Commands& commands);
+  void apply_all(const LiveParameters& wanted);
+  void undo_or_redo(bool undo);
+  void restart(scene::Overrides request, bool keep_edits);
+  // window_recording.cc
+  void record(bool on);
+  void poll_recording();
+  void end_recording();
+  [[nodiscard]] bool recording() const;
+  [[nodiscard]] std::filesystem::path recording_now() const;
+  [[nodiscard]] std::string recording_note() const;
+  // window_runs.cc
   void look_at(const std::filesystem::path& recording);
   void make_renderer();
   [[nodiscard]] render::Subject subject() const;
@@ -170,11 +188,16 @@ class Window final {
   Steering steering_;
   std::unique_ptr<Traces> traces_;
   std::unique_ptr<LiveRun<RowObserver>> run_;
+  std::unique_ptr<RunTape> tape_;   // of the run; null: it is recorded from its start
+  bool run_closed_ = false;         // close_run() was called
+  bool ended_by_user_ = false;      // the user ended the search
   std::unique_ptr<Search> search_;  // of the run; null: another task
+  std::vector<SearchOutcome> searches_;
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
   LiveParameters now_;  // of this run, or of the next one
+  ParameterHistory history_;
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;
@@ -184,6 +207,8 @@ class Window final {
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;
+  EscapeGuard escape_;
+  bool panel_used_ = false;  // later than the picture, so that Enter may be meant for the panel
   bool mouse_over_ = false;  // the last mouse event was over the picture
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;

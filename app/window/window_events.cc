@@ -40,7 +40,8 @@ void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
 
 void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   const bool down = button.type == SDL_MOUSEBUTTONDOWN;
-  if (down && !over_picture(button.x, button.y)) return;
+  if (down) panel_used_ = !over_picture(button.x, button.y);
+  if (down && panel_used_) return;
   if (down) ImGui::SetWindowFocus(nullptr);  // returns the keyboard to the picture
   if (button.button == SDL_BUTTON_LEFT) steering_.grip(down);
   camera_controller_.button(button, !steering_.mouse_steers());
@@ -79,16 +80,13 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
   if (which == SDLK_F1) panels_.help = !panels_.help;
   if (which == SDLK_F8) panels_.hidden = !panels_.hidden;
   if (which == SDLK_F11) commands_.full_screen = true;
-  if (panels_.files.is_open() || ImGui::GetIO().WantTextInput) return;
   if (which == SDLK_ESCAPE) {
-    const bool in_panels = panels_.help || ImGui::GetIO().NavVisible;
-    panels_.help = false;
-    ImGui::SetWindowFocus(nullptr);
-    if (!in_panels) leaving_ = true;
+    escape_key(key);
     return;
   }
+  if (panels_.dialog_is_open() || ImGui::GetIO().WantTextInput) return;
   if ((key.keysym.mod & KMOD_CTRL) != 0) {
-    control_key(which);
+    control_key(key.keysym);
   } else if (!ImGui::GetIO().NavVisible) {  // otherwise the panels use arrows, Space and Enter
     view_key(key);
     letter_key(which);
@@ -97,8 +95,37 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
   }
 }
 
-void Window::control_key(SDL_Keycode key) {
-  if (key == SDLK_r) commands_.record = run_->recording().empty() || run_->ended();
+/// Closes what is open; else leaves, after a question while a recording is written. Dialogs and fields close
+/// by themselves in the next frame.
+void Window::escape_key(const SDL_KeyboardEvent& key) {
+  const bool in_field = panels_.dialog_is_open() || ImGui::GetIO().WantTextInput;
+  const bool closes = in_field || panels_.help || ImGui::GetIO().NavVisible;
+  const bool leaves = escape_.leaves(key.timestamp, closes);
+  if (in_field) return;
+  panels_.help = false;
+  ImGui::SetWindowFocus(nullptr);
+  if (!leaves) return;
+  if (recording()) {
+    panels_.leave = LeaveDialog::kOpening;
+  } else {
+    leaving_ = true;
+  }
+}
+
+/// Enter runs again, unless a panel was used later than the picture: then the key may be meant for a field.
+void Window::enter_key() {
+  if (panel_used_) {
+    viewport_.show_message("Enter runs again after a click on the picture; or use the button Run again");
+  } else {
+    commands_.again = true;
+  }
+}
+
+void Window::control_key(const SDL_Keysym& pressed) {
+  const SDL_Keycode key = pressed.sym;
+  if (key == SDLK_z) commands_.undo = (pressed.mod & KMOD_SHIFT) == 0;
+  if (key == SDLK_y) commands_.undo = false;
+  if (key == SDLK_r) commands_.record = !recording();
   if (key == SDLK_SPACE) commands_.pause_run = true;
   if (key == SDLK_o) panels_.files.open(FileUse::kOrgan, std::filesystem::current_path());
   if (key == SDLK_s) {
@@ -128,7 +155,7 @@ void Window::view_key(const SDL_KeyboardEvent& key) {
   camera_controller_.zoom_key(which);
   if (which == SDLK_HOME) commands_.home = true;
   if (which == SDLK_SPACE) commands_.pause = true;
-  if (which == SDLK_RETURN || which == SDLK_KP_ENTER) commands_.again = true;
+  if (which == SDLK_RETURN || which == SDLK_KP_ENTER) enter_key();
 }
 
 void Window::file_dropped(const std::filesystem::path& file) {

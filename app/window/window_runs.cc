@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include <imgui.h>
 #include <sys/wait.h>
 
 #include "io/system/child_process.h"
@@ -23,13 +24,21 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
-  search_.reset();  // refers to the previous session
+  search_.reset();  // search and tape refer to the previous session
+  tape_.reset();
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
   ++runs_begun_;
-  if (!run_->recording().empty()) last_recording_ = run_->recording();
   const scene::Scene& scene = run_->session().scene();
+  if (run_->recording().empty()) {
+    tape_ = std::make_unique<RunTape>(scene);
+  } else {
+    last_recording_ = run_->recording();
+  }
+  run_closed_ = false;
+  ended_by_user_ = false;
   now_ = LiveParameters(scene);
+  history_.clear();
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(scene.rate_Hz);
   snapshot_there_ = false;
@@ -64,10 +73,16 @@ render::Subject Window::subject() const {
 }
 
 void Window::take_rows() {
-  if (search_ == nullptr) {
-    traces_->take(run_->observer(), !paused_);
-  } else {
-    traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) { search_->add(row); });
+  traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) {
+    if (search_ != nullptr) search_->add(row);
+    if (tape_ != nullptr) tape_->add(row);
+  });
+  haptics::ParameterUpdate update;
+  while (run_->observer().take(update)) {
+    if (tape_ != nullptr) tape_->add(update);
+  }
+  if (search_ != nullptr && search_->take_untouched_marks() > 0) {
+    viewport_.show_message("no mark: the tool does not touch the tissue. Press, then mark.");
   }
 }
 
@@ -86,8 +101,7 @@ void Window::poll_search() {
 
 /// Ends the run: zero force, recording closed, devices free for the next session.
 void Window::end_run() {
-  run_->stop();
-  take_rows();
+  close_run();
   steering_.drop();
   run_->session().close_devices();
   const bool fault = run_->result() && run_->result()->loop.fault != haptics::Fault::kNone;
@@ -100,10 +114,22 @@ void Window::end_run() {
   }
 }
 
+/// Stops the run and completes its recording and its search.
+void Window::close_run() {
+  if (std::exchange(run_closed_, true)) return;
+  run_->stop();
+  take_rows();
+  end_recording();
+  if (search_ == nullptr) return;
+  search_->end();
+  searches_.push_back(
+      {recording_now(), run_->session().scene().seed, run_->observer().left_out(), *search_->score()});
+}
+
 void Window::poll_runs() {
   poll_next();
   if (!run_->ended() || next_ != nullptr) return;
-  if (!options_.stays) leaving_ = true;
+  if (!options_.stays && !ended_by_user_) leaving_ = true;
 }
 
 void Window::poll_next() {
@@ -131,13 +157,15 @@ void Window::poll_next() {
   }
 }
 
-void Window::restart(scene::Overrides request, bool keep_edits, fs::path recording) {
+/// Starts another session. Where the first was recorded (--record) it is, too, in a file of its own.
+void Window::restart(scene::Overrides request, bool keep_edits) {
   if (next_ != nullptr) {
     viewport_.show_message("the next session is being prepared already");
     return;
   }
-  next_ = std::make_unique<NextSession>(std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
-                                        std::move(recording));
+  next_ = std::make_unique<NextSession>(
+      std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
+      options_.recording.empty() ? fs::path() : free_name(options_.recording, false));
 }
 
 /// Opens a recording in a separate process, which cannot delay the running loop. The viewer shows the rows
@@ -207,6 +235,41 @@ void Window::apply_inclusion(const haptics::LiveInclusion& change) {
   }
 }
 
+/// Applies changes of parameters, and keeps the former ones for undo.
+void Window::apply_parameters(const Commands& commands) {
+  const bool held = ImGui::IsAnyItemActive();
+  history_.next_frame(held);
+  const LiveParameters before = now_;
+  if (commands.tissue) apply_tissue(*commands.tissue);
+  if (commands.noise) apply_noise(*commands.noise);
+  if (commands.inclusion) apply_inclusion(*commands.inclusion);
+  if (!equal(before, now_)) history_.add(before, held);
+  if (commands.undo) undo_or_redo(*commands.undo);
+}
+
+void Window::undo_or_redo(bool undo) {
+  const std::optional<LiveParameters> wanted = undo ? history_.undo(now_) : history_.redo(now_);
+  if (wanted) {
+    apply_all(*wanted);
+  } else {
+    viewport_.show_message(undo ? "no change of this run is left to undo" : "nothing is left to redo");
+  }
+}
+
+void Window::apply_all(const LiveParameters& wanted) {
+  if (wanted.tissue != now_.tissue) apply_tissue(wanted.tissue);
+  LiveParameters other_noise = now_;
+  other_noise.noise = wanted.noise;
+  if (!equal(other_noise, now_)) apply_noise(wanted.noise);
+  for (std::size_t i = 0; i < wanted.inclusions.size(); ++i) {
+    const model::Inclusion& inclusion = wanted.inclusions[i].inclusion;
+    if (inclusion == now_.inclusions[i].inclusion) continue;
+    const Vec3& centre_S = inclusion.centre_S;
+    apply_inclusion(
+        {static_cast<std::uint32_t>(i), {centre_S.x(), centre_S.y(), centre_S.z()}, inclusion.ratio});
+  }
+}
+
 /// Pauses or resumes the run. Parameter updates wait until it resumes; only the latest of each kind is kept.
 void Window::pause_run() {
   if (!run_->session().may_pause()) {
@@ -268,14 +331,12 @@ void Window::take_file(const ChosenFile& file) {
       }
       return;
   }
-  restart(std::move(request), false, {});
+  restart(std::move(request), false);
 }
 
 void Window::grant(const Commands& commands) {
   if (commands.leave) leaving_ = true;
-  if (commands.tissue) apply_tissue(*commands.tissue);
-  if (commands.noise) apply_noise(*commands.noise);
-  if (commands.inclusion) apply_inclusion(*commands.inclusion);
+  apply_parameters(commands);
   if (commands.reset_faults) run_->session().control().reset_faults();
   if (commands.pause) paused_ = !paused_;
   if (commands.pause_run) pause_run();
@@ -285,7 +346,10 @@ void Window::grant(const Commands& commands) {
     search_->shows_map = *commands.map;
     search_->draw_on(live_, true);
   }
-  if (commands.end_search) run_->session().control().stop();
+  if (commands.end_search) {
+    ended_by_user_ = true;
+    run_->session().control().stop();
+  }
   if (commands.look) {
     if (last_recording_.empty()) {
       viewport_.show_message("nothing is recorded yet: Ctrl + R records");
@@ -294,9 +358,9 @@ void Window::grant(const Commands& commands) {
     }
   }
   if (commands.file) take_file(*commands.file);
-  if (commands.request) restart(*commands.request, false, {});
-  if (commands.record) restart(request_, true, *commands.record ? named_by_time(".h5") : fs::path());
-  if (commands.again) restart(request_, true, {});
+  if (commands.record) record(*commands.record);
+  if (commands.request) restart(*commands.request, false);
+  if (commands.again) restart(request_, true);
 }
 
 void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {

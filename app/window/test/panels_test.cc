@@ -160,19 +160,21 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   driven.key(SDLK_v);
   driven.frames(1);
   EXPECT_THAT(driven.window().message(), HasSubstr("nothing is recorded yet"));
-  ASSERT_TRUE(driven.press({"left", "Record"}));
+  const LiveRun<RowObserver>* only = &driven.window().run();
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.2; }));
+  ASSERT_TRUE(driven.press({"left", "###record"}));
   const std::filesystem::path recording = wait_for_file(driven, ".h5");
   ASSERT_FALSE(recording.empty());
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.3; }));
   ASSERT_TRUE(driven.press({"left", "Look at it"}));
   ASSERT_TRUE(driven.until([&] { return std::filesystem::exists(file("looked")); }))
       << driven.window().message();
-  const LiveRun<RowObserver>* recorded = &driven.window().run();
-  ASSERT_TRUE(driven.press({"left", "End recording"}));
-  ASSERT_TRUE(
-      driven.until([&] { return &driven.window().run() != recorded && !driven.window().preparing(); }));
+  ASSERT_TRUE(driven.press({"left", "###record"}));
+  driven.frames(2);
+  EXPECT_EQ(&driven.window().run(), only) << "the run goes on at both ends of a recording";
   const record::Recording read = record::read_recording(recording);
   EXPECT_TRUE(read.facts.complete);
+  EXPECT_EQ(read.rows.front().tick, 0U);
   EXPECT_EQ(record::replay(read).rows_different, 0U);
   ASSERT_TRUE(driven.press({"left", "Picture"}));
   EXPECT_FALSE(wait_for_file(driven, ".png").empty());
@@ -186,7 +188,99 @@ TEST_F(PanelsTest, RecordsTakesAPictureRunsAgainAndOpensTheViewer) {
   }));
   EXPECT_EQ(words, "view " + recording.string());
   close_and_expect_order(driven);
-  EXPECT_EQ(driven.finish().more_runs, 3U);
+  EXPECT_EQ(driven.finish().more_runs, 1U);
+}
+
+TEST_F(PanelsTest, EscAsksWhileItRecordsAndAgainGoesOn) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall(file("asked.h5")));
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_TRUE(driven.alive());
+  EXPECT_EQ(driven.window().panels().leave, LeaveDialog::kOpen);
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_TRUE(driven.alive());
+  EXPECT_EQ(driven.window().panels().leave, LeaveDialog::kClosed);
+  EXPECT_FALSE(driven.window().run().ended()) << "the run went on";
+  SDL_Delay(EscapeGuard::kQuiet);
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  ASSERT_TRUE(driven.press({"Leave?", "End and leave"}));
+  EXPECT_FALSE(driven.alive());
+  (void)driven.finish();
+  EXPECT_TRUE(record::read_recording(file("asked.h5")).facts.complete);
+}
+
+TEST_F(PanelsTest, EscLeavesAtOnceWithoutARecording) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.key(SDLK_ESCAPE);
+  driven.frames(1);
+  EXPECT_FALSE(driven.alive());
+}
+
+TEST_F(PanelsTest, ParametersAreUndoneRedoneAndReset) {
+  if (!display_is_there()) return;
+  const std::filesystem::path recording = file("undone.h5");
+  {
+    DrivenWindow driven(ball("mouse"), tall(recording));
+    ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+    const auto changes = [&](std::uint64_t count) {
+      return driven.until([&] { return driven.window().snapshot().change >= count; });
+    };
+    ASSERT_TRUE(driven.point_at({"left", "numbers", "##Stiffness k\u2081"}));
+    const auto [x, y] = driven.window().mouse_at();
+    driven.button(SDL_BUTTON_LEFT, true);
+    for (int i = 0; i < 4; ++i) {
+      driven.frames(2);
+      driven.move(x + 10 * i, y);
+    }
+    driven.button(SDL_BUTTON_LEFT, false);
+    driven.frames(3);
+    ASSERT_TRUE(changes(1));
+    driven.key(SDLK_n);
+    driven.key(SDLK_z, KMOD_LCTRL);  // the noise
+    driven.key(SDLK_z, KMOD_LCTRL);  // the drag, in one step
+    driven.key(SDLK_z, KMOD_LCTRL);
+    driven.frames(1);
+    EXPECT_THAT(driven.window().message(), HasSubstr("no change of this run is left to undo"));
+    driven.key(SDLK_y, KMOD_LCTRL);  // the drag again
+    driven.frames(2);
+    ASSERT_TRUE(driven.press({"left", "Reset to preset"}));
+    driven.frames(5);
+    close_and_expect_order(driven);
+    (void)driven.finish();
+  }
+  const record::Recording read = record::read_recording(recording);
+  const double preset = model::tissue_preset("liver").k1;
+  ASSERT_GE(read.changes.size(), 4U);
+  const std::size_t last = read.changes.size() - 1;
+  EXPECT_EQ(read.changes[last].tissue.k1, preset) << "reset";
+  EXPECT_GT(read.changes[last - 1].tissue.k1, preset) << "redone";
+  EXPECT_EQ(read.changes[last - 2].tissue.k1, preset) << "undone";
+  EXPECT_TRUE(read.changes[last].noise.enabled);
+  EXPECT_EQ(record::replay(read).rows_different, 0U);
+}
+
+TEST_F(PanelsTest, EnterAfterAPanelDoesNotRunAgain) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  const LiveRun<RowObserver>* first = &driven.window().run();
+  ASSERT_TRUE(driven.press({"left", "numbers", "##Stiffness k\u2081"}));
+  driven.key(SDLK_RETURN);
+  driven.frames(2);
+  EXPECT_FALSE(driven.window().preparing());
+  EXPECT_THAT(driven.window().message(), HasSubstr("Enter runs again after a click on the picture"));
+  driven.move_to_picture();
+  driven.frames(2);
+  driven.click();
+  driven.key(SDLK_RETURN);
+  ASSERT_TRUE(driven.until([&] { return &driven.window().run() != first && !driven.window().preparing(); }));
+  close_and_expect_order(driven);
 }
 
 TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {

@@ -121,15 +121,70 @@ TEST_F(WindowTest, AMouseMovesTheToolSidewaysAndTurnsTheView) {
   close_and_expect_order(driven);
 }
 
-TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
-  if (!display_is_there()) return;
-  scene::Overrides request;  // with a hidden stone under the place above which the mouse starts
+/// A search for a stone under the place above which the mouse starts.
+scene::Overrides search_for_a_stone() {
+  scene::Overrides request;
   request.scene_text = {
       "[scene]\ntask = \"palpate\"\n[organ]\nmesh = \"ball\"\ntissue = "
       "\"liver\"\n[[organ.inclusion]]\npreset = "
       "\"stone\"\nvisible = false\n[tool]\nmesh = \"sphere:5\"\n[device]\nkind = \"mouse\"\n",
       {}};
-  DrivenWindow driven(request, small());
+  return request;
+}
+
+TEST_F(WindowTest, AMarkWithoutContactIsRefusedInWords) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(search_for_a_stone(), small());
+  const Window& window = driven.window();
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
+  driven.move_to_picture();
+  driven.key(SDLK_m);
+  ASSERT_TRUE(driven.until([&] { return !window.message().empty(); }));
+  EXPECT_THAT(window.message(), HasSubstr("no mark: the tool does not touch the tissue"));
+  EXPECT_EQ(window.search()->status().marks, 0U);
+  close_and_expect_order(driven);
+}
+
+TEST_F(WindowTest, EachRecordedSearchEndsWithItsAnswerAndIsScoredInAFileOfItsOwn) {
+  if (!display_is_there()) return;
+  std::ofstream(file("search-2.h5")) << "in the way";
+  WindowOptions options = small(file("search.h5"));
+  options.stays = false;  // as with --record
+  DrivenWindow driven(search_for_a_stone(), options);
+  const Window& window = driven.window();
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
+  driven.move_to_picture();
+  for (int notch = 0; notch < 20; ++notch) Driven::wheel(1);
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().results[0].depth > 4e-3; }));
+  driven.key(SDLK_m);
+  ASSERT_TRUE(driven.until([&] { return window.search()->status().marks == 1; }));
+  ASSERT_TRUE(driven.press({"left", "End the search"}));
+  ASSERT_TRUE(driven.until([&] { return window.search()->ended(); }));
+  driven.frames(5);
+  EXPECT_TRUE(driven.alive()) << "the answer stays in the window";
+  EXPECT_THAT(window.banner(), HasSubstr("1 of 1 lump found"));
+  const LiveRun<RowObserver>* first = &window.run();
+  ASSERT_TRUE(driven.press({"left", "Run again"}));
+  ASSERT_TRUE(driven.until([&] { return &window.run() != first && window.snapshot().hands == 1; }));
+  EXPECT_EQ(window.run().recording(), file("search-3.h5"));
+  ASSERT_TRUE(driven.press({"left", "End the search"}));
+  ASSERT_TRUE(driven.until([&] { return window.search()->ended(); }));
+  close_and_expect_order(driven);
+  const WindowOutcome outcome = driven.finish();
+  ASSERT_EQ(outcome.searches.size(), 2U);
+  EXPECT_EQ(outcome.searches[0].recording, file("search.h5"));
+  EXPECT_EQ(outcome.searches[0].score.found, 1U);
+  EXPECT_EQ(outcome.searches[1].recording, file("search-3.h5"));
+  EXPECT_EQ(outcome.searches[1].score.found, 0U);
+  EXPECT_EQ(std::filesystem::file_size(file("search-2.h5")), 10U) << "no file is overwritten";
+  for (const SearchOutcome& search : outcome.searches) {
+    EXPECT_EQ(record::replay(record::read_recording(search.recording)).rows_different, 0U);
+  }
+}
+
+TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(search_for_a_stone(), small());
   const Window& window = driven.window();
   driven.frames(3);
   ASSERT_NE(window.search(), nullptr);
@@ -324,6 +379,10 @@ TEST_F(WindowTest, RunsAgainAndHoldsThePicture) {
   driven.key(SDLK_ESCAPE);
   driven.frames(2);
   EXPECT_TRUE(driven.alive()) << "the first Esc closes the keys";
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_TRUE(driven.alive()) << "a second tap at once is for the keys, too";
+  SDL_Delay(EscapeGuard::kQuiet);
   driven.key(SDLK_ESCAPE);
   driven.frames(2);
   EXPECT_FALSE(driven.alive());

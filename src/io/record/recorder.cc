@@ -114,6 +114,7 @@ struct Recorder::Impl {
   std::filesystem::path file;
   std::filesystem::path partial;
   bool offline = false;
+  bool waits = false;      // the caller waits for room in the rings
   double rows_per_second;  // of simulated time
   std::function<void(const std::string&)> on_failure;
   SpscQueue<haptics::TickRow> ring;
@@ -138,11 +139,12 @@ struct Recorder::Impl {
   std::size_t unflushed = 0;  // rows
   std::thread thread;
 
-  Impl(std::filesystem::path target, const scene::Scene& scene, bool is_offline,
+  Impl(std::filesystem::path target, const scene::Scene& scene, bool is_offline, bool does_wait,
        std::function<void(const std::string&)> when_it_fails)
       : file(std::move(target)),
         partial(make_partial(file)),
         offline(is_offline),
+        waits(is_offline || does_wait),
         rows_per_second(scene.rate_Hz * static_cast<double>(scene.tools.size())),
         on_failure(std::move(when_it_fails)),
         ring(ring_rows_in(is_offline ? kRingSecondsOffline : kRingSeconds, scene)),
@@ -292,8 +294,8 @@ void Recorder::Impl::close_file(const RunFacts& facts) {
 }
 
 Recorder::Recorder(std::filesystem::path file, const scene::Scene& scene, bool offline,
-                   std::function<void(const std::string&)> on_failure, const StudyMark& study)
-    : impl_(std::make_unique<Impl>(checked_target(file), scene, offline, std::move(on_failure))) {
+                   std::function<void(const std::string&)> on_failure, const StudyMark& study, bool waits)
+    : impl_(std::make_unique<Impl>(checked_target(file), scene, offline, waits, std::move(on_failure))) {
   const hdf5::SilenceErrors quiet;
   try {
     impl_->writer = std::make_unique<RecordingWriter>(impl_->partial, scene, facts_before(offline, study));
@@ -317,7 +319,7 @@ void Recorder::on_start(std::int64_t started_unix_ns) noexcept {
 
 void Recorder::on_update(const haptics::ParameterUpdate& change) noexcept {
   while (!impl_->change_ring.push(change)) {
-    if (!impl_->offline) {
+    if (!impl_->waits) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -327,7 +329,7 @@ void Recorder::on_update(const haptics::ParameterUpdate& change) noexcept {
 
 void Recorder::on_row(const haptics::TickRow& row) noexcept {
   while (!impl_->ring.push(row)) {
-    if (!impl_->offline) {
+    if (!impl_->waits) {
       impl_->rows_lost.fetch_add(1, std::memory_order_relaxed);
       return;
     }

@@ -18,10 +18,12 @@ class Recorder final : public RunRecorder {
   /// [setup] Creates the file under a temporary name in the same folder and starts the thread.
   /// @param on_failure called once, on the recorder's thread, when writing fails (disk full), with the file,
   /// the rows that are safe in it and the reason; the run can continue
-  /// @param study that the recording belongs to
+  /// @param study that the recording belongs to @param waits whether on_row() and on_update() wait for the
+  /// disk, as they always do offline; false: a row is lost when the ring is full
   /// @throws InputError naming the file when it cannot be created.
   Recorder(std::filesystem::path file, const scene::Scene& scene, bool offline,
-           std::function<void(const std::string&)> on_failure = {}, const StudyMark& study = {});
+           std::function<void(const std::string&)> on_failure = {}, const StudyMark& study = {},
+           bool waits = false);
   ~Recorder() override;
 
   void on_start(std::int64_t started_unix_ns) noexcept override;

@@ -61,6 +61,7 @@ std::vector<ScoreField> fields_of(const Score& score) {
        "marks outside every lump's tolerance"},
       {"repeated", score.repeated, "repeated marks", std::to_string(score.repeated),
        "further marks of a lump that is found"},
+      {"without_contact", score.untouched},
       {"error_mm", error_mm, "error",
        score.error ? fmt::format("{:.1f} mm", *score.error / kMillimetre) : "none found",
        "mean distance of a found lump to its first mark"},
@@ -131,8 +132,12 @@ void Scorer::add(const haptics::TickRow& row) {
   }
   const bool marking = (row.buttons & mark_bit_) != 0;
   if (marking && !hand.marking) {
-    add_mark({.tick = row.tick, .hand = row.hand, .place_S = place_S});
-    extend_to(row);
+    if (touching) {
+      add_mark({.tick = row.tick, .hand = row.hand, .place_S = place_S});
+      extend_to(row);
+    } else {
+      ++score_.untouched;
+    }
   }
   hand.marking = marking;
 }

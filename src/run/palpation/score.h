@@ -13,7 +13,7 @@
 
 namespace palpate::palpation {
 
-/// A point of the surface that a hand marked.
+/// A point of the surface that a hand marked while it touched the tissue.
 struct Mark {
   std::uint64_t tick = 0;
   std::uint32_t hand = 0;
@@ -39,6 +39,7 @@ struct Score {
   std::size_t missed = 0;
   std::size_t wrong = 0;          // marks outside every lump's tolerance
   std::size_t repeated = 0;       // further marks of a lump that is found
+  std::size_t untouched = 0;      // presses of the button without contact, which mark nothing
   std::optional<double> error{};  // m, mean distance of found lumps to their first marks
   double coverage = 0.0;          // share of the search area's surface that was touched, 0 to 1
   double time = 0.0;              // s, from the first contact to the last mark (no mark: the last contact)
@@ -65,6 +66,8 @@ class Scorer final {
   [[nodiscard]] Score score() const;
   /// [any] The marks so far. Whether one found a lump is in score() alone.
   [[nodiscard]] const std::vector<Mark>& marks() const noexcept { return score_.marks; }
+  /// [any] How often the button was pressed without contact, so that it marked nothing.
+  [[nodiscard]] std::size_t untouched_marks() const noexcept { return score_.untouched; }
   [[nodiscard]] const FeltMap& map() const noexcept { return map_; }
 
  private:

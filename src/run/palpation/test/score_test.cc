@@ -52,8 +52,8 @@ class Rows final {
     row.buttons = buttons;
     made_.rows.push_back(row);
   }
-  void lift() {
-    touch(0.0, 0.0, 0.0);
+  void lift(std::uint32_t buttons = 0) {
+    touch(0.0, 0.0, 0.0, buttons);
     made_.rows.back().phase = static_cast<std::uint32_t>(contact::Phase::kApproach);
     made_.rows.back().depth = 0.0;
   }
@@ -87,6 +87,19 @@ TEST(PalpationScore, CountsFoundMissedFalseAndRepeatedMarks) {
   EXPECT_TRUE(score.lumps[0].found);
   EXPECT_FALSE(score.lumps[1].covered);
   EXPECT_DOUBLE_EQ(score.time, 9e-3);  // from tick 0 to the third mark at tick 9
+}
+
+TEST(PalpationScore, AMarkNeedsContact) {
+  Rows rows(box_scene());
+  rows.touch(-20e-3, 0.0, 0.1);
+  rows.lift();
+  rows.lift(1);
+  rows.touch(-20e-3, 0.0, 0.1, 1);  // the button was pressed before the contact
+  const Score score = score_of(rows);
+  EXPECT_TRUE(score.marks.empty());
+  EXPECT_EQ(score.wrong, 0U);
+  EXPECT_EQ(score.untouched, 1U);
+  EXPECT_DOUBLE_EQ(score.time, 3e-3);  // to the last contact, because nothing is marked
 }
 
 TEST(PalpationScore, AnotherButtonMarksNothing) {

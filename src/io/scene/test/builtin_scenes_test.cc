@@ -1,0 +1,57 @@
+#include "io/scene/builtin_scenes.h"
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace palpate::scene {
+namespace {
+
+TEST(BuiltinScenes, HaveTheTextOfTheirFiles) {
+  for (const BuiltinScene& one : builtin_scenes()) {
+    std::ifstream file(std::string(PALPATE_REPOSITORY "/") + std::string(one.file));
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(one.toml, text) << one.file;
+  }
+}
+
+TEST(BuiltinScenes, AreFoundByANameOfTheirOwnAndCalledInOneLine) {
+  std::set<std::string_view> names;
+  for (const BuiltinScene& one : builtin_scenes()) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+    EXPECT_EQ(find_builtin_scene(one.name), &one);
+    EXPECT_FALSE(one.title.empty());
+    EXPECT_LE(one.line.size(), 90U);
+    EXPECT_THAT(std::string(one.line), ::testing::EndsWith("."));
+  }
+  EXPECT_EQ(names.size(), 7U);
+  EXPECT_EQ(find_builtin_scene("no-such-scene"), nullptr);
+}
+
+TEST(BuiltinScenes, GiveEachHandTheRequestedDevice) {
+  for (const BuiltinScene& one : builtin_scenes()) {
+    const Scene scene = load(request_of(one, "mouse"));
+    ASSERT_EQ(scene.devices.size(), one.name == "bimanual" ? 2U : 1U) << one.name;
+    for (const DeviceSetup& device : scene.devices) EXPECT_EQ(device.kind, "mouse") << one.name;
+  }
+}
+
+TEST(BuiltinScenes, OfPressAndPullAreTheDefaultScenes) {
+  for (const char* const task : {"press", "pull"}) {
+    Overrides by_default;
+    by_default.task = task;
+    const Scene expected = load(by_default);
+    const Scene scene = load(request_of(*find_builtin_scene(task), "scripted"));
+    EXPECT_EQ(scene.name, expected.name);
+    EXPECT_EQ(scene.task, expected.task);
+    EXPECT_EQ(scene.organ_name, expected.organ_name);
+    EXPECT_EQ(scene.tools[0].name, expected.tools[0].name);
+    EXPECT_EQ(scene.tissue, expected.tissue);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::scene
