@@ -85,11 +85,7 @@ void bind_geometry(py::module_& module) {
                              "n x 3 vertex indices, counter-clockwise seen from outside; a copy.")
       .def(
           "findings", [](const TriangleMesh& mesh) { return mesh_io::findings_of(mesh); }, others_may_run,
-          doc("findings_of"))
-      .def("__repr__", [](const TriangleMesh& mesh) {
-        return "<palpate.Mesh of " + std::to_string(mesh.vertices.size()) + " vertices, " +
-               std::to_string(mesh.triangles.size()) + " triangles>";
-      });
+          doc("findings_of"));
   module.def(
       "read_mesh",
       [](const std::filesystem::path& file, const std::optional<std::string>& unit) {

@@ -1,6 +1,7 @@
 // Inclusions: spheres in the organ of another stiffness.
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "palpate/error.h"
 
@@ -73,9 +74,16 @@ void bind_inclusions(py::module_& module) {
           "pulse", [](const InclusionTable& self) { return self.setup.inclusion.pulse; },
           "m, how far it rises towards the surface with each heartbeat.")
       .def_property_readonly(
-          "pulse_period", [](const InclusionTable& self) { return self.setup.inclusion.pulse_period; }, "s")
-      .def("__repr__",
-           [](const InclusionTable& self) { return "<palpate.Inclusion '" + self.setup.name + "'>"; });
+          "pulse_period", [](const InclusionTable& self) { return self.setup.inclusion.pulse_period; }, "s");
+  module.def(
+      "inclusion_names",
+      [] {
+        std::vector<std::string> names;
+        for (const model::InclusionPreset& preset : model::inclusion_presets())
+          names.emplace_back(preset.name);
+        return names;
+      },
+      "The names of the built-in inclusions, for Inclusion() and the argument inclusions.");
   module.def(
       "inclusion_presets",
       [] {

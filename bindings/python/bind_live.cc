@@ -204,25 +204,44 @@ std::string phase_of(const HandState& hand) {
   return contact::kPhaseNames[std::min<std::uint32_t>(hand.row.phase, 2)];
 }
 
-/// A value of a hand's row: a number, or an array of its components. All components are doubles.
-py::object value_of(const HandState& hand, const haptics::TickField& field) {
-  if (field.size() == 1) {
-    return with_number(hand.row, field.type, field.offset,
-                       [](auto number) -> py::object { return py::cast(number); });
-  }
+/// The components of a hand's vector or quaternion, all doubles.
+py::array_t<double> components_of(const HandState& hand, const haptics::TickField& field) {
   std::array<double, 4> numbers{};
   std::memcpy(numbers.data(), reinterpret_cast<const std::byte*>(&hand.row) + field.offset,
               field.size() * sizeof(double));
   return array_of(std::span(numbers.data(), field.size()));
 }
 
+/// Binds a value of a hand's row, so that its signature has the type.
+void bind_value(py::class_<HandState>& state, const haptics::TickField& field) {
+  if (field.size() > 1) {
+    state.def_property_readonly(
+        field.attribute, [field](const HandState& hand) { return components_of(hand, field); },
+        field.meaning);
+  } else if (field.type == haptics::ColumnType::kF64) {
+    state.def_property_readonly(
+        field.attribute,
+        [field](const HandState& hand) {
+          return with_number(hand.row, field.type, field.offset,
+                             [](auto number) { return static_cast<double>(number); });
+        },
+        field.meaning);
+  } else {
+    state.def_property_readonly(
+        field.attribute,
+        [field](const HandState& hand) -> py::int_ {
+          return with_number(hand.row, field.type, field.offset,
+                             [](auto number) { return py::int_(py::cast(number)); });
+        },
+        field.meaning);
+  }
+}
+
 void bind_hand_state(py::module_& module) {
   py::class_<HandState> state(module, "HandState",
                               "One hand at one tick: its row of a recording in SI units, world frame.");
   for (const haptics::TickField& field : haptics::kTickFields) {
-    if (field.attribute == nullptr) continue;
-    state.def_property_readonly(
-        field.attribute, [field](const HandState& hand) { return value_of(hand, field); }, field.meaning);
+    if (field.attribute != nullptr) bind_value(state, field);
   }
   state.def_property_readonly("phase", &phase_of, "approach, press or pull.")
       .def_property_readonly(

@@ -4,6 +4,9 @@
 #include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "core/model/tissue_fields.h"
 #include "palpate/scene.h"
@@ -61,25 +64,35 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
           py::arg("force"), doc("LayeredSpringLaw::deformation_under"))
       .def(
           "force_at",
-          [](const Law& law, const Numbers& depth) {
+          [](const Law& law, const Numbers& depth) -> NumberOrArray {
             return vectorised<double>(depth, [&](double one) { return law.force_at(one).force; });
           },
-          py::arg("depth"), doc("LayeredSpringLaw::force_at"))
+          py::arg("depth"),
+          "Contact force [N] at a penetration depth [m]; stiffness_at() gives the tangent stiffness. A depth "
+          "<= 0 "
+          "gives 0. Beyond the tissue's max_depth the force goes on by its tangent there; beyond the last "
+          "layer "
+          "it stays constant. NaN gives NaN.")
       .def(
           "stiffness_at",
-          [](const Law& law, const Numbers& depth) {
+          [](const Law& law, const Numbers& depth) -> NumberOrArray {
             return vectorised<double>(depth, [&](double one) { return law.force_at(one).stiffness; });
           },
-          py::arg("depth"), doc("ContactResponse::stiffness"))
+          py::arg("depth"),
+          "Tangent stiffness dF/dD [N/m] at a penetration depth [m]; at the end of a layer that of this "
+          "layer; "
+          "0 beyond the last layer.")
       .def(
           "depth_under",
-          [](const Law& law, const Numbers& force) {
+          [](const Law& law, const Numbers& force) -> NumberOrArray {
             return vectorised<double>(force, [&](double one) { return law.deformation_under(one).depth; });
           },
-          py::arg("force"), doc("LayeredSpringLaw::deformation_under"))
+          py::arg("force"),
+          "Penetration depth [m] under a contact force [N]: the inverse of force_at(). A force <= 0 gives 0.")
       .def_property_readonly("layers_allowed", &Law::layers_allowed, doc("LayeredSpringLaw::layers_allowed"))
       .def_property_readonly("max_depth", &Law::max_depth, doc("LayeredSpringLaw::max_depth"))
-      .def_property_readonly("max_force", &Law::max_force);
+      .def_property_readonly("max_force", &Law::max_force,
+                             "Force [N] at max_depth; infinite when the law goes on by its tangent.");
 }
 
 /// Binds each numeric tissue parameter as a property.
@@ -112,9 +125,8 @@ void bind_tissue(py::module_& module) {
       .def_property(
           "relaxation",
           [](const TissueParameters& tissue) {
-            py::list terms;
-            for (const model::RelaxationTerm& term : tissue.relaxation)
-              terms.append(py::make_tuple(term.g, term.tau));
+            std::vector<std::pair<double, double>> terms;
+            for (const model::RelaxationTerm& term : tissue.relaxation) terms.emplace_back(term.g, term.tau);
             return terms;
           },
           [](TissueParameters& tissue, const std::vector<std::pair<double, double>>& terms) {
@@ -146,8 +158,17 @@ void bind_tissue(py::module_& module) {
       .def(
           "validate", [](const TissueParameters& tissue) { model::validate(tissue); }, doc("validate"))
       .def("to_toml", &scene::to_toml, doc("to_toml"))
-      .def("__repr__",
-           [](const TissueParameters& tissue) { return "<palpate.Tissue '" + tissue.name + "'>"; });
+      .def("__copy__", [](const TissueParameters& tissue) { return tissue; })
+      .def(
+          "__deepcopy__", [](const TissueParameters& tissue, const py::dict&) { return tissue; },
+          py::arg("memo"));
+  module.def(
+      "tissue_names",
+      [] {
+        const auto names = model::tissue_preset_names();
+        return std::vector<std::string>(names.begin(), names.end());
+      },
+      doc("tissue_preset_names"));
   module.def("tissue_preset", &model::tissue_preset, py::arg("name"), doc("tissue_preset"));
   module.def("load_tissue", &scene::load_tissue, py::arg("name_or_file"), doc("load_tissue"));
 }
@@ -177,7 +198,7 @@ void bind_noise(py::module_& module) {
            doc("TouchNoise::TouchNoise"))
       .def(
           "sigma",
-          [](const TouchNoise& noise, const Numbers& distance) {
+          [](const TouchNoise& noise, const Numbers& distance) -> NumberOrArray {
             return vectorised<double>(distance, [&](double one) { return noise.sigma(one); });
           },
           py::arg("distance"), doc("TouchNoise::sigma"))
@@ -198,11 +219,12 @@ void bind_model(py::module_& module) {
                             doc("SmoothSpringLaw::SmoothSpringLaw"));
   module.def(
       "spring_law",
-      [](const TissueParameters& tissue, const std::string& direction, double loop_period) -> py::object {
+      [](const TissueParameters& tissue, const std::string& direction,
+         double loop_period) -> std::variant<LayeredSpringLaw, SmoothSpringLaw> {
         if (tissue.law == model::LawKind::kSmooth) {
-          return py::cast(SmoothSpringLaw(tissue, direction_of(direction), loop_period));
+          return SmoothSpringLaw(tissue, direction_of(direction), loop_period);
         }
-        return py::cast(LayeredSpringLaw(tissue, direction_of(direction), loop_period));
+        return LayeredSpringLaw(tissue, direction_of(direction), loop_period);
       },
       py::arg("tissue"), py::arg("direction") = "press", py::arg("loop_period") = 1e-3,
       "The law that the tissue has: a LayeredSpringLaw or a SmoothSpringLaw, as `tissue.law` says.");

@@ -18,7 +18,7 @@ palpation::ScoredRecording score(const record::Recording& recording, bool cache)
   return {recording, preparation_of(cache)};
 }
 
-py::object score_of(const record::Recording& recording, bool cache) {
+py::dict score_of(const record::Recording& recording, bool cache) {
   const std::string text = palpation::to_json(score(recording, cache).scorer().score());
   return py::module_::import("json").attr("loads")(text);
 }

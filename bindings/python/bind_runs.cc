@@ -3,13 +3,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "io/scene/device_kinds.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
 #include "palpate/tool_contact.h"
+#include "run/realtime/machine_checks.h"
 
 #include "bindings/python/docs.h"
 #include "bindings/python/scene_arguments.h"
@@ -76,6 +79,12 @@ std::string replay_difference(const Recording& recording) {
   return record::replay(recording).first_difference;
 }
 
+std::size_t export_recording(const Recording& recording, const fs::path& file) {
+  record::export_csv(recording, file);
+  if (!recording.changes.empty()) record::export_changes_csv(recording, record::changes_csv_path(file));
+  return recording.rows.size();
+}
+
 /// A pandas table with the names of phases and faults.
 py::object frame_of(const py::object& rows) {
   const py::module_ pandas = py::module_::import("pandas");
@@ -90,6 +99,18 @@ py::object frame_of(const py::object& rows) {
   frame["phase"] = categories("phase", {contact::kPhaseNames.begin(), contact::kPhaseNames.end()});
   frame["fault"] = categories("fault", faults);
   return frame;
+}
+
+/// What `palpate doctor` finds without a measurement: name, verdict, state, remedy.
+std::vector<std::tuple<std::string, std::string, std::string, std::string>> machine_checks() {
+  std::vector<std::tuple<std::string, std::string, std::string, std::string>> rows;
+  for (const realtime::MachineCheck& check : realtime::check_machine()) {
+    const char* verdict = check.verdict == realtime::Verdict::kGood  ? "good"
+                          : check.verdict == realtime::Verdict::kBad ? "bad"
+                                                                     : "unknown";
+    rows.emplace_back(check.name, verdict, check.found, check.advice);
+  }
+  return rows;
 }
 
 void bind_recording(py::module_& module) {
@@ -116,6 +137,9 @@ void bind_recording(py::module_& module) {
           "machine", [](const Recording& recording) { return recording.facts.machine; },
           doc("RunFacts::machine"))
       .def_property_readonly(
+          "hand_count", [](const Recording& recording) { return recording.scene.tools.size(); },
+          "Number of hands.")
+      .def_property_readonly(
           "started_unix_ns", [](const Recording& recording) { return recording.facts.started_unix_ns; },
           doc("RunFacts::started_unix_ns"))
       .def_property_readonly("offline", [](const Recording& recording) { return recording.facts.offline; })
@@ -127,6 +151,9 @@ void bind_recording(py::module_& module) {
       .def(
           "to_pandas", [](const py::object& self) { return frame_of(self.attr("rows")); },
           "The rows as a pandas DataFrame, by to_pandas().")
+      .def("export_csv", &export_recording, py::arg("file"), py::call_guard<py::gil_scoped_release>(),
+           "Writes the rows as CSV, as `palpate export` does, and changes of tissue or noise beside it. "
+           "Returns the number of rows. Raises InputError that names the file.")
       .def("surface", &surface_of, py::arg("tick"), py::arg("surface_edge") = 0.0, py::arg("cache") = true,
            py::call_guard<py::gil_scoped_release>(),
            "The organ's visible surface at a tick, computed by a replay up to that tick. surface_edge: as in "
@@ -158,9 +185,19 @@ void bind_runs(py::module_& module) {
       scene_arguments());
   bind_recording(module);
   module.def(
-      "to_pandas", &frame_of, py::arg("rows"),
-      "Converts the rows of simulate(), Simulation.rows() or Recording.rows to a pandas DataFrame, with "
-      "the names of phases and faults. Raises ImportError without pandas.");
+      "device_names",
+      [] {
+        std::vector<std::string> names;
+        for (const scene::DeviceKind& kind : scene::device_kinds()) {
+          if (kind.name != "host") names.emplace_back(kind.name);  // no run can open the host's device
+        }
+        return names;
+      },
+      "The kinds of devices that a scene and the argument device accept. simulate() takes scripted, replay "
+      "and emulated.");
+  module.def("_frame_of", &frame_of, py::arg("rows"));
+  module.def("_row_type", &row_type);
+  module.def("_machine_checks", &machine_checks);
 }
 
 }  // namespace palpate::python

@@ -1,9 +1,13 @@
 #pragma once
 // Shared declarations of the Python modules.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <pybind11/numpy.h>
@@ -35,6 +39,12 @@ void bind_batch(py::module_& module);
 /// Parses "press" or "pull". @throws InputError
 [[nodiscard]] model::Direction direction_of(const std::string& word);
 
+/// A number for a number, an array for an array. Signatures and type stubs show its name.
+class NumberOrArray : public py::object {
+ public:
+  NumberOrArray(py::object value) : py::object(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+};
+
 /// Applies `answer` to every number. Returns an array of the same shape, or one value for a scalar.
 template <typename Row, typename Answer>
 py::object vectorised(const Numbers& numbers, const Answer& answer) {
@@ -48,6 +58,28 @@ py::object vectorised(const Numbers& numbers, const Answer& answer) {
     for (py::ssize_t i = 0; i < count; ++i) to[i] = answer(from[i]);
   }
   return rows[py::tuple()];
+}
+
+/// File argument: one file, or several.
+using FilesArgument = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
+
+/// All that `read` finds in one file or in several. A repeated name gets a number, as in `palpate fit`.
+template <typename Item>
+std::vector<Item> read_all(const FilesArgument& files,
+                           std::vector<Item> (*read)(const std::filesystem::path&)) {
+  if (const auto* file = std::get_if<std::filesystem::path>(&files)) return read(*file);
+  std::vector<Item> all;
+  for (const std::filesystem::path& file : std::get<1>(files)) {
+    for (Item& item : read(file)) {
+      const auto taken = [&all](const std::string& name) {
+        return std::any_of(all.begin(), all.end(), [&name](const Item& other) { return other.name == name; });
+      };
+      const std::string name = item.name;
+      for (int n = 2; taken(item.name); ++n) item.name = name + " (" + std::to_string(n) + ")";
+      all.push_back(std::move(item));
+    }
+  }
+  return all;
 }
 
 /// Copies as n x 3 arrays.
@@ -70,3 +102,8 @@ py::array adopt(std::vector<Element> values, const py::dtype& dtype) {
 }
 
 }  // namespace palpate::python
+
+template <>
+struct pybind11::detail::handle_type_name<palpate::python::NumberOrArray> {
+  static constexpr auto name = const_name("Union[float, numpy.ndarray[numpy.float64]]");
+};

@@ -1,5 +1,8 @@
 #include "bindings/python/scene_arguments.h"
 
+#include <array>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "io/record/tick_columns.h"
@@ -10,8 +13,60 @@ namespace palpate::python {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// The arguments of parse_scene_arguments() whose errors name the flag of `palpate run`; a longer name first.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kFlagArguments{{
+    {"--organ-unit", "organ_unit"},
+    {"--organ-motion", "organ_motion"},
+    {"--organ-support", "organ_support"},
+    {"--organ", "organ"},
+    {"--tissue", "tissue"},
+    {"--tool-unit", "tool_unit"},
+    {"--tool", "tool"},
+    {"--device", "device"},
+    {"--rate-Hz", "rate_Hz"},
+    {"--task", "task"},
+}};
+
+/// A message of scene::load() with the names of Python's arguments in place of flags.
+std::string with_argument_names(std::string message) {
+  for (const auto& [flag, argument] : kFlagArguments) {
+    std::size_t at = 0;
+    while ((at = message.find(flag, at)) != std::string::npos) {
+      const std::size_t end = at + flag.size();
+      const bool is_longer = end < message.size() && message[end] == '-';  // --organ-frame is no argument
+      if (!is_longer) message.replace(at, flag.size(), argument);
+      at += is_longer ? flag.size() : argument.size();
+    }
+  }
+  // "tissue: tissue = ..." of a flag before the reader's own message
+  const std::size_t colon = message.find(": ");
+  if (colon != std::string::npos &&
+      message.compare(colon + 2, colon + 3, message.substr(0, colon) + " = ") == 0) {
+    message.erase(0, colon + 2);
+  }
+  return message;
+}
+
+/// [setup] Loads the scene. @throws InputError, ParameterError that name arguments, not flags
+scene::Scene load_by_arguments(const scene::Overrides& request) {
+  try {
+    return scene::load(request);
+  } catch (const ParameterError& error) {
+    if (error.field() != "--rate-Hz") throw;
+    const std::string message = error.what();
+    const std::string_view want = ": must be ";
+    throw ParameterError("rate_Hz", *request.rate_Hz, message.substr(message.find(want) + want.size()));
+  } catch (const InputError& error) {
+    throw InputError(with_argument_names(error.what()));
+  }
+}
+
+}  // namespace
+
 scene::Scene SceneArguments::load() const {
-  scene::Scene scene = scene::load(request);
+  scene::Scene scene = load_by_arguments(request);
   if (tissue) scene.tissue = *tissue;
   if (inclusions) set_inclusions(*inclusions, scene);
   if (stiffness) {

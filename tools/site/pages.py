@@ -6,7 +6,7 @@ import re
 import subprocess
 
 PAGES = ('README.md', 'CHANGELOG.md', 'CONTRIBUTING.md')
-PICTURES = {'.png', '.svg', '.jpg'}
+PICTURES = {'.png', '.svg', '.jpg', '.webp'}
 LANGUAGES = {'.cc': 'cpp', '.h': 'cpp', '.c': 'c', '.py': 'python', '.toml': 'toml', '.txt': 'text', '.csv': 'text',
              '.cff': 'yaml', '.rules': 'text', '.cmake': 'cmake'}
 # Sections and their pages. Other pages go to "More".

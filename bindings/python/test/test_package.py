@@ -12,6 +12,7 @@ from mypy_run import expect_mypy_errors
 FOLDER = pathlib.Path(palpate.__file__).parent
 
 GOOD = '''
+from typing import List
 import numpy
 import palpate
 
@@ -21,6 +22,9 @@ with palpate.Simulation("a.toml", tissue=palpate.tissue_preset("liver"), duratio
         depth: float = state.hands[0].depth
     simulation.set_noise(gain=1e-4)
     simulation.set_stimulus(0.1, ramp_ms=20.0, interval=1, not_before_tick=100)
+one: float = palpate.spring_law(palpate.tissue_preset("liver")).force_at(1e-3)
+stiff: palpate.Tissue = palpate.tissue_preset("liver").replace(k1=30, relaxation=[(0.3, 1.5)])
+names: List[str] = palpate.tissue_names() + palpate.device_names()
 force: numpy.ndarray = palpate.LayeredSpringLaw(palpate.load_tissue("heart")).force_at([1e-3, 2e-3])
 tissue: palpate.Tissue = palpate.load_tissue("heart")
 tissue.k1 = 12.0
@@ -30,7 +34,8 @@ deepest: float = depths.max()
 faults: numpy.ndarray = batch.fault
 '''
 BAD = ('palpate.tissue_preset(3)', 'palpate.tissue_preset("liver").k2', 'palpate.simulate(tisue="liver")',
-       'palpate.Simulation().state().tick', 'palpate.Batch(hands=3)')
+       'palpate.Simulation().state().tick', 'palpate.Batch(hands=3)', 'palpate.tissue_preset("liver").replace(k3=30)',
+       'palpate.spring_law(palpate.tissue_preset("liver")).force_at(1e-3).shape', 'palpate.State().hands[0].force + "N"')
 
 
 def test_stubs_name_everything_that_is_public():

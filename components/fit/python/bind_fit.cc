@@ -154,7 +154,11 @@ void bind_fit(py::module_& module) {
           "force", [](const Specimen& one) { return array_of(one.force); }, doc("Specimen::force"))
       .def_property_readonly(
           "time", [](const Specimen& one) { return array_of(one.time); }, doc("Specimen::time"));
-  module.def("read_specimens", &identify::read_specimens, py::arg("file"), doc("read_specimens"));
+  module.def(
+      "read_specimens", [](const FilesArgument& file) { return read_all(file, &identify::read_specimens); },
+      py::arg("file"),
+      (std::string(doc("read_specimens")) + " A list of files gives the specimens of all, for a pooled fit.")
+          .c_str());
   module.def(
       "fit", &fit_specimens, py::arg("specimens"), py::kw_only(), py::arg("law") = "layered",
       py::arg("direction") = "press", py::arg("relaxation") = false, py::arg("loop_period") = 1e-3,

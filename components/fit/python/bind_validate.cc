@@ -51,8 +51,11 @@ void bind_deformation(py::module_& module) {
       .def_property_readonly(
           "displacement", [](const Deformation& one) { return array_of(one.displacement); },
           doc("Deformation::displacement"));
-  module.def("read_deformations", &validate::read_deformations, py::arg("file"),
-             py::call_guard<py::gil_scoped_release>(), doc("read_deformations"));
+  module.def(
+      "read_deformations",
+      [](const FilesArgument& file) { return read_all(file, &validate::read_deformations); }, py::arg("file"),
+      py::call_guard<py::gil_scoped_release>(),
+      (std::string(doc("read_deformations")) + " A list of files gives the profiles of all.").c_str());
 }
 
 constexpr imaging::RequestNames kArgumentNames = {

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
@@ -159,7 +161,10 @@ TissueParameters tissue_preset(const std::string& name) {
     }
     known += (known.empty() ? "" : ", ") + std::string(preset.name);
   }
-  throw InputError("tissue = \"" + excerpt(name) + "\": no built-in tissue of that name; there are " + known);
+  const auto presets = tissue_preset_names();
+  const std::string near = nearest_word(name, std::vector<std::string>(presets.begin(), presets.end()));
+  throw InputError("tissue = \"" + excerpt(name) + "\": no built-in tissue of that name; there are " + known +
+                   (near.empty() ? "" : "; did you mean " + near + "?"));
 }
 
 }  // namespace palpate::model

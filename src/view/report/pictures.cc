@@ -110,15 +110,6 @@ Figure written(const render::Image& image, Figure figure) {
   return figure;
 }
 
-render::Subject subject_of(const scene::Scene& scene) {
-  return {scene.organ,
-          scene.tools,
-          scene.tissue.reach,
-          scene.tissue.name,
-          scene::visible_inclusions(scene.inclusions),
-          scene.support};
-}
-
 /// The same camera for all moments, chosen at the largest depth, so that only organ and tool differ.
 render::Camera camera_of(const render::Subject& subject, const HandAnalysis& hand,
                          const ReplayedMoments& moments, bool close_up) {

@@ -29,9 +29,13 @@ import numpy as np
 
 import palpate._learning as _learning  # type: ignore[import]  # has no stub
 
+from . import _calls
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray  # NumPy 1.21
 
+_calls.answer_class(_learning._Environment, 'Env')
+_calls.answer_class(_learning._VectorEnvironment, 'VectorEnv')
 TASKS = ('press', 'hold', 'search')
 
 

@@ -1,0 +1,100 @@
+"""Short answers to wrong arguments: "simulate() has no argument 'tisue', did you mean tissue?"."""
+import difflib
+import functools
+import inspect
+import os
+import re
+
+import numpy as np
+
+
+def arguments(document):
+    """Names and types of the arguments in the signature that pybind11 writes into the first line of a docstring."""
+    line = (document or '').strip().partition('\n')[0]
+    inside, depth, parts = line.partition('(')[2].rpartition(')')[0], 0, ['']
+    for letter in inside:
+        depth += (letter in '[(') - (letter in '])')
+        if letter == ',' and depth == 0:
+            parts.append('')
+        else:
+            parts[-1] += letter
+    pairs = [part.partition(' = ')[0].partition(': ') for part in parts]
+    return {name.strip(): kind for name, _, kind in pairs if kind and name.strip() != 'self'}
+
+
+def fits(value, kind):
+    """Whether a value may have the type `kind` of a signature. True if this cannot be told."""
+    words = set(re.findall(r'\w+', kind))
+    if value is None:
+        return 'Optional' in words
+    if isinstance(value, (bool, np.bool_)):
+        return bool(words & {'bool', 'int', 'float'})
+    if isinstance(value, (int, float, np.number)):
+        return bool(words & {'float', 'ndarray'}) or 'int' in words and isinstance(value, (int, np.integer))
+    if isinstance(value, (str, os.PathLike)):
+        return bool(words & ({'str', 'PathLike'} if isinstance(value, str) else {'PathLike'}))
+    return type(value).__name__ in words or bool(words & {'List', 'Tuple', 'ndarray', 'object', 'dict'})
+
+
+def mismatch(function, given, named, known):
+    """The error for arguments that do not fit. `known`: names and types. None if nothing can be said in short"""
+    wrong = [name for name in named if name not in known]
+    if wrong:
+        return unknown(function, wrong[0], list(known))
+    for name, value in [*zip(known, given), *named.items()]:
+        if not fits(value, known[name]):
+            kind = re.sub(r'palpate\._\w+\.', '', known[name]).replace('os.PathLike', 'a path')
+            return TypeError(f'{function}(): {name} = {value!r:.60}: must be {kind}')
+    return None
+
+
+def unknown(function, name, known):
+    """The error for an argument that `function` does not have."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    return TypeError(f"{function}() has no argument {name!r}" +
+                     (f', did you mean {near[0]}?' if near else f'; it has {", ".join(known)}'))
+
+
+def answered(function, shown, result=None):
+    """`function`, whose errors for wrong arguments are short. `shown`: its name in them; `result` makes its result."""
+    document = function.__doc__
+    if result is not None:
+        document = document.replace('-> dict', f'-> {result.__name__}', 1)
+
+    @functools.wraps(function, assigned=('__name__',), updated=())
+    def call(*given, **named):
+        try:
+            found = function(*given, **named)
+        except TypeError as error:
+            own = given[document.startswith(f'{function.__name__}(self: '):]
+            short = mismatch(shown, own, named, arguments(document)) if 'incompatible' in str(error) else None
+            if short is None:
+                raise
+            raise short from None
+        return found if result is None else result(found)
+
+    del call.__wrapped__  # inspect finds no signature in it
+    call.__doc__ = document
+    call.__module__ = 'palpate'
+    return call
+
+
+def answer_class(found, shown):
+    """Gives a class these errors: its constructor, and its methods with keyword-only arguments. A loop may call the others, which
+    stay as they are."""
+    for member, method in list(vars(found).items()):
+        if member == '__init__':
+            found.__init__ = answered(method, shown)
+        elif not member.startswith('_') and ', *, ' in (getattr(method, '__doc__', '') or ''):
+            setattr(found, member, answered(method, member))
+
+
+def answer_all(module, results):
+    """Gives the functions and classes of a compiled module these errors. `results`: name of a function to a class of results."""
+    for name, found in list(vars(module).items()):
+        if name.startswith('_'):
+            continue
+        if inspect.isclass(found):
+            answer_class(found, name)
+        elif inspect.isroutine(found):
+            setattr(module, name, answered(found, name, results.get(name)))
