@@ -1,6 +1,7 @@
 // `palpate inspect`: describes a mesh and lists its repairs and the defects that cannot be repaired.
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,14 +14,17 @@
 #include "core/base/text.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/mesh_io/repair/repair.h"
+#include "io/scene/support_reader.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 #include "palpate/units.h"
+#include "view/report/subject.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
+#include "app/session.h"
 
 namespace palpate::app {
 namespace {
@@ -28,10 +32,13 @@ namespace {
 struct InspectOptions {
   std::string mesh;
   std::string unit;
+  std::vector<std::string> support;  // --organ-support
+  std::filesystem::path screenshot;
   bool as_json = false;
 };
 
 constexpr double kCubicMillimetresPerCubicMetre = 1e9;
+constexpr int kPictureHeight = 480;
 
 /// A path contains a '/' or a '.'; anything else is the name of a built-in organ.
 bool is_path(const std::string& mesh) { return mesh.find_first_of("/.") != std::string::npos; }
@@ -42,6 +49,7 @@ struct Inspected {
   std::string refusal;        // why the mesh cannot be an organ; empty: it can
   std::string tool_refusal;   // why it cannot be a tool; empty: it can
   bool all_crossings = true;  // false: too many candidate pairs to test all
+  std::optional<geometry::Support> support;
 };
 
 mesh_io::LoadedMesh load(const InspectOptions& options) {
@@ -62,7 +70,7 @@ std::string without_start(const std::string& text, const std::string& start) {
 }
 
 Inspected inspect(const InspectOptions& options) {
-  Inspected inspected{load(options), {}, {}, true};
+  Inspected inspected{load(options), {}, {}, true, {}};
   try {
     mesh_io::require_tool(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
@@ -73,6 +81,12 @@ Inspected inspect(const InspectOptions& options) {
   } catch (const InputError& error) {
     inspected.refusal =
         without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");
+  }
+  if (const auto stated = scene::support_by_flags(options.support)) {
+    if (!inspected.refusal.empty())
+      throw InputError("--organ-support: " + options.mesh + " cannot be an organ: " + inspected.refusal);
+    scene::check_support(*stated, inspected.loaded.mesh);
+    inspected.support = stated->support;
   }
   if (!inspected.loaded.findings.crossing_pairs) {
     const mesh_io::Crossings crossings = mesh_io::find_crossings(inspected.loaded.mesh);
@@ -111,6 +125,10 @@ void print_json(const Inspected& inspected) {
       inspected.refusal.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(inspected.refusal);
   json["refused_as_tool"] = nullptr;
   if (!inspected.tool_refusal.empty()) json["refused_as_tool"] = inspected.tool_refusal;
+  if (inspected.support) {
+    json["support"] = scene::support_phrases(*inspected.support);
+    json["held_share"] = geometry::held_share(*inspected.support, loaded.mesh);
+  }
   std::cout << json_text(json) << '\n';
 }
 
@@ -158,6 +176,11 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   print_list("not repaired", left);
   row("as an organ", inspected.refusal.empty() ? "yes" : "no: " + inspected.refusal);
   row("as a tool", inspected.tool_refusal.empty() ? "yes" : "no: " + inspected.tool_refusal);
+  if (inspected.support) {
+    print_list("held by", scene::support_phrases(*inspected.support));
+    row("held",
+        fmt::format("{:.1f} % of the surface", 1e2 * geometry::held_share(*inspected.support, loaded.mesh)));
+  }
 }
 
 }  // namespace
@@ -173,11 +196,23 @@ void add_inspect(CLI::App& program, int& exit_code) {
                        "ball, box)")
       ->required();
   command->add_option("--unit", options->unit, "unit of the file: mm, cm, m or in (default mm)");
+  command->add_option("--organ-support", options->support,
+                      "what holds the organ, as for palpate run: says how much of the surface that is");
+  command->add_option(
+      "--screenshot", options->screenshot,
+      "with --organ-support: draws the organ to this PNG file from above and from below, what is "
+      "held in colour");
   command->add_flag("--json", options->as_json, "one JSON document");
   command->footer(
       "Examples: palpate inspect liver.stl --unit mm --json\n"
-      "          palpate inspect liver-tetrahedra.msh --unit mm");
+      "          palpate inspect liver-tetrahedra.msh --unit mm\n"
+      "          palpate inspect heart --organ-support at:5,64,-7,30 --screenshot held.png");
   command->callback([options, &exit_code] {
+    if (!options->screenshot.empty()) {
+      if (options->support.empty())
+        throw InputError("--screenshot: shows what is held, needs --organ-support");
+      require_writable_file(options->screenshot, "--screenshot");
+    }
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
       report_message(options->mesh + ": no --unit given: mm is assumed");
@@ -186,6 +221,12 @@ void add_inspect(CLI::App& program, int& exit_code) {
       print_json(inspected);
     } else {
       print_table(*options, inspected);
+    }
+    if (!options->screenshot.empty()) {
+      if (!inspected.support)
+        throw InputError("--screenshot: shows what is held, and --organ-support is none");
+      render::write_png(report::draw_held(inspected.loaded.mesh, *inspected.support, kPictureHeight),
+                        options->screenshot);
     }
     exit_code = kDone;
   });

@@ -280,6 +280,23 @@ TEST(OutputFiles, ANameThatIsNoUtf8IsReplacedInJsonAndItsRecordingIsWritten) {
   EXPECT_TRUE(fs::exists(folder / "\xFF.h5"));
 }
 
+TEST(OutputFiles, InspectDrawsWhatASupportHolds) {
+  const Folder folder;
+  // The lower third of a box: its bottom, and a third of its four sides.
+  const Outcome seen = run(
+      folder, {"inspect", "box", "--organ-support", "bed:0,0,-1,0.3", "--json", "--screenshot", "held.png"});
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("a bed towards (0, 0, -1), 30 % of the extent"));
+  std::ifstream picture(folder / "held.png", std::ios::binary);
+  std::string start(4, ' ');
+  picture.read(start.data(), 4);
+  EXPECT_EQ(start, "\x89PNG");
+  const Outcome nothing = run(folder, {"inspect", "box", "--screenshot", "a.png"});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("needs --organ-support"));
+  EXPECT_FALSE(fs::exists(folder / "a.png"));
+}
+
 TEST(OutputFiles, ControlCharactersOfForeignNamesReachNoTerminal) {
   const Folder folder;
   // U+202E and U+2066 would show the letters after them in another order.

@@ -106,6 +106,27 @@ std::optional<LocatedSupport> support_by_flags(const std::vector<std::string>& f
   return made;
 }
 
+std::vector<std::string> support_phrases(const geometry::Support& support) {
+  const auto triple = [](const Vec3& v, double unit, double digits) {
+    const auto number = [unit, digits](double x) {
+      return shortest(std::round(digits * x / unit) / digits + 0.0);
+    };
+    return fmt::format("({}, {}, {})", number(v.x()), number(v.y()), number(v.z()));
+  };
+  std::vector<std::string> phrases;
+  if (support.bed) {
+    phrases.push_back(fmt::format("a bed towards {}, {} % of the extent",
+                                  triple(support.bed->direction, 1.0, 1e3),
+                                  shortest(std::round(1e3 * support.bed->share) / 10.0)));
+  }
+  if (support.faces) phrases.push_back("all faces away from " + triple(support.faces->away_from, 1.0, 1e3));
+  for (const geometry::Attachment& a : support.attachments) {
+    phrases.push_back(fmt::format("the surface within {} mm of {} mm", shortest(a.radius / kMillimetre),
+                                  triple(a.point, kMillimetre, 10.0)));
+  }
+  return phrases;
+}
+
 void check_support(const LocatedSupport& stated, const geometry::TriangleMesh& organ) {
   try {
     geometry::check_support(stated.support, organ);

@@ -21,6 +21,9 @@ struct LocatedSupport {
 /// which add up, or none. @throws InputError that shows the forms
 [[nodiscard]] std::optional<LocatedSupport> support_by_flags(const std::vector<std::string>& flags);
 
+/// [any] What a support holds, a phrase for each part: "a bed towards (0, 0, -1), 30 % of the extent".
+[[nodiscard]] std::vector<std::string> support_phrases(const geometry::Support& support);
+
 /// [setup] Checks a support on the organ that it holds. @throws InputError
 void check_support(const LocatedSupport& stated, const geometry::TriangleMesh& organ);
 

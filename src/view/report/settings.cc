@@ -8,7 +8,9 @@
 
 #include "core/base/text.h"
 #include "core/model/tissue_fields.h"
+#include "io/scene/support_reader.h"
 #include "palpate/mesh.h"
+#include "palpate/support.h"
 #include "view/report/page.h"
 #include "view/report/sections.h"
 
@@ -55,6 +57,11 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
   };
   if (!scene.organ_motion.empty()) {
     facts.emplace_back("organ's motion", motion_text(scene.organ_motion));
+  }
+  if (scene.support) {
+    facts.emplace_back("organ held by", joined(scene::support_phrases(*scene.support), "; ") + "; together " +
+                                            percent(geometry::held_share(*scene.support, scene.organ), 1) +
+                                            " of the surface");
   }
   for (const scene::InclusionSetup& one : scene.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;

@@ -52,6 +52,15 @@ TEST(OrganSupport, FlagsAddUpAndReplaceTheScenes) {
   EXPECT_FALSE(held_scene("").support);
 }
 
+TEST(OrganSupport, IsDescribedByAPhraseForEachPart) {
+  const auto stated = support_by_flags({"bed:0,0,-2,0.25", "faces:0,1,0", "at:45,-3.5,-2,6"});
+  ASSERT_TRUE(stated);
+  EXPECT_THAT(
+      support_phrases(stated->support),
+      testing::ElementsAre("a bed towards (0, 0, -2), 25 % of the extent", "all faces away from (0, 1, 0)",
+                           "the surface within 6 mm of (45, -3.5, -2) mm"));
+}
+
 TEST(OrganSupport, ErrorsNameTheFieldAndWhatWouldBeRight) {
   EXPECT_THAT(support_error("[organ.support]\n"), HasSubstr("must have a bed, faces or an attachment"));
   EXPECT_THAT(support_error("[organ.support]\nbed = { share = 0.2 }\n"),
