@@ -42,7 +42,7 @@ struct DemoFlags {
   std::array<fs::path, kExperiments.size()> profiles;  // measured; empty: none
 };
 
-using Profiles = std::array<std::optional<report::MeasuredProfile>, kExperiments.size()>;
+using Profiles = std::array<std::optional<report::ReferenceProfile>, kExperiments.size()>;
 
 fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions,
                            const std::vector<OutputFiles>& files, const fs::path& folder,
@@ -65,7 +65,11 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   require_writable_folder(flags.folder, "--report");
   Profiles profiles;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
-    if (!flags.profiles[i].empty()) profiles[i] = report::read_measured_profile(flags.profiles[i]);
+    if (flags.profiles[i].empty()) {
+      profiles[i] = report::computed_profile(*scene::find_task(kExperiments[i].task));
+    } else {
+      profiles[i] = report::read_measured_profile(flags.profiles[i]);
+    }
   }
   report::make_report_folder(flags.folder);
   std::vector<std::unique_ptr<Session>> sessions;

@@ -256,7 +256,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
-  std::optional<report::MeasuredProfile> profile;
+  std::optional<report::ReferenceProfile> profile;
   if (!flags.profile.empty()) profile = report::read_measured_profile(flags.profile);
   scene::Scene scene = scene::load(flags.request);
   check_outputs(flags.files, scene, flags.profile);

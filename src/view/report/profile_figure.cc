@@ -1,5 +1,6 @@
 // Figure 7 of the paper for a run: the deformation along a line through the contact, and absolute errors.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -47,20 +48,22 @@ PlotData table_of(const char* name, const std::vector<LinePlace>& places) {
   return data;
 }
 
-std::string profile_script(bool measured, double largest_error, double from, double to) {
+// @param source of the reference; empty: there is none
+std::string profile_script(const std::string& source, double largest_error, double from, double to) {
+  const bool measured = !source.empty();
   std::vector<std::string> curves = {
       fmt::format("'theory.dat' using 1:2 with lines lw 6 lc rgb '#a9cbe4' title 'theory'"),
       fmt::format("'shown.dat' using 1:2 with lines lw 2 lc rgb '{}' title 'surface of this run'", kGreen)};
   std::vector<std::string> errors;
   if (measured) {
-    curves.push_back(fmt::format(
-        "'measured.dat' using 1:2 with points pt 7 ps 0.5 lc rgb '{}' title 'measured'", kOrange));
+    curves.push_back(fmt::format("'measured.dat' using 1:2 with points pt 7 ps 0.5 lc rgb '{}' title '{}'",
+                                 kOrange, source));
     errors = {
         fmt::format("'theory-error.dat' using 1:2 with linespoints pt 7 ps 0.3 lw 1.5 lc rgb '{}' title "
-                    "'theory - measured'",
-                    kBlue),
-        fmt::format("'shown-error.dat' using 1:2 with lines lw 1.5 lc rgb '{}' title 'run - measured'",
-                    kGreen)};
+                    "'theory - {}'",
+                    kBlue, source),
+        fmt::format("'shown-error.dat' using 1:2 with lines lw 1.5 lc rgb '{}' title 'run - {}'", kGreen,
+                    source)};
   } else {
     errors = {fmt::format("'shown-error.dat' using 1:2 with lines lw 1.5 lc rgb '{}' notitle", kOrange)};
   }
@@ -75,23 +78,36 @@ std::string profile_script(bool measured, double largest_error, double from, dou
   return two_panes(440, kKeyLeft, 0.36, upper, lower + plot(errors), kWidth);
 }
 
+// Example: "y" of (0, 1, 0).
+std::string axis_text(const Vec3& axis) {
+  constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (axis == Vec3::Unit(static_cast<Eigen::Index>(k))) return kNames[k];
+  return fmt::format("({}, {}, {})", fixed(axis.x(), 2), fixed(axis.y(), 2), fixed(axis.z(), 2));
+}
+
 std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
-                            const MeasuredProfile* measured, const LineErrors& theory,
+                            const ReferenceProfile* reference, const LineErrors& theory,
                             const LineErrors& shown) {
   std::string text = fmt::format(
-      "As figure 7 of the paper: deformation along the line through the contact, {} mm deep, from left to "
-      "right in the pictures. Theory: u(r) of the model for a tip of {} mm radius.",
-      fixed(line.depth * kMilli, 2), fixed(line.tip_radius * kMilli, 1));
-  if (measured == nullptr) {
+      "As figure 7 of the paper: deformation along the line through the contact, {} mm deep, {}. Theory: "
+      "u(r) of "
+      "the model for a tip of {} mm radius.",
+      fixed(line.depth * kMilli, 2),
+      reference != nullptr && reference->across_S
+          ? "along " + axis_text(*reference->across_S) + " of the organ"
+          : "from left to right in the pictures",
+      fixed(line.tip_radius * kMilli, 1));
+  if (reference == nullptr) {
     text += " Absolute error of the run's surface beside the theory: " + shown.text(line.depth) + ".";
   } else {
-    text +=
-        fmt::format(" Measured: {}, {} mm deep. Absolute error of the theory: {}; of the run's surface: {}.",
-                    measured->file.filename().string(), fixed(measured->depth * kMilli, 2),
-                    theory.text(measured->depth), shown.text(measured->depth));
+    text += fmt::format(" {}: {}, {} mm deep. Absolute error of the theory: {}; of the run's surface: {}.",
+                        reference->source == "measured" ? "Measured" : "Finite elements", reference->origin,
+                        fixed(reference->depth * kMilli, 2), theory.text(reference->depth),
+                        shown.text(reference->depth));
     constexpr double kSameDepth = 0.02;
-    if (std::abs(line.depth - measured->depth) > kSameDepth * measured->depth)
-      text += " The depths differ: this run has no tick as deep as the measurement.";
+    if (std::abs(line.depth - reference->depth) > kSameDepth * reference->depth)
+      text += " The depths differ: this run has no tick as deep as the reference.";
   }
   if (line.contacts > 1) {
     text += fmt::format(
@@ -106,7 +122,7 @@ std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
 }  // namespace
 
 Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const model::FalloffRatios& reach,
-                    const MeasuredProfile* measured, const std::filesystem::path& file) {
+                    const ReferenceProfile* reference, const std::filesystem::path& file) {
   Figure figure{file, "Deformation along the line through the contact, and absolute errors"};
   if (line.places.size() < 2) {
     figure.missing = "The tool did not touch the organ.";
@@ -117,10 +133,10 @@ Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const mo
   double to = line.places.back().distance;
   LineErrors theory_error("theory-error.dat");
   LineErrors shown_error("shown-error.dat");
-  if (measured != nullptr) {
-    from = std::min(from, measured->places.front().distance);
-    to = std::max(to, measured->places.back().distance);
-    for (const LinePlace& place : measured->places) {
+  if (reference != nullptr) {
+    from = std::min(from, reference->places.front().distance);
+    to = std::max(to, reference->places.back().distance);
+    for (const LinePlace& place : reference->places) {
       theory_error.add(place.distance, theory.at(std::abs(place.distance)) - place.displacement);
       shown_error.add(place.distance, displacement_at(line.places, place.distance) - place.displacement);
     }
@@ -137,12 +153,12 @@ Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const mo
   }
   std::vector<PlotData> tables = {table_of("theory.dat", curve), table_of("shown.dat", line.places),
                                   theory_error.data, shown_error.data};
-  if (measured != nullptr) tables.push_back(table_of("measured.dat", measured->places));
-  figure.caption = profile_caption(line, scene, measured, theory_error, shown_error);
-  return drawn(
-      figure,
-      profile_script(measured != nullptr, std::max(theory_error.largest, shown_error.largest), from, to),
-      tables);
+  if (reference != nullptr) tables.push_back(table_of("measured.dat", reference->places));
+  figure.caption = profile_caption(line, scene, reference, theory_error, shown_error);
+  return drawn(figure,
+               profile_script(reference != nullptr ? reference->source : "",
+                              std::max(theory_error.largest, shown_error.largest), from, to),
+               tables);
 }
 
 }  // namespace palpate::report

@@ -16,7 +16,7 @@ HandFigures draw_hand(const ExperimentResults& worked, std::size_t i, const Surf
                       const model::FalloffRatios& reach, const std::filesystem::path& start) {
   const HandAnalysis& hand = worked.analysis.hands[i];
   const record::Recording& recording = *worked.experiment->recording;
-  const std::optional<MeasuredProfile>& measured = worked.experiment->measured;
+  const std::optional<ReferenceProfile>& measured = worked.experiment->reference;
   const auto file = [&start](const char* name) { return std::filesystem::path(start.string() + name); };
   return {draw_over_time(hand, recording.scene, file("over-time.svg")),
           draw_law(hand, recording, worked.analysis.direction, file("law.svg")),
@@ -37,7 +37,7 @@ ExperimentResults work_out(const Experiment& experiment, const std::filesystem::
   std::vector<std::uint64_t> profile_ticks;
   for (const HandAnalysis& hand : hands) {
     const std::size_t row = row_of_profile(hand, worked.analysis.direction,
-                                           experiment.measured ? &*experiment.measured : nullptr);
+                                           experiment.reference ? &*experiment.reference : nullptr);
     profile_ticks.push_back(hand.rows[row].tick);
   }
   const ReplayedMoments moments = replay_moments(recording, hands.front(), profile_ticks);
@@ -47,7 +47,9 @@ ExperimentResults work_out(const Experiment& experiment, const std::filesystem::
   const Vec3 across_S = across_pictures_S(recording, hands.front(), moments);
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const std::string start = prefix + (hands.size() > 1 ? fmt::format("hand-{}-", i + 1) : "");
-    const SurfaceLine line = surface_line(recording.scene, moments.profiles[i], i, across_S);
+    const SurfaceLine line =
+        surface_line(recording.scene, moments.profiles[i], i,
+                     experiment.reference ? experiment.reference->across_S.value_or(across_S) : across_S);
     worked.hands.push_back(draw_hand(worked, i, line, moments.profiles[i].reach, folder / start));
   }
   const double rate = recording.scene.rate_Hz;

@@ -14,9 +14,9 @@ namespace palpate::report {
 struct Experiment {
   std::string title;  // e.g. "Gallbladder pressed with curved forceps"
   const record::Recording* recording = nullptr;
-  std::string command;                        // the command line of the run
-  double goal_depth = 0.0;                    // m that the run should reach; 0: none
-  std::optional<MeasuredProfile> measured{};  // to show beside the run's deformation
+  std::string command;                          // the command line of the run
+  double goal_depth = 0.0;                      // m that the run should reach; 0: none
+  std::optional<ReferenceProfile> reference{};  // to show beside the run's deformation
 };
 
 /// Settings of the rendered pictures.

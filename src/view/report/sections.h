@@ -62,7 +62,7 @@ struct ReplayedMoments {
 /// [setup] The deformation along a line as figure 7 of the paper: theory, the run's surface, and a measured
 /// profile where there is one; below, absolute errors. @param measured may be null
 [[nodiscard]] Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene,
-                                  const model::FalloffRatios& reach, const MeasuredProfile* measured,
+                                  const model::FalloffRatios& reach, const ReferenceProfile* measured,
                                   const std::filesystem::path& file);
 
 /// [setup] Renders organ and tool before contact, at contact, at the largest depth and at the end, each as

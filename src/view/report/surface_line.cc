@@ -142,9 +142,9 @@ double end_of_profile(const deform::DisplacementProfile& profile, double depth) 
 
 }  // namespace
 
-MeasuredProfile read_measured_profile(const std::filesystem::path& file) {
+ReferenceProfile read_measured_profile(const std::filesystem::path& file) {
   CsvTable table(file, {{"r_mm"}, {"u_mm"}, {"depth_mm", false}}, kLargestNumber);
-  MeasuredProfile profile{file, 0.0, {}};
+  ReferenceProfile profile{"measured", file.filename().string(), 0.0, {}, {}};
   double largest = 0.0;  // m, displacement
   while (table.next_row()) {
     const double depth = table.number(kDepthColumn) * kMillimetre;
@@ -171,7 +171,7 @@ MeasuredProfile read_measured_profile(const std::filesystem::path& file) {
 }
 
 std::size_t row_of_profile(const HandAnalysis& hand, model::Direction direction,
-                           const MeasuredProfile* measured) {
+                           const ReferenceProfile* measured) {
   if (measured == nullptr) return hand.key_ticks.deepest;
   for (std::size_t i = 0; i < hand.rows.size(); ++i) {
     if (in_contact(hand.rows[i], direction) && hand.rows[i].depth >= measured->depth) return i;

@@ -1,5 +1,7 @@
 #pragma once
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "palpate/recording.h"
@@ -13,12 +15,19 @@ struct LinePlace {
   double displacement = 0.0;  // u [m] along the contact's direction
 };
 
-/// A deformation that was measured along a line through a contact.
-struct MeasuredProfile {
-  std::filesystem::path file;
+/// A deformation along a line through a contact that a run is compared with.
+struct ReferenceProfile {
+  std::string source;             // "measured" or "finite elements"
+  std::string origin;             // the file's name; where it comes from
   double depth = 0.0;             // D [m]
   std::vector<LinePlace> places;  // by distance
+  // Direction of the line in the organ's frame, towards positive distances; empty: as the pictures show it.
+  std::optional<Vec3> across_S{};
 };
+
+/// [any] The deformation in the demo's experiment of a task by finite elements (tools/update_support); empty
+/// for a task without one.
+[[nodiscard]] std::optional<ReferenceProfile> computed_profile(scene::Task task);
 
 /// Fewest rows of a measured profile.
 inline constexpr std::size_t kFewestPlaces = 5;
@@ -26,7 +35,7 @@ inline constexpr std::size_t kFewestPlaces = 5;
 /// [setup] Reads a measured profile: CSV, columns by header name: r_mm, u_mm and optionally depth_mm, as
 /// `palpate validate --profile` reads them. Only the rows of the largest depth_mm count; without that column
 /// the depth is the largest u_mm. @throws InputError that names file, line, column and value.
-[[nodiscard]] MeasuredProfile read_measured_profile(const std::filesystem::path& file);
+[[nodiscard]] ReferenceProfile read_measured_profile(const std::filesystem::path& file);
 
 /// The displayed surface along a line through the deepest contact of one hand, beside u(r) of docs/model.md,
 /// section 3.
@@ -40,7 +49,7 @@ struct SurfaceLine {
 /// [setup] The row whose depth a measured profile has: the first one that reaches it. Without a profile, and
 /// when no row is as deep, the deepest row. @param measured may be null
 [[nodiscard]] std::size_t row_of_profile(const HandAnalysis& hand, model::Direction direction,
-                                         const MeasuredProfile* measured);
+                                         const ReferenceProfile* measured);
 
 /// [setup] Follows the displayed surface of a snapshot to both sides of the deepest contact. The line lies in
 /// the plane of the contact's direction and `across_S`, a direction in the organ's frame.

@@ -21,7 +21,7 @@ using palpate::test::TemporaryFolder;
 using test::SyntheticRecording;
 using ::testing::HasSubstr;
 
-MeasuredProfile profile_from(const std::string& text) {
+ReferenceProfile profile_from(const std::string& text) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "side.csv") << text;
   return read_measured_profile(folder.path() / "side.csv");
@@ -98,8 +98,8 @@ TEST(SurfaceLine, IsInterpolatedBetweenItsPlaces) {
   EXPECT_TRUE(std::isnan(displacement_at(places, -1.1)));
 }
 
-TEST(MeasuredProfile, TakesTheRowsOfTheLargestDepthSortedByDistance) {
-  const MeasuredProfile profile =
+TEST(ReferenceProfile, TakesTheRowsOfTheLargestDepthSortedByDistance) {
+  const ReferenceProfile profile =
       profile_from("r_mm,u_mm,depth_mm\n0,5,5\n9,1,8\n-3,4,8\n0,8,8\n3,4,8\n6,2,8\n1,4,5\n");
   EXPECT_DOUBLE_EQ(profile.depth, 8e-3);
   ASSERT_EQ(profile.places.size(), 5U);
@@ -108,11 +108,11 @@ TEST(MeasuredProfile, TakesTheRowsOfTheLargestDepthSortedByDistance) {
   EXPECT_DOUBLE_EQ(profile.places[1].displacement, 8e-3);
 }
 
-TEST(MeasuredProfile, TakesItsLargestDisplacementAsDepthWithoutAColumnOfDepths) {
+TEST(ReferenceProfile, TakesItsLargestDisplacementAsDepthWithoutAColumnOfDepths) {
   EXPECT_DOUBLE_EQ(profile_from("r_mm,u_mm\n0,5\n1,4\n2,3\n3,2\n4,1\n").depth, 5e-3);
 }
 
-TEST(MeasuredProfile, WithoutUseIsRefusedByReason) {
+TEST(ReferenceProfile, WithoutUseIsRefusedByReason) {
   EXPECT_THAT(refusal_of("r_mm,u_mm\n0,5\n1,4\n"),
               HasSubstr("has 2 rows of one depth, must have at least 5"));
   EXPECT_THAT(refusal_of("r_mm,u_mm\n0,-5\n1,-4\n2,-3\n3,-2\n4,-1\n"), HasSubstr("no u_mm is positive"));
@@ -120,10 +120,10 @@ TEST(MeasuredProfile, WithoutUseIsRefusedByReason) {
   EXPECT_THAT(refusal_of("r_mm,force_N\n0,5\n"), HasSubstr("u_mm"));
 }
 
-TEST(MeasuredProfile, IsComparedAtTheFirstTickAsDeep) {
+TEST(ReferenceProfile, IsComparedAtTheFirstTickAsDeep) {
   const record::Recording recording = SyntheticRecording::make(false, 4000);
   const Analysis analysis = analyse(recording);
-  MeasuredProfile measured;
+  ReferenceProfile measured;
   measured.depth = 6e-3;
   const HandAnalysis& hand = analysis.hands.front();
   const std::size_t row = row_of_profile(hand, model::Direction::kPress, &measured);
@@ -134,11 +134,11 @@ TEST(MeasuredProfile, IsComparedAtTheFirstTickAsDeep) {
   EXPECT_EQ(row_of_profile(hand, model::Direction::kPress, nullptr), hand.key_ticks.deepest);
 }
 
-TEST(MeasuredProfile, IsInTheReportWithTheAbsoluteErrors) {
+TEST(ReferenceProfile, IsInTheReportWithTheAbsoluteErrors) {
   const TemporaryFolder folder;
   const record::Recording recording = SyntheticRecording::make(false, 1600);
   Experiment experiment{"t", &recording, "c"};
-  experiment.measured = profile_from("r_mm,u_mm\n0,5\n1,4\n2,3\n3,2\n4,1\n");
+  experiment.reference = profile_from("r_mm,u_mm\n0,5\n1,4\n2,3\n3,2\n4,1\n");
   static_cast<void>(write_report({experiment}, folder.path(), {}, {false, 0, 0}));
   std::ifstream in(folder.path() / "report.html");
   const std::string html{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
