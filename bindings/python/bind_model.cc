@@ -50,14 +50,14 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
            py::arg("tissue"), py::arg("direction") = "press", py::arg("loop_period") = 1e-3, init_doc)
       .def(
           "deformation_at",
-          [](const Law& law, const Numbers& depth) {
+          [](const Law& law, const Numbers& depth) -> RowOrRows {
             return vectorised<Response>(depth,
                                         [&](double one) { return response_of(law.deformation_at(one)); });
           },
           py::arg("depth"), doc("LayeredSpringLaw::deformation_at"))
       .def(
           "deformation_under",
-          [](const Law& law, const Numbers& force) {
+          [](const Law& law, const Numbers& force) -> RowOrRows {
             return vectorised<Response>(force,
                                         [&](double one) { return response_of(law.deformation_under(one)); });
           },

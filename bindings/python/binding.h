@@ -45,6 +45,12 @@ class NumberOrArray : public py::object {
   NumberOrArray(py::object value) : py::object(std::move(value)) {}  // NOLINT(google-explicit-constructor)
 };
 
+/// A row of a structured array for a number, such an array for an array.
+class RowOrRows : public py::object {
+ public:
+  RowOrRows(py::object value) : py::object(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+};
+
 /// Applies `answer` to every number. Returns an array of the same shape, or one value for a scalar.
 template <typename Row, typename Answer>
 py::object vectorised(const Numbers& numbers, const Answer& answer) {
@@ -103,6 +109,10 @@ py::array adopt(std::vector<Element> values, const py::dtype& dtype) {
 
 }  // namespace palpate::python
 
+template <>
+struct pybind11::detail::handle_type_name<palpate::python::RowOrRows> {
+  static constexpr auto name = const_name("Union[numpy.void, numpy.ndarray]");
+};
 template <>
 struct pybind11::detail::handle_type_name<palpate::python::NumberOrArray> {
   static constexpr auto name = const_name("Union[float, numpy.ndarray[numpy.float64]]");

@@ -19,8 +19,7 @@ def measure(file, truth):
     with file.open('w') as out:
         out.write('specimen,displacement_mm,force_N\n')
         for number in range(SPECIMENS):
-            tissue = palpate.tissue_preset('liver')
-            tissue.k1 = truth.k1 * (1.0 + 0.08 * random.standard_normal())
+            tissue = truth.replace(k1=truth.k1 * (1.0 + 0.08 * random.standard_normal()))
             force = palpate.LayeredSpringLaw(tissue).force_at(depth) + SENSOR * random.standard_normal(depth.size)
             for one, load in zip(depth, force):
                 out.write(f'liver-{number + 1},{1e3 * one:.4f},{load:.5f}\n')

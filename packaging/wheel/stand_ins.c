@@ -50,5 +50,8 @@ UNUSED(cblas_cgemm) UNUSED(cblas_dgemm) UNUSED(cblas_sgemm) UNUSED(cblas_zgemm) 
 UNUSED(dgesv_) UNUSED(dgetrf_) UNUSED(dposv_) UNUSED(sgels_) UNUSED(sgeqrf_) UNUSED(sgesdd_) UNUSED(sgesv_)
 UNUSED(sgetrf_) UNUSED(sposv_) UNUSED(spotrf_) UNUSED(glXGetProcAddressARB)
 
+// Since glibc 2.34. src/io/system/child_process.cc calls it for programs that a window starts; the wheel has no window.
+UNUSED(posix_spawn_file_actions_addclosefrom_np)
+
 // Functions of libunwind. libglog.a calls them for the stack after a fatal message, and then aborts.
 UNUSED(_Ux86_64_getcontext) UNUSED(_ULx86_64_init_local) UNUSED(_ULx86_64_step) UNUSED(_ULx86_64_get_reg)

@@ -5,7 +5,7 @@ import pathlib
 import re
 import subprocess
 
-PAGES = ('README.md', 'CHANGELOG.md', 'CONTRIBUTING.md')
+PAGES = ('README.md', 'CHANGELOG.md', 'CONTRIBUTING.md', 'CODE_OF_CONDUCT.md', 'SECURITY.md')
 PICTURES = {'.png', '.svg', '.jpg', '.webp'}
 LANGUAGES = {'.cc': 'cpp', '.h': 'cpp', '.c': 'c', '.py': 'python', '.toml': 'toml', '.txt': 'text', '.csv': 'text',
              '.cff': 'yaml', '.rules': 'text', '.cmake': 'cmake'}
@@ -21,7 +21,7 @@ SECTIONS = (
     ('How it works', ('docs/model.md', 'docs/architecture.md', 'docs/glossary.md', 'docs/picture.md', 'docs/accuracy.md',
                       'docs/validation.md', 'docs/performance.md', 'docs/decisions/README.md')),
     ('C++ API', ('api/README.md',)),
-    ('Project', ('CONTRIBUTING.md', 'CHANGELOG.md', 'docs/dependencies.md')),
+    ('Project', ('CONTRIBUTING.md', 'CODE_OF_CONDUCT.md', 'SECURITY.md', 'CHANGELOG.md', 'docs/dependencies.md')),
 )
 LINK = re.compile(r'(!?\[(?:[^\[\]]|\[[^\]]*\])*\]\()([^)\s]+)(\))')
 LIST_ITEM = re.compile(r'^\s*([-*+]|\d+\.)\s')

@@ -36,6 +36,19 @@ def fits(value, kind):
     return type(value).__name__ in words or bool(words & {'List', 'Tuple', 'ndarray', 'object', 'dict'})
 
 
+def words_of(kind):
+    """A type of a signature in words: "Tissue or str"."""
+    text = re.sub(r'palpate\._\w+\.|typing\.', '', kind)
+    text = re.sub(r'numpy\.ndarray(\[[\w.]+\])?', 'array', text).replace('os.PathLike', 'path')
+    before = None
+    while text != before:  # from the innermost brackets outwards
+        before = text
+        text = re.sub(r'List\[([^][]*)\]', r'list of \1', text)
+        text = re.sub(r'Optional\[([^][]*)\]', r'\1', text)
+        text = re.sub(r'Union\[([^][]*)\]', lambda found: found[1].replace(', ', ' or '), text)
+    return text
+
+
 def mismatch(function, given, named, known):
     """The error for arguments that do not fit. `known`: names and types. None if nothing can be said in short"""
     wrong = [name for name in named if name not in known]
@@ -43,8 +56,7 @@ def mismatch(function, given, named, known):
         return unknown(function, wrong[0], list(known))
     for name, value in [*zip(known, given), *named.items()]:
         if not fits(value, known[name]):
-            kind = re.sub(r'palpate\._\w+\.', '', known[name]).replace('os.PathLike', 'a path')
-            return TypeError(f'{function}(): {name} = {value!r:.60}: must be {kind}')
+            return TypeError(f'{function}(): {name} = {value!r:.60}: must be {words_of(known[name])}')
     return None
 
 

@@ -241,6 +241,10 @@ def simulation_line(self):
                                           'running' if self.running else 'not running'])
 
 
+def noise_line(self):
+    return line('TouchNoise', '', [f'{number(1e3 * self.sigma(0.0))} mN in contact'])
+
+
 class Results(dict):
     """A dictionary that shows its numbers."""
 
@@ -338,7 +342,7 @@ _SHOWN = {'Tissue': (tissue_line, None), 'LayeredSpringLaw': (law_line, law_page
           'Deformation': (deformation_line, deformation_page), 'Mesh': (mesh_line, None), 'MeshFindings': (findings_line, None),
           'Inclusion': (inclusion_line, None), 'Surface': (surface_line, None), 'Indentation': (indentation_line, None),
           'HandState': (hand_line, None), 'State': (state_line, None), 'Simulation': (simulation_line, None),
-          'TickedSimulation': (ticked_line, None), 'Batch': (batch_line, None)}
+          'TouchNoise': (noise_line, None), 'TickedSimulation': (ticked_line, None), 'Batch': (batch_line, None)}
 
 
 def show_all(module):

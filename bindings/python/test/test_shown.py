@@ -30,11 +30,15 @@ def test_every_object_shows_numbers_and_no_address(tmp_path):
     with palpate.Simulation(duration_s=0.2) as simulation:
         simulation.wait()
         live = [simulation, simulation.state(), simulation.state().hands[0], simulation.surface()]
+    if hasattr(palpate, 'Env'):
+        live += [palpate.Env('press'), palpate.VectorEnv('press', 3)]
+    if hasattr(palpate, 'fit'):
+        live += [palpate.Specimen('one', ramp, 10.0 * ramp), palpate.Deformation('side', ramp, ramp[::-1])]
     ticked = palpate.TickedSimulation(no_hand=True)
     for found in [palpate.read_recording(file), palpate.tissue_preset('liver'), palpate.spring_law(palpate.tissue_preset('liver')),
-                  palpate.Specimen('one', ramp, 10.0 * ramp), palpate.Inclusion('nodule'), box, box.findings(),
+                  palpate.Inclusion('nodule'), box, box.findings(),
                   palpate.Indentation(top, (0, 0, -1), 1e-3, 5e-3), ticked, palpate.Batch(n=3),
-                  palpate.Deformation('side', ramp, ramp[::-1]), *live]:
+                  palpate.TouchNoise(gain=5e-5), *live]:
         text = repr(found)
         assert text.startswith(f'<palpate.{type(found).__name__}') and ' object at ' not in text
         assert any(letter.isdigit() for letter in text), text
@@ -121,7 +125,8 @@ def test_every_built_in_name_is_listed():
     (lambda: palpate.simulate(tisue='liver'), "simulate() has no argument 'tisue', did you mean tissue?"),
     (lambda: palpate.Simulation(durations=1.0), "Simulation() has no argument 'durations', did you mean duration_s?"),
     (lambda: palpate.make_ball(radios=1.0), "make_ball() has no argument 'radios', did you mean radius?"),
-    (lambda: palpate.simulate(tissue=3), 'simulate(): tissue = 3: must be Optional[Union[Tissue, str]]'),
+    (lambda: palpate.simulate(tissue=3), 'simulate(): tissue = 3: must be Tissue or str'),
+    (lambda: palpate.simulate(tool=3), 'simulate(): tool = 3: must be str or list of str'),
     (lambda: palpate.LayeredSpringLaw('liver'), "LayeredSpringLaw(): tissue = 'liver': must be Tissue"),
     (lambda: palpate.Indentation(1.0, 2.0, [3.0], 4.0), 'Indentation(): depth = [3.0]: must be float')])
 def test_wrong_arguments_are_answered_in_one_line(call, words):

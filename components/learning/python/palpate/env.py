@@ -64,6 +64,10 @@ class Env:
         self.observation_space: Dict[str, Any] = self._environment.observation_space
         self._seeded = False
 
+    def __repr__(self) -> str:
+        actions, observations = self.action_space['shape'][0], self.observation_space['shape'][0]
+        return f"<palpate.Env '{self.task}': {self.ticks} ticks a step, {actions} actions, {observations} observations>"
+
     @property
     def parameters(self) -> Dict[str, float]:
         """What the episode drew, with the target or the centre of the hidden lump from the start [m]. Empty before reset()."""
@@ -103,6 +107,9 @@ class VectorEnv:
         self.single_action_space: Dict[str, Any] = self._environments.action_space
         self.single_observation_space: Dict[str, Any] = self._environments.observation_space
         self._seeded = False
+
+    def __repr__(self) -> str:
+        return f"<palpate.VectorEnv '{self.task}': {self.num_envs} environments, {self.ticks} ticks a step>"
 
     @property
     def parameters(self) -> Dict[str, NDArray[np.float64]]:

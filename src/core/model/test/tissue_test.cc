@@ -244,5 +244,14 @@ TEST(TissuePreset, RefusesUnknownNamesAndListsTheKnownOnes) {
   }
 }
 
+TEST(TissuePreset, ANameThatIsNearlyOneIsAnsweredWithIt) {
+  try {
+    (void)tissue_preset("livr");
+    ADD_FAILURE() << "accepted livr";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::EndsWith("; did you mean liver?"));
+  }
+}
+
 }  // namespace
 }  // namespace palpate::model
