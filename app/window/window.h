@@ -18,6 +18,7 @@
 #include "app/next_session.h"
 #include "app/session.h"
 #include "app/window/camera_controller.h"
+#include "app/window/choices.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
@@ -149,7 +150,8 @@ class Window final {
   void apply_parameters(const Commands& commands);
   void apply_all(const LiveParameters& wanted);
   void undo_or_redo(bool undo);
-  void restart(scene::Overrides request, bool keep_edits);
+  void restart(scene::Overrides request, Keep keep);
+  [[nodiscard]] Selection selection() const;
   // window_recording.cc
   void record(bool on);
   void poll_recording();
