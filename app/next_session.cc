@@ -24,8 +24,8 @@ NextSession::State NextSession::state() {
   return state_;
 }
 
-NextSession::NextSession(scene::Overrides request, KeptParameters kept,
-                         std::filesystem::path recording, Check check)
+NextSession::NextSession(scene::Overrides request, KeptParameters kept, std::filesystem::path recording,
+                         Check check)
     : request_(std::move(request)),
       kept_(std::move(kept)),
       recording_(std::move(recording)),

@@ -250,7 +250,11 @@ void Window::compose() {
   draw_leave_dialog(all, panels_, commands_);
   const SceneGallery::Choice choice = panels_.gallery.draw();
   if (choice.scene != nullptr) commands_.scene = choice.scene;
-  if (choice.browse) panels_.files.open(FileUse::kScene, std::filesystem::current_path());
+  if (choice.browse) {
+    panels_.files.open(FileUse::kScene, request_.scene
+                                            ? std::filesystem::absolute(*request_.scene).parent_path()
+                                            : std::filesystem::current_path());
+  }
   if (std::optional<ChosenFile> file = panels_.files.draw()) commands_.file = std::move(file);
   Viewport::end_panels();
 }

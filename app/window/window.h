@@ -114,6 +114,8 @@ class Window final {
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
   [[nodiscard]] double age() const noexcept { return age_; }
   [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
+  /// Whether a recording is being written.
+  [[nodiscard]] bool recording() const;
   /// The search of a run of task palpate; null: another task.
   [[nodiscard]] const Search* search() const noexcept { return search_.get(); }
 
@@ -156,7 +158,6 @@ class Window final {
   void record(bool on);
   void poll_recording();
   void end_recording();
-  [[nodiscard]] bool recording() const;
   [[nodiscard]] std::filesystem::path recording_now() const;
   [[nodiscard]] std::string recording_note() const;
   // window_runs.cc

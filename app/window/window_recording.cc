@@ -10,7 +10,6 @@ namespace palpate::app {
 
 namespace fs = std::filesystem;
 
-/// Whether a recording is being written.
 bool Window::recording() const {
   return tape_ != nullptr ? tape_->writing() : run_->started() && !run_->ended();
 }
