@@ -24,8 +24,8 @@ NextSession::State NextSession::state() {
   return state_;
 }
 
-NextSession::NextSession(scene::Overrides request, std::optional<LiveParameters> kept,
-                         std::filesystem::path recording, Check check)
+NextSession::NextSession(scene::Overrides request, KeptParameters kept, std::filesystem::path recording,
+                         Check check)
     : request_(std::move(request)),
       kept_(std::move(kept)),
       recording_(std::move(recording)),
@@ -34,12 +34,12 @@ NextSession::NextSession(scene::Overrides request, std::optional<LiveParameters>
     const devices::SignalStack signal_stack;
     realtime::yield_to_loop();
     scene::Scene scene = scene::load(request_);
-    if (kept_) {
+    if (kept_.tissue) scene.tissue = *kept_.tissue;
+    if (kept_.inclusions) scene.inclusions = *kept_.inclusions;
+    if (kept_.noise) {
       const double rate_Hz = scene.noise.rate_Hz;
-      scene.tissue = kept_->tissue;
-      scene.noise = kept_->noise;
+      scene.noise = *kept_.noise;
       scene.noise.rate_Hz = rate_Hz;
-      scene.inclusions = kept_->inclusions;
     }
     if (check_) check_(scene);
     if (!recording_.empty()) {

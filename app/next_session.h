@@ -21,6 +21,18 @@ struct LiveParameters {
   std::vector<scene::InclusionSetup> inclusions;
 };
 
+/// Parameters of a session that replace those of the next one's scene; nothing: the scene's.
+struct KeptParameters {
+  KeptParameters() = default;
+  /// Keeps all.
+  KeptParameters(const LiveParameters& all)  // NOLINT(google-explicit-constructor): a subset of it
+      : tissue(all.tissue), noise(all.noise), inclusions(all.inclusions) {}
+
+  std::optional<model::TissueParameters> tissue{};
+  std::optional<noise::NoiseSettings> noise{};
+  std::optional<std::vector<scene::InclusionSetup>> inclusions{};
+};
+
 /// Prepares the next session on its own thread. The scene is read and checked while the previous session
 /// still runs. The session is prepared after the previous session has closed its devices. All members:
 /// [setup], one thread.
@@ -32,7 +44,7 @@ class NextSession final {
 
   /// Starts to read and check the scene. @param kept parameters of the previous session that replace those of
   /// the request @param recording HDF5 file to write; empty: none @param check may be empty
-  NextSession(scene::Overrides request, std::optional<LiveParameters> kept, std::filesystem::path recording,
+  NextSession(scene::Overrides request, KeptParameters kept, std::filesystem::path recording,
               Check check = {});
 
   /// Polls the thread; does not wait.
@@ -56,7 +68,7 @@ class NextSession final {
 
  private:
   scene::Overrides request_;
-  std::optional<LiveParameters> kept_;
+  KeptParameters kept_;
   std::filesystem::path recording_;
   Check check_;
   std::optional<scene::Scene> scene_;

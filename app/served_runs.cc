@@ -417,7 +417,7 @@ void ServedRuns::account_for_run() {
 void ServedRuns::poll_next() {
   if (next_ != nullptr && next_->is_broken_off() && next_->is_idle()) next_.reset();
   if (next_ == nullptr && load_next_) {
-    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), std::nullopt,
+    next_ = std::make_unique<NextSession>(*std::exchange(load_next_, std::nullopt), KeptParameters(),
                                           next_recording(), check_of(true));
     next_is_clients_ = true;
   }

@@ -35,6 +35,7 @@ void choose_device(const PanelModel& shown, Commands& commands) {
     scene::Overrides request = shown.request;
     request.device = name;
     commands.request = std::move(request);
+    commands.keep = Keep::all();
   }
   ImGui::EndCombo();
 }
@@ -53,11 +54,8 @@ void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
     rows.text("State", status.state);
     rows.name("Force", "what goes to the hand, after the gate");
     force_bar(device_force(newest), shown.scene.safety.max_force);
-    if (status.engagement < 1.0) {
-      rows.text(
-          "Let through", formatted("%.0f %%", 100.0 * status.engagement),
-          "a held device gets force after it was still outside the tissue for 0.25 s, then within 0.5 s");
-    }
+    rows.text("Let through", formatted("%.0f %%", 100.0 * status.engagement),
+              "a held device gets force after it was still outside the tissue for 0.25 s, then within 0.5 s");
     rows.name("Gate", "limits of force and of its change");
     if (status.limited) {
       ImGui::TextColored(colour::kWarning, "shortens the force");

@@ -96,7 +96,7 @@ void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& com
   if (ImGui::BeginPopupModal(
           kTitle, nullptr,
           ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings)) {
-    ImGui::TextUnformatted(shown.recording_note.c_str());
+    ImGui::Text("Recording: %s", shown.recording_note.c_str());
     ImGui::TextUnformatted("Leaving ends the run and completes the recording.");
     ImGui::Spacing();
     if (ImGui::Button("End and leave")) commands.leave = true;
@@ -155,7 +155,8 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
       {"M, T", "palpate: mark the place under the tool; map of the felt stiffness"},
-      {"Ctrl + R", "run again and record; or end the recording"},
+      {"Ctrl + R", "record this run; or end the recording"},
+      {"Ctrl + Z, Ctrl + Y", "undo, redo a change of tissue, noise or inclusion"},
       {"V", "look at the recording, in the viewer's window"},
       {"P", "save a picture of the window (PNG)"},
       {"Ctrl + O", "choose an organ's file (or drop any file here)"},

@@ -18,6 +18,7 @@
 #include "palpate/touch_noise.h"
 
 #include "app/window/file_chooser.h"
+#include "app/window/scene_gallery.h"
 #include "app/window/search.h"
 #include "app/window/traces.h"
 #include "app/window/viewport.h"
@@ -68,12 +69,24 @@ struct PanelModel {
   std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
 };
 
+/// What the next session takes over from this one: the parameters in force instead of its scene's.
+struct Keep {
+  bool tissue = false;
+  bool noise = false;
+  bool inclusions = false;
+
+  /// All of it, for another tool or device.
+  [[nodiscard]] static Keep all() { return {true, true, true}; }
+};
+
 /// The user's commands of one frame, by panel or key.
 struct Commands {
   std::optional<model::TissueParameters> tissue;
   std::optional<noise::NoiseSettings> noise;
   std::optional<haptics::LiveInclusion> inclusion;
-  std::optional<scene::Overrides> request;  // start another session with its own tissue and noise
+  std::optional<scene::Overrides> request;     // start another session
+  Keep keep{};                                 // what that session takes over
+  const scene::BuiltinScene* scene = nullptr;  // start a session of this scene
   std::optional<ChosenFile> file;
   bool again = false;          // restart the session with the same tissue and noise
   std::optional<bool> record;  // begin a recording of this run, or end it; the run goes on
@@ -101,11 +114,12 @@ struct PanelState {
   double user_threshold = 20e-3;  // N, touch threshold of the user
   double noise_share = 0.6;       // fraction of the threshold
   FileChooser files;
+  SceneGallery gallery;
   LeaveDialog leave = LeaveDialog::kClosed;
 
   /// Whether a dialog has the keyboard.
   [[nodiscard]] bool dialog_is_open() const noexcept {
-    return files.is_open() || leave != LeaveDialog::kClosed;
+    return files.is_open() || gallery.is_open() || leave != LeaveDialog::kClosed;
   }
 };
 

@@ -8,6 +8,7 @@
 #include "palpate/builtin.h"
 #include "palpate/units.h"
 
+#include "app/window/choices.h"
 #include "app/window/panels.h"
 #include "app/window/theme.h"
 
@@ -22,16 +23,48 @@ std::string short_name(const std::string& name) {
   return file.empty() ? name : file;
 }
 
+/// The built-in organ without its detail, or the file's name.
+std::string organ_now(const PanelModel& shown) {
+  const std::string& name = shown.scene.organ_name;
+  const std::vector<std::string>& known = geometry::builtin_organ_names();
+  const bool builtin = std::find(known.begin(), known.end(), name) != known.end();
+  return builtin ? parts_of(name).organ : short_name(name);
+}
+
+void take_organ(const std::string& name, const PanelModel& shown, Commands& commands) {
+  scene::Overrides request = shown.request;
+  request.organ = name;
+  request.organ_unit.reset();
+  request.organ_frame.reset();
+  commands.request = std::move(request);
+}
+
+void choose_detail(const PanelModel& shown, Commands& commands) {
+  const std::string organ = organ_now(shown);
+  const std::vector<std::string> details = detail_choices(organ);
+  const std::string now =
+      details.empty() ? "of the file" : detail_text(parts_of(shown.scene.organ_name).detail);
+  ImGui::BeginDisabled(details.size() < 2);
+  if (ImGui::BeginCombo("##detail", now.c_str())) {
+    for (const std::string& detail : details) {
+      const std::string text = detail_text(detail);
+      if (!ImGui::Selectable(text.c_str(), text == now)) continue;
+      take_organ(organ + detail, shown, commands);
+      commands.keep = {.tissue = true, .noise = true};
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::EndDisabled();
+}
+
 void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands) {
-  if (!ImGui::BeginCombo("##organ", short_name(shown.scene.organ_name).c_str())) return;
-  for (const std::string& name : geometry::builtin_organ_names()) {
-    if (!ImGui::Selectable(name.c_str(), name == shown.scene.organ_name)) continue;
-    scene::Overrides request = shown.request;
-    request.organ = name;
-    request.organ_unit.reset();
-    request.organ_frame.reset();
-    request.tissue.reset();  // the tissue of the new organ
-    commands.request = std::move(request);
+  const std::string now = organ_now(shown);
+  if (!ImGui::BeginCombo("##organ", now.c_str())) return;
+  for (const std::string& name : organ_choices()) {
+    if (!ImGui::Selectable(name.c_str(), name == now)) continue;
+    take_organ(name, shown, commands);
+    commands.request->tissue.reset();  // the tissue of the new organ
+    commands.keep = {.noise = true};
   }
   ImGui::Separator();
   if (ImGui::Selectable("a file ...")) state.files.open(FileUse::kOrgan, fs::current_path());
@@ -50,6 +83,7 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
     request.tools = {name};
     request.tool_unit.reset();
     commands.request = std::move(request);
+    commands.keep = Keep::all();
   }
   ImGui::Separator();
   if (ImGui::Selectable("a file ...")) state.files.open(FileUse::kTool, fs::current_path());
@@ -61,10 +95,8 @@ void choose_task(const PanelModel& shown, Commands& commands) {
     if (task != scene::Task::kPress) ImGui::SameLine();
     const bool now = shown.scene.task == task;
     if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;
-    scene::Overrides request = shown.request;
-    request.task = scene::to_string(task);
-    if (!request.scene && !request.organ) request.organ = shown.scene.organ_name;
-    commands.request = std::move(request);
+    commands.request = with_task(shown.scene, shown.request, task);
+    commands.keep = {.tissue = true, .noise = true};
   }
 }
 
@@ -104,8 +136,8 @@ bool half_button(const char* text, bool enabled, const std::string& explanation)
 
 void record_button(const PanelModel& shown, Commands& commands) {
   if (shown.records_run) {
-    (void)half_button("End recording###record", false,
-                      "the program records whole runs (--record): this recording ends with its run");
+    (void)half_button(shown.ended ? "Recorded###record" : "Recording###record", false,
+                      "the program records whole runs (--record): a recording ends with its run");
     return;
   }
   const bool recording = !shown.recording.empty();
@@ -150,13 +182,14 @@ void run_buttons(const PanelModel& shown, Commands& commands) {
 void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands) {
   {
     const Rows rows("scene", 0.30F);
-    rows.name("Scene", "a scene file (.toml); or drop one on the window");
-    const std::string scene = shown.request.scene ? short_name(shown.request.scene->string()) : "built in";
-    if (ImGui::Button((scene + " ...##scene").c_str(), ImVec2(-1.0F, 0.0F))) {
-      state.files.open(FileUse::kScene, fs::current_path());
-    }
+    rows.name("Scene", "the built-in scenes, or a scene file (.toml); or drop one on the window");
+    const std::string scene =
+        shown.request.scene ? short_name(shown.request.scene->string()) : shown.scene.name;
+    if (ImGui::Button((scene + " ...###scene").c_str(), ImVec2(-1.0F, 0.0F))) state.gallery.open();
     rows.name("Organ", "built in, or a mesh file");
     choose_organ(shown, state, commands);
+    rows.name("Detail", "of a built-in organ's surface: more triangles take longer to prepare");
+    choose_detail(shown, commands);
     rows.name("Tool", "built in, or a mesh file; several tools stay as the scene has them");
     ImGui::BeginDisabled(shown.scene.tools.size() != 1);
     choose_tool(shown, state, commands);

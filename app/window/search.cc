@@ -36,7 +36,7 @@ void colour_bar(const SearchStatus& search) {
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   if (!search.shows_map) {
     ImGui::Dummy(ImVec2(width, height));
-    ImGui::TextDisabled("its colours");
+    ImGui::TextUnformatted(" ");
     return;
   }
   for (int i = 0; i < kSteps; ++i) {
@@ -140,6 +140,7 @@ void search_panel(const PanelModel& shown, Commands& commands) {
       scene::Overrides request = shown.request;
       request.seed = shown.scene.seed + 1;
       commands.request = std::move(request);
+      commands.keep = {.tissue = true, .noise = true};
     }
   } else {
     ImGui::PushTextWrapPos(0.0F);

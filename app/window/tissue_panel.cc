@@ -90,14 +90,17 @@ std::optional<model::TissueParameters> preset_of(const PanelModel& shown) {
 }
 
 void undo_buttons(const PanelModel& shown, Commands& commands) {
-  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  ImGui::BeginDisabled(!shown.can_undo);
-  if (ImGui::Button("Undo  (Ctrl + Z)", ImVec2(half, 0.0F))) commands.undo = true;
-  ImGui::EndDisabled();
+  const auto button = [](const char* text, bool enabled, const char* keys) {
+    ImGui::BeginDisabled(!enabled);
+    const bool pressed = ImGui::Button(text);
+    ImGui::EndDisabled();
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) ImGui::SetTooltip("%s", keys);
+    return pressed;
+  };
+  if (button("Undo", shown.can_undo, "Ctrl + Z: the last change of tissue, noise or inclusion"))
+    commands.undo = true;
   ImGui::SameLine();
-  ImGui::BeginDisabled(!shown.can_redo);
-  if (ImGui::Button("Redo  (Ctrl + Y)", ImVec2(half, 0.0F))) commands.undo = false;
-  ImGui::EndDisabled();
+  if (button("Redo", shown.can_redo, "Ctrl + Y")) commands.undo = false;
 }
 
 std::string evidence(const model::TissueParameters& tissue) {
@@ -128,6 +131,15 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
       ImGui::EndCombo();
     }
   }
+  undo_buttons(shown, commands);
+  const std::optional<model::TissueParameters> preset = preset_of(shown);
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!preset || *preset == shown.tissue);
+  if (ImGui::Button("Reset to preset", ImVec2(-1.0F, 0.0F)) && preset) {
+    tissue = *preset;
+    changed = true;
+  }
+  ImGui::EndDisabled();
   ImGui::PushTextWrapPos(0.0F);
   ImGui::TextColored(colour::kFaint, "%s", evidence(shown.tissue).c_str());
   ImGui::PopTextWrapPos();
@@ -141,15 +153,6 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
   if (ImGui::TreeNodeEx("Relaxation", ImGuiTreeNodeFlags_SpanAvailWidth)) {
     changed |= relaxation_rows(tissue);
     ImGui::TreePop();
-  }
-  undo_buttons(shown, commands);
-  if (const std::optional<model::TissueParameters> preset = preset_of(shown)) {
-    ImGui::BeginDisabled(*preset == shown.tissue);
-    if (ImGui::Button("Reset to preset", ImVec2(-1.0F, 0.0F))) {
-      tissue = *preset;
-      changed = true;
-    }
-    ImGui::EndDisabled();
   }
   if (ImGui::Button("Save as a file ...", ImVec2(-1.0F, 0.0F))) {
     state.files.open(FileUse::kSaveTissue, std::filesystem::current_path() / (tissue.name + ".toml"));

@@ -201,7 +201,7 @@ std::string Window::banner_text(bool& fault) const {
   if (next_ != nullptr) return "The next session is being prepared ...";
   if (search_ != nullptr && search_->ended()) {
     return "The search has ended: " + answer_text(*search_->score()) +
-           "  The dark balls in the picture are the lumps.  Esc: leave.";
+           "  Rings: the lumps. Dots and crosses: right and false marks.";
   }
   if (run_->ended()) return "The run has ended.  Enter: once more.  Esc: leave.";
   if (run_->pausing()) return "The run is paused: no time passes in it.  Ctrl + Space: on with it.";
@@ -214,7 +214,7 @@ PanelModel Window::shown() const {
       run_->session().scene(), request_, *traces_, shown_, now_.tissue, now_.noise, hand_texts()};
   shown.inclusions = now_.inclusions;
   shown.recording = recording() ? recording_now().string() : std::string();
-  shown.records_run = tape_ == nullptr && !run_->ended();
+  shown.records_run = tape_ == nullptr;
   shown.recording_note = recording_note();
   shown.looked_at = last_recording_.string();
   shown.ended = run_->ended();
@@ -248,6 +248,13 @@ void Window::compose() {
   draw_overlay();
   draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
   draw_leave_dialog(all, panels_, commands_);
+  const SceneGallery::Choice choice = panels_.gallery.draw();
+  if (choice.scene != nullptr) commands_.scene = choice.scene;
+  if (choice.browse) {
+    panels_.files.open(FileUse::kScene, request_.scene
+                                            ? std::filesystem::absolute(*request_.scene).parent_path()
+                                            : std::filesystem::current_path());
+  }
   if (std::optional<ChosenFile> file = panels_.files.draw()) commands_.file = std::move(file);
   Viewport::end_panels();
 }

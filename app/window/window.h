@@ -18,6 +18,7 @@
 #include "app/next_session.h"
 #include "app/session.h"
 #include "app/window/camera_controller.h"
+#include "app/window/choices.h"
 #include "app/window/display.h"
 #include "app/window/live_picture.h"
 #include "app/window/orbit_camera.h"
@@ -113,6 +114,8 @@ class Window final {
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
   [[nodiscard]] double age() const noexcept { return age_; }
   [[nodiscard]] double frame_time() const noexcept { return frame_time_; }
+  /// Whether a recording is being written.
+  [[nodiscard]] bool recording() const;
   /// The search of a run of task palpate; null: another task.
   [[nodiscard]] const Search* search() const noexcept { return search_.get(); }
 
@@ -149,12 +152,12 @@ class Window final {
   void apply_parameters(const Commands& commands);
   void apply_all(const LiveParameters& wanted);
   void undo_or_redo(bool undo);
-  void restart(scene::Overrides request, bool keep_edits);
+  void restart(scene::Overrides request, Keep keep);
+  [[nodiscard]] Selection selection() const;
   // window_recording.cc
   void record(bool on);
   void poll_recording();
   void end_recording();
-  [[nodiscard]] bool recording() const;
   [[nodiscard]] std::filesystem::path recording_now() const;
   [[nodiscard]] std::string recording_note() const;
   // window_runs.cc

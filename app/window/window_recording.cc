@@ -10,7 +10,6 @@ namespace palpate::app {
 
 namespace fs = std::filesystem;
 
-/// Whether a recording is being written.
 bool Window::recording() const {
   return tape_ != nullptr ? tape_->writing() : run_->started() && !run_->ended();
 }
@@ -67,9 +66,9 @@ void Window::end_recording() {
 }
 
 std::string Window::recording_note() const {
-  if (!recording())
-    return tape_ != nullptr ? "not recorded" : "recorded: " + run_->recording().filename().string();
-  return fmt::format("recording {:.0f} s to {}", traces_->newest_time(), recording_now().filename().string());
+  const std::string name = recording_now().filename().string();
+  if (recording()) return fmt::format("{:.0f} s in {}", traces_->newest_time(), name);
+  return name.empty() ? "not recorded" : "recorded: " + name;
 }
 
 }  // namespace palpate::app

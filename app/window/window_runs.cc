@@ -142,9 +142,13 @@ void Window::poll_next() {
     case NextSession::State::kReady: {
       const std::unique_ptr<NextSession> next = std::move(next_);
       request_ = next->request();
-      const std::string organ_before = run_->session().scene().organ_name;
+      const Selection before = selection();
       take(next->take(), next->recording());
-      camera_set_ = camera_set_ && organ_before == run_->session().scene().organ_name;
+      const Selection after = selection();
+      camera_set_ = camera_set_ && before.organ == after.organ;
+      if (std::string changes = changes_text(before, after); !changes.empty()) {
+        viewport_.show_message(std::move(changes));
+      }
       break;
     }
     case NextSession::State::kFailed:
@@ -157,14 +161,32 @@ void Window::poll_next() {
   }
 }
 
+/// What the session simulates, with the parameters in force.
+Selection Window::selection() const {
+  const scene::Scene& scene = run_->session().scene();
+  Selection now{.task = scene::to_string(scene.task),
+                .organ = scene.organ_name,
+                .tissue = now_.tissue,
+                .noise = now_.noise};
+  for (const geometry::Tool& tool : scene.tools) now.tool += (now.tool.empty() ? "" : " and ") + tool.name;
+  for (const scene::DeviceSetup& device : scene.devices) {
+    now.device += (now.device.empty() ? "" : " and ") + device.kind;
+  }
+  return now;
+}
+
 /// Starts another session. Where the first was recorded (--record) it is, too, in a file of its own.
-void Window::restart(scene::Overrides request, bool keep_edits) {
+void Window::restart(scene::Overrides request, Keep keep) {
   if (next_ != nullptr) {
     viewport_.show_message("the next session is being prepared already");
     return;
   }
+  KeptParameters kept;
+  if (keep.tissue) kept.tissue = now_.tissue;
+  if (keep.noise) kept.noise = now_.noise;
+  if (keep.inclusions) kept.inclusions = now_.inclusions;
   next_ = std::make_unique<NextSession>(
-      std::move(request), keep_edits ? std::optional(now_) : std::nullopt,
+      std::move(request), std::move(kept),
       options_.recording.empty() ? fs::path() : free_name(options_.recording, false));
 }
 
@@ -293,11 +315,13 @@ void Window::pause_run() {
 
 void Window::take_file(const ChosenFile& file) {
   scene::Overrides request = request_;
+  Keep keep = Keep::all();
   switch (file.use) {
     case FileUse::kOrgan:
       request.organ = file.path.string();
       request.organ_unit = file.unit;
       request.organ_frame.reset();  // that of the file's header
+      keep = {.noise = true};
       break;
     case FileUse::kTool:
     case FileUse::kFurtherJaw:
@@ -308,6 +332,7 @@ void Window::take_file(const ChosenFile& file) {
     case FileUse::kScene:
       request = {};
       request.scene = file.path;
+      keep = {};
       break;
     case FileUse::kToolPath:
       request.device = "scripted:" + file.path.string();
@@ -331,7 +356,7 @@ void Window::take_file(const ChosenFile& file) {
       }
       return;
   }
-  restart(std::move(request), false);
+  restart(std::move(request), keep);
 }
 
 void Window::grant(const Commands& commands) {
@@ -359,8 +384,11 @@ void Window::grant(const Commands& commands) {
   }
   if (commands.file) take_file(*commands.file);
   if (commands.record) record(*commands.record);
-  if (commands.request) restart(*commands.request, false);
-  if (commands.again) restart(request_, true);
+  if (commands.scene != nullptr) {
+    restart(scene::request_of(*commands.scene, device_for_user(run_->session().scene())), {});
+  }
+  if (commands.request) restart(*commands.request, commands.keep);
+  if (commands.again) restart(request_, Keep::all());
 }
 
 void Observers::open(const std::filesystem::path& program, const std::filesystem::path& recording) {

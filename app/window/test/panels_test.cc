@@ -265,6 +265,46 @@ TEST_F(PanelsTest, ParametersAreUndoneRedoneAndReset) {
   EXPECT_EQ(record::replay(read).rows_different, 0U);
 }
 
+TEST_F(PanelsTest, ASceneOfTheGalleryIsTakenOverByTheMouse) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  ASSERT_TRUE(driven.press({"left", "scene", "###scene"}));
+  driven.frames(2);
+  driven.key(SDLK_ESCAPE);
+  driven.frames(2);
+  EXPECT_FALSE(driven.window().panels().gallery.is_open()) << "Esc closes the gallery";
+  EXPECT_TRUE(driven.alive());
+  ASSERT_TRUE(driven.press({"left", "scene", "###scene"}));
+  driven.frames(2);
+  EXPECT_GT(colours_in(driven.window().picture(), driven.window().layout().picture), 2000U) << "pictures";
+  ASSERT_TRUE(driven.press({"Scenes", "##gallstone"}));
+  const auto scene = [&]() -> const scene::Scene& { return driven.window().run().session().scene(); };
+  ASSERT_TRUE(driven.until([&] { return scene().name == "stone in a gallbladder"; }));
+  EXPECT_EQ(scene().devices.front().kind, "mouse");
+  EXPECT_THAT(driven.window().message(), HasSubstr("organ gallbladder (before: ball)"));
+  close_and_expect_order(driven);
+}
+
+TEST_F(PanelsTest, AnotherTaskKeepsToolTissueAndNoise) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), tall());
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
+  driven.key(SDLK_n);
+  ASSERT_TRUE(driven.press({"left", "scene", "pull"}));
+  const auto scene = [&]() -> const scene::Scene& { return driven.window().run().session().scene(); };
+  ASSERT_TRUE(driven.until([&] { return scene().task == scene::Task::kPull; })) << driven.window().message();
+  EXPECT_EQ(scene().organ_name, "ball");
+  EXPECT_EQ(scene().tissue.name, "liver");
+  EXPECT_FALSE(scene().noise.enabled);
+  EXPECT_THAT(driven.window().message(), HasSubstr("tool straight-forceps (before: sphere:5)"));
+  EXPECT_THAT(driven.window().message(), ::testing::Not(HasSubstr("tissue")));
+  ASSERT_TRUE(driven.press({"left", "scene", "press"}));
+  ASSERT_TRUE(driven.until([&] { return scene().task == scene::Task::kPress; }));
+  EXPECT_EQ(scene().tools.front().name, "straight-forceps") << "they fit a press";
+  close_and_expect_order(driven);
+}
+
 TEST_F(PanelsTest, EnterAfterAPanelDoesNotRunAgain) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), tall());
@@ -289,7 +329,9 @@ TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {
       << "[organ]\nmesh = \"ball\"\ntissue = \"kidney\"\n[tool]\nmesh = \"sphere:3\"\n";
   DrivenWindow driven(ball("scripted"), tall());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
-  ASSERT_TRUE(driven.press({"left", "scene", "built in ...##scene"}));
+  ASSERT_TRUE(driven.press({"left", "scene", "###scene"}));
+  driven.frames(2);
+  ASSERT_TRUE(driven.press({"Scenes", "Browse for a file ..."}));
   driven.frames(2);
   const ImGuiWindow* dialog = ImGui::FindWindowByName("Choose a file");
   ASSERT_NE(dialog, nullptr);

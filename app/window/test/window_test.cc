@@ -1,6 +1,7 @@
 // The window on Xvfb, driven by synthetic events.
 #include "app/window/window.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -130,6 +131,39 @@ scene::Overrides search_for_a_stone() {
       "\"stone\"\nvisible = false\n[tool]\nmesh = \"sphere:5\"\n[device]\nkind = \"mouse\"\n",
       {}};
   return request;
+}
+
+TEST_F(WindowTest, ARunIsSavedAfterItsEndAndARecordingEndsWithItsRun) {
+  if (!display_is_there()) return;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder());
+  WindowOptions options = small();
+  options.duration_s = 0.4;
+  {
+    DrivenWindow driven(ball("scripted"), options);
+    ASSERT_TRUE(driven.until([&] { return driven.window().run().ended(); }));
+    driven.key(SDLK_r, KMOD_LCTRL);
+    ASSERT_TRUE(driven.until([&] { return !driven.window().recording(); }));
+    const LiveRun<RowObserver>* first = &driven.window().run();
+    driven.key(SDLK_RETURN);
+    ASSERT_TRUE(driven.until([&] { return &driven.window().run() != first; }));
+    ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.1; }));
+    driven.key(SDLK_r, KMOD_LCTRL);
+    driven.frames(1);
+    close_and_expect_order(driven);
+    (void)driven.finish();
+  }
+  std::filesystem::current_path(before);
+  std::vector<std::size_t> rows;
+  for (const auto& entry : std::filesystem::directory_iterator(folder())) {
+    if (entry.path().extension() != ".h5") continue;
+    const record::Recording read = record::read_recording(entry.path());
+    EXPECT_TRUE(read.facts.complete) << entry.path();
+    EXPECT_EQ(record::replay(read).rows_different, 0U) << entry.path();
+    rows.push_back(read.rows.size());
+  }
+  ASSERT_EQ(rows.size(), 2U) << "names differ also within a second";
+  EXPECT_EQ(std::max(rows[0], rows[1]), 400U) << "the whole first run";
 }
 
 TEST_F(WindowTest, AMarkWithoutContactIsRefusedInWords) {
