@@ -146,13 +146,18 @@ void print_list(const char* name, const std::vector<std::string>& texts) {
   }
 }
 
+constexpr int kDigits = 6;  // of numbers in the table; --json has all
+
+/// Without an exponent, as a liver has more than a million cubic millimetres.
+std::string volume_text(double mm3) { return mm3 < 1e6 ? brief(mm3, kDigits) : fmt::format("{:.0f}", mm3); }
+
 void print_table(const InspectOptions& options, const Inspected& inspected) {
   const mesh_io::LoadedMesh& loaded = inspected.loaded;
   const mesh_io::MeshFindings& findings = loaded.findings;
   const geometry::Bounds box = geometry::bounds(loaded.mesh);
   const auto side = [&](int k) {
-    return fmt::format("{} .. {} mm", shortest(box.low[k] / kMillimetre),
-                       shortest(box.high[k] / kMillimetre));
+    return fmt::format("{} .. {} mm", brief(box.low[k] / kMillimetre, kDigits),
+                       brief(box.high[k] / kMillimetre, kDigits));
   };
   const auto row = [](const std::string& name, const std::string& value) {
     std::cout << "  " << padded(name) << value << '\n';
@@ -167,7 +172,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
   row("y", side(1));
   row("z", side(2));
   const std::optional<double> volume = volume_mm3(findings);
-  row("volume", volume ? shortest(*volume) + " mm^3" : "none: not closed");
+  row("volume", volume ? volume_text(*volume) + " mm^3" : "none: not closed");
   row("crossing pairs",
       fmt::format("{}{} of triangles", inspected.all_crossings ? "" : "at least ", *findings.crossing_pairs));
   print_list("repaired", findings.repairs);

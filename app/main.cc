@@ -1,5 +1,7 @@
 // The program `palpate SUBCOMMAND`.
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/components.h"
@@ -26,6 +28,7 @@ void add_commands(CLI::App& program, const std::string& command_line, int& exit_
   for (const char* command : {"study", "sweep", "generate", "validate", "bench"}) {
     add_component(program, command);
   }
+  add_list(program, exit_code);
   add_doctor(program, exit_code);
 }
 
@@ -33,6 +36,13 @@ void add_commands(CLI::App& program, const std::string& command_line, int& exit_
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
-  if (argc > 1 && is_of_component(argv[1])) return execute_component(argv + 1);
-  return run_program(argc, argv, add_commands);
+  std::vector<char*> words(argv, argv + argc);
+  std::string help = "--help";
+  if (argc > 1 && std::string_view(argv[1]) == "help") {  // help run: run --help
+    words.erase(words.begin() + 1);
+    words.push_back(help.data());
+  }
+  words.push_back(nullptr);
+  if (argc > 1 && is_of_component(words[1])) return execute_component(words.data() + 1);
+  return run_program(argc, words.data(), add_commands);
 }

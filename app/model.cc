@@ -111,7 +111,8 @@ void print_json(const Account& account) {
 }
 
 void print_table(const Account& account) {
-  constexpr int kNumberWidth = 24;  // a sign, 17 digits, a point, an exponent and a space
+  constexpr int kDigits = 6;        // --json has all
+  constexpr int kNumberWidth = 14;  // a sign, 6 digits, a point, an exponent and a space
   constexpr int kLayerWidth = 7;
   std::cout << account.tissue.name << ", " << model::to_string(account.tissue.law) << " law, "
             << account.direction << " at " << shortest(account.rate_Hz) << " Hz: " << account.layers_allowed
@@ -126,13 +127,13 @@ void print_table(const Account& account) {
   std::cout << std::setw(kLayerWidth) << "layer"
             << "  deformation of one spring in each layer, mm\n";
   for (const Answer& answer : account.answers) {
-    number(shortest(answer.requested));
-    number(shortest(answer.state.force));
-    number(shortest(answer.state.depth / kMillimetre));
-    number(shortest(answer.state.stiffness));
+    number(brief(answer.requested, kDigits));
+    number(brief(answer.state.force, kDigits));
+    number(brief(answer.state.depth / kMillimetre, kDigits));
+    number(brief(answer.state.stiffness, kDigits));
     std::cout << std::setw(kLayerWidth) << answer.state.cutoff_layer << ' ';
     for (const double deformation : layer_deformation_mm(answer.state))
-      std::cout << ' ' << shortest(deformation);
+      std::cout << ' ' << brief(deformation, kDigits);
     std::cout << note(account.tissue, answer.state) << '\n';
   }
 }

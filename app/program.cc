@@ -45,6 +45,47 @@ std::string quoted_command_line(std::string program, int argc, char** argv) {
   return line;
 }
 
+/// [setup] The long flags of a command, with those of its option groups.
+std::vector<std::string> flags_of(const CLI::App& command) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  for (const CLI::App* group : command.get_subcommands({})) {
+    if (!group->get_name().empty()) continue;  // a command
+    const std::vector<std::string> more = flags_of(*group);
+    flags.insert(flags.end(), more.begin(), more.end());
+  }
+  return flags;
+}
+
+/// [setup] One line that describes the first unknown long flag of a command line, and suggests the known one
+/// with the most similar name; empty: all are known.
+std::string describe_unknown_flag(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* command = &program;
+  std::string name = program.get_name();
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--") break;
+    const std::vector<const CLI::App*> commands = command->get_subcommands({});
+    const auto next = std::find_if(commands.begin(), commands.end(),
+                                   [&word](const CLI::App* one) { return one->get_name() == word; });
+    if (next != commands.end()) {
+      command = *next;
+      name += " " + word;
+      continue;
+    }
+    const std::string flag = word.substr(0, word.find('='));
+    if (!flag.starts_with("--")) continue;
+    const std::vector<std::string> known = flags_of(*command);
+    if (std::find(known.begin(), known.end(), flag) != known.end()) continue;
+    const std::string near = nearest_word(flag, known);
+    return flag + ": " + name + " has no such flag" + (near.empty() ? "" : ", did you mean " + near + "?") +
+           " (see " + name + " --help)";
+  }
+  return {};
+}
+
 /// [setup] One line that describes the error in a command line. For an unknown command it suggests the known
 /// command with the most similar name.
 std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
@@ -62,6 +103,7 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
     return first + ": no such command" +
            (near.empty() ? "; the commands are " + names : ", did you mean " + near + "?") + help;
   }
+  if (std::string unknown = describe_unknown_flag(program, argc, argv); !unknown.empty()) return unknown;
   // CLI11 reports a word that is not a number as "Could not convert: --seed = abc".
   std::string message = error.what();
   const std::string convert = "Could not convert: ";

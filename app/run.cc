@@ -1,4 +1,5 @@
 // `palpate run`: runs one interaction, in real time or offline.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -18,6 +19,7 @@
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
 #include "net/igtl_server.h"
+#include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "run/session/usable_core.h"
 #include "view/report/page.h"
@@ -112,7 +114,7 @@ struct RunFlags {
 
 void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs::path& profile) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
-  if (!files.screenshot.empty()) require_writable_file(files.screenshot, "--screenshot");
+  if (!files.screenshot.empty()) require_png_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
   std::vector<NamedFile> outputs = {{"--record", files.recording}, {"--screenshot", files.screenshot}};
   if (!files.report.empty()) outputs.push_back({"--report", files.report / "report.html"});
@@ -123,6 +125,14 @@ void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs
   std::vector<NamedFile> inputs = sources_of(scene);
   inputs.push_back({"--profile", profile});
   require_no_overwrite(outputs, inputs);
+}
+
+/// Rejects the name of a built-in organ in place of a scene file. @throws InputError
+void require_no_organ_name(const fs::path& scene) {
+  const std::vector<std::string>& organs = geometry::builtin_organ_names();
+  if (std::find(organs.begin(), organs.end(), scene.string()) == organs.end() || file_exists(scene)) return;
+  throw InputError(scene.string() + ": is a built-in organ, must be a scene file: palpate run --organ " +
+                   scene.string());
 }
 
 /// Whether this run has a window. Reports a missing display for a run in real time without --headless.
@@ -256,6 +266,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
+  if (flags.request.scene) require_no_organ_name(*flags.request.scene);
   std::optional<report::ReferenceProfile> profile;
   if (!flags.profile.empty()) profile = report::read_measured_profile(flags.profile);
   scene::Scene scene = scene::load(flags.request);

@@ -258,6 +258,19 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
   require_regular_output(file, flag);
 }
 
+void require_png_file(const fs::path& file, const std::string& flag) {
+  const std::string extension = file.extension().string();
+  std::string lower = extension;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  static constexpr std::array<const char*, 11> kOthers = {".jpg",  ".jpeg", ".gif", ".bmp", ".tif", ".tiff",
+                                                          ".webp", ".svg",  ".pdf", ".ppm", ".eps"};
+  if (std::find(kOthers.begin(), kOthers.end(), lower) != kOthers.end()) {
+    throw InputError(flag + " " + file.string() + ": pictures are PNG files, must end in .png: " +
+                     fs::path(file).replace_extension(".png").string());
+  }
+  require_writable_file(file, flag);
+}
+
 std::vector<NamedFile> sources_of(const scene::Scene& scene) {
   std::vector<NamedFile> files;
   for (const scene::SourceFile& file : scene.files) files.push_back({file.named_by, file.path});

@@ -45,6 +45,9 @@ void require_writable_file(const std::filesystem::path& file, const std::string&
 /// [setup] Checks a file as require_writable_file() does, and rejects a device file and a FIFO: a recording
 /// is renamed to its final name, and a film is not written sequentially. @throws InputError
 void require_regular_file(const std::filesystem::path& file, const std::string& flag);
+/// [setup] Checks a file as require_writable_file() does, and that its name does not promise another format
+/// than PNG. @throws InputError
+void require_png_file(const std::filesystem::path& file, const std::string& flag);
 /// [setup] Checks that a folder, or the folder in which it would be made, is writable. @throws InputError
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
 

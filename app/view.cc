@@ -23,6 +23,7 @@
 
 #include "core/base/text.h"
 #include "io/system/child_process.h"
+#include "io/system/file_content.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/units.h"
@@ -187,6 +188,7 @@ Display::Size parse_size(const std::string& text) {
 /// Returns the flags with defaults for those not given. Checks everything that can be checked without the
 /// recording. @throws InputError
 ViewFlags checked(ViewFlags flags) {
+  refuse_other_content(flags.file, FileContent::kRecording, "a palpate recording");
   if (flags.window() && !display_there())
     throw InputError(
         "view " + flags.file +
@@ -200,7 +202,7 @@ ViewFlags checked(ViewFlags flags) {
   if (!flags.video.empty() && (flags.size.width % 2 != 0 || flags.size.height % 2 != 0))
     throw InputError(fmt::format("--size {}x{}: a film's width and height must be even", flags.size.width,
                                  flags.size.height));
-  if (!flags.screenshot.empty()) require_writable_file(flags.screenshot, "--screenshot");
+  if (!flags.screenshot.empty()) require_png_file(flags.screenshot, "--screenshot");
   if (!flags.video.empty()) require_regular_file(flags.video, "--video");
   require_no_overwrite(std::vector<NamedFile>{{"--screenshot", flags.screenshot}, {"--video", flags.video}},
                        std::vector<NamedFile>{{"the recording", flags.file}});

@@ -5,12 +5,16 @@ _palpate_commands() {
   "$1" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z-]*\).*/\1/p'
 }
 _palpate_flags() {
-  "$1" "$2" --help 2>/dev/null | sed -n 's/^  \(-[a-zA-Z],\)\{0,1\}\(--[a-zA-Z][a-zA-Z-]*\).*/\2/p'
+  "$@" --help 2>/dev/null | sed -n 's/^ \{2,\}\(-[a-zA-Z],\)\{0,1\}\(--[a-zA-Z][a-zA-Z-]*\).*/\2/p'
+}
+# Commands below a command, such as those of study.
+_palpate_below() {
+  "$1" "$2" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z-]*\).*/\1/p'
 }
 
-# Names of built-in organs, from the error message for an unknown name.
-_palpate_organs() {
-  "$1" inspect ? 2>&1 | sed -n 's/.*(built in: \([^;]*\);.*/\1/p' | tr -d ','
+# Built-in names of a kind, such as organs. R of sphere:R is a number.
+_palpate_names() {
+  "$1" list "$2" 2>/dev/null | sed -n 's/^  \([^ ]*\).*/\1/p' | sed 's/:R$/:/'
 }
 
 _palpate() {
@@ -20,15 +24,30 @@ _palpate() {
     mapfile -t COMPREPLY < <(compgen -W "$(_palpate_commands "$program") --help --version" -- "$word")
     return
   fi
+  local command="${COMP_WORDS[1]}"
   case "$before" in
-    --task | --direction) mapfile -t COMPREPLY < <(compgen -W "press pull" -- "$word") ;;
-    --organ) mapfile -t COMPREPLY < <(compgen -W "$(_palpate_organs "$program")" -- "$word") ;;
+    --direction) mapfile -t COMPREPLY < <(compgen -W "press pull" -- "$word") ;;
+    --organ | --tissue | --tool | --device | --inclusion | --task)
+      local kind="${before#--}s"
+      mapfile -t COMPREPLY < <(compgen -W "$(_palpate_names "$program" "$kind")" -- "$word")
+      ;;
+    --organ-motion) mapfile -t COMPREPLY < <(compgen -W "breathing heartbeat none" -- "$word") ;;
     --law) mapfile -t COMPREPLY < <(compgen -W "layered smooth" -- "$word") ;;
     --organ-frame) mapfile -t COMPREPLY < <(compgen -W "ras lps" -- "$word") ;;
     --unit | --organ-unit | --tool-unit) mapfile -t COMPREPLY < <(compgen -W "mm cm m in" -- "$word") ;;
     *)
       if [[ "$word" == -* ]]; then
-        mapfile -t COMPREPLY < <(compgen -W "$(_palpate_flags "$program" "${COMP_WORDS[1]}")" -- "$word")
+        local below=()
+        [[ $command == study && "${COMP_WORDS[2]}" == [a-z]* ]] && below=("${COMP_WORDS[2]}")
+        mapfile -t COMPREPLY < <(compgen -W "$(_palpate_flags "$program" "$command" "${below[@]}")" -- "$word")
+      elif [[ $COMP_CWORD -eq 2 ]]; then
+        local words=""
+        case "$command" in
+          study) words="$(_palpate_below "$program" study)" ;;
+          help) words="$(_palpate_commands "$program")" ;;
+          list) words="organs tissues tools devices inclusions scenes tasks" ;;
+        esac
+        mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
       fi
       ;;
   esac

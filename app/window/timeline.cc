@@ -6,6 +6,8 @@
 
 #include <imgui.h>
 
+#include "core/base/text.h"
+
 #include "app/window/panels.h"
 #include "app/window/theme.h"
 #include "app/window/viewer_panels.h"
@@ -132,12 +134,9 @@ void draw_times(const TimelineStrip& strip) {
   const float text = ImGui::GetFontSize();
   const float room = std::max(1.0F, strip.high.x - strip.low.x);
   const double step = round_step(strip.duration * std::min(1.0, static_cast<double>(6.0F * text / room)));
+  const std::string format = "%." + std::to_string(decimals_of_step(step)) + "f s";
   for (int i = 0; i * step <= strip.duration * (1.0 + 1e-9); ++i) {
-    const std::string label = formatted(step < 0.01  ? "%.3f s"
-                                        : step < 0.1 ? "%.2f s"
-                                        : step < 1.0 ? "%.1f s"
-                                                     : "%.0f s",
-                                        i * step);
+    const std::string label = formatted(format.c_str(), i * step);
     const float width = ImGui::CalcTextSize(label.c_str()).x;
     const float x = strip.x(i * step);
     list.AddLine(ImVec2(x, strip.high.y), ImVec2(x, strip.high.y + 0.2F * text), packed(colour::kFaint));

@@ -51,6 +51,16 @@ std::string brief(double value, int digits) {
   return text.data();
 }
 
+int decimals_of_step(double step) noexcept {
+  constexpr int kMost = 6;
+  constexpr double kSame = 1e-6;  // of the step, for its rounding error
+  double scaled = step;
+  for (int decimals = 0; decimals < kMost; ++decimals, scaled *= 10.0) {
+    if (std::abs(scaled - std::round(scaled)) <= kSame * std::abs(scaled)) return decimals;
+  }
+  return kMost;
+}
+
 std::string percent(double share, int decimals) {
   std::array<char, 352> text{};  // the largest double has 309 digits before the point
   std::snprintf(text.data(), text.size(), "%.*f %%", decimals, 100.0 * share);

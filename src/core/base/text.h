@@ -13,6 +13,9 @@ namespace palpate {
 /// [setup] A number with `digits` significant digits: brief(0.123456) is "0.1235".
 [[nodiscard]] std::string brief(double value, int digits = 4);
 
+/// [any] Number of decimals that a step between labels needs, at most 6: 1 for 2.5, 0 for 20.
+[[nodiscard]] int decimals_of_step(double step) noexcept;
+
 /// [setup] A fraction in per cent with `decimals` decimals: percent(0.123456) is "12.35 %".
 [[nodiscard]] std::string percent(double share, int decimals = 2);
 

@@ -22,6 +22,36 @@ constexpr DeviceKind kKinds[] = {
     {"host", DevicePath::kToolPath, true, true, false},
 };
 
+/// Names of products and makers, in lower case, that people type as the kind.
+struct Product {
+  std::string_view start;  // of the name
+  std::string_view kind;
+};
+constexpr Product kProducts[] = {
+    {"omega", "forcedimension"},
+    {"delta", "forcedimension"},
+    {"sigma", "forcedimension"},
+    {"lambda", "forcedimension"},
+    {"force-dimension", "forcedimension"},
+    {"dhd", "forcedimension"},
+    {"inverse", "haply"},
+    {"verse", "haply"},
+    {"geomagic", "touch"},
+    {"phantom", "touch"},
+    {"omni", "touch"},
+    {"openhaptics", "touch"},
+    {"3dsystems", "touch"},
+    {"joystick", "gamepad"},
+    {"xbox", "gamepad"},
+    {"controller", "gamepad"},
+    {"slicer", "igtl"},
+    {"openigtlink", "igtl"},
+    {"plus", "igtl"},
+    {"ros2", "ros"},
+    {"recording", "replay"},
+    {"script", "scripted"},
+};
+
 }  // namespace
 
 std::span<const DeviceKind> device_kinds() noexcept { return kKinds; }
@@ -30,6 +60,17 @@ const DeviceKind* find_device_kind(std::string_view name) noexcept {
   const auto* found = std::find_if(std::begin(kKinds), std::end(kKinds),
                                    [name](const DeviceKind& kind) { return kind.name == name; });
   return found == std::end(kKinds) ? nullptr : found;
+}
+
+std::string_view device_kind_of_product(std::string_view product) noexcept {
+  const auto matches = [product](const Product& known) {
+    if (product.size() < known.start.size()) return false;
+    return std::equal(known.start.begin(), known.start.end(), product.begin(), [](char wanted, char typed) {
+      return wanted == (typed >= 'A' && typed <= 'Z' ? static_cast<char>(typed - 'A' + 'a') : typed);
+    });
+  };
+  const auto* found = std::find_if(std::begin(kProducts), std::end(kProducts), matches);
+  return found == std::end(kProducts) ? std::string_view() : found->kind;
 }
 
 }  // namespace palpate::scene

@@ -32,4 +32,8 @@ struct DeviceKind {
 /// [any] The kind of that name, or null.
 [[nodiscard]] const DeviceKind* find_device_kind(std::string_view name) noexcept;
 
+/// [any] The kind that a product or maker of that name belongs to, such as forcedimension for omega; empty:
+/// none is known.
+[[nodiscard]] std::string_view device_kind_of_product(std::string_view product) noexcept;
+
 }  // namespace palpate::scene

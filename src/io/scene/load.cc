@@ -317,7 +317,9 @@ const DeviceKind& check_device_kind(const LocatedString& kind) {
   for (const DeviceKind& known : device_kinds()) {
     if (known.name != "host") names.emplace_back(known.name);  // no run can open the host's device
   }
-  kind.fail("must be " + alternatives(names));
+  const std::string_view near = device_kind_of_product(kind.value);
+  kind.fail("must be " + alternatives(names) +
+            (near.empty() ? "" : "; did you mean " + std::string(near) + "?"));
 }
 
 /// Loading a library runs its code. So only the person who starts the program may name one: no scene may, and

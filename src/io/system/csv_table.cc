@@ -25,6 +25,17 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+/// As listed(), but at most five names and the number of the others.
+std::string first_names(std::vector<std::string> names) {
+  constexpr std::size_t kShown = 5;
+  if (names.size() > kShown + 1) {
+    const std::string others = std::to_string(names.size() - kShown) + " others";
+    names.resize(kShown);
+    names.push_back(others);
+  }
+  return listed(names);
+}
+
 std::string required_names(const std::vector<CsvColumn>& columns) {
   std::vector<std::string> names;
   for (const CsvColumn& column : columns) {
@@ -373,7 +384,7 @@ void CsvTable::check_header(const std::vector<std::string>& unknown) const {
   const std::vector<std::string> names(cells_.begin(), cells_.end());
   const ContentFacts other = table_of(names);
   fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
-       (unknown.empty() ? "" : "; unknown in it: " + listed(unknown)) +
+       (unknown.empty() ? "" : "; unknown in it: " + first_names(unknown)) +
        (other.name.empty() ? "" : "; the file is " + other.name + ": " + other.use));
 }
 

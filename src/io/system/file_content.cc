@@ -213,7 +213,7 @@ ContentFacts table_of(std::span<const std::string> columns) {
   static const std::vector<Table> kTables = {
       {{"tick", "time_s", "hand", "phase"},
        "the ticks of a recording as CSV",
-       "commands read the recording (.h5) itself"},
+       "palpate export wrote it; commands read the recording (.h5) itself"},
       {{"time_s", "x_m", "y_m", "z_m"}, "a tool path (CSV)", "--device scripted:FILE reads it"},
       {{"probe", "x_mm", "y_mm", "z_mm", "depth_mm", "force_N"},
        "a map of probes (CSV)",
@@ -238,8 +238,13 @@ ContentFacts refuse_other_content(const std::filesystem::path& file, FileContent
                                   std::string_view must_be) {
   ContentFacts found = find_content(file);
   if (found.content == FileContent::kUnknown || found.content == wanted) return found;
-  throw InputError(to_text(file) + ": is " + found.name + ", must be " + std::string(must_be) + "; " +
-                   found.use);
+  std::string use = found.use;
+  // What a person who runs a file that is no scene most likely wants.
+  if (wanted == FileContent::kScene && found.content == FileContent::kRecording)
+    use = "palpate view " + to_text(file) + " shows it; " + use;
+  if (wanted == FileContent::kScene && found.content == FileContent::kMesh)
+    use = "palpate run --organ " + to_text(file) + " --organ-unit mm presses it; " + use;
+  throw InputError(to_text(file) + ": is " + found.name + ", must be " + std::string(must_be) + "; " + use);
 }
 
 }  // namespace palpate

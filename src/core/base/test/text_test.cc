@@ -39,6 +39,16 @@ TEST(Brief, KeepsSoManyDigitsThatMatter) {
   EXPECT_EQ(brief(0.123456, 2), "0.12");
 }
 
+TEST(DecimalsOfStep, AreThoseThatTellLabelsApart) {
+  EXPECT_EQ(decimals_of_step(2.5), 1);
+  EXPECT_EQ(decimals_of_step(20.0), 0);
+  EXPECT_EQ(decimals_of_step(1.0), 0);
+  EXPECT_EQ(decimals_of_step(0.25), 2);
+  EXPECT_EQ(decimals_of_step(0.1), 1);
+  EXPECT_EQ(decimals_of_step(0.1 + 0.2), 1);
+  EXPECT_EQ(decimals_of_step(1.0 / 3.0), 6);
+}
+
 TEST(Percent, IsAShareOfAHundred) {
   EXPECT_EQ(percent(0.123456), "12.35 %");
   EXPECT_EQ(percent(-0.5, 0), "-50 %");

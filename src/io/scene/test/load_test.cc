@@ -251,7 +251,12 @@ TEST(Load, RefusesDevicesItCannotOpen) {
   };
   EXPECT_THAT(with("joystick"),
               HasSubstr("--device = \"joystick\": must be scripted, replay, emulated, mouse, gamepad, "
-                        "forcedimension, haply, touch, igtl or ros"));
+                        "forcedimension, haply, touch, igtl or ros; did you mean gamepad?"));
+  for (const char* product : {"omega", "Omega.7", "sigma7", "delta:/opt/libdhd.so"}) {
+    EXPECT_THAT(with(product), HasSubstr("did you mean forcedimension?")) << product;
+  }
+  EXPECT_THAT(with("inverse3"), HasSubstr("did you mean haply?"));
+  EXPECT_THAT(with("spoon"), Not(HasSubstr("did you mean")));
   EXPECT_THAT(with("mouse:left"), HasSubstr("\"left\": must be left out: a mouse has none"));
   EXPECT_THAT(with("replay"), HasSubstr("needs the path of a recording"));
   EXPECT_THAT(with("replay:/no/such.h5"), HasSubstr("--device = \"/no/such.h5\": there is no such file"));
@@ -372,9 +377,8 @@ TEST(Load, NamesAFileOfAnotherKindAndWhatReadsIt) {
   const std::string scene = folder.write("scene.toml", kShortLoaded).string();
   const std::string curve = folder.write("curve.csv", "displacement_mm,force_N\n0,0\n1,1\n").string();
   const std::string page = folder.write("report.html", "<!DOCTYPE html>\n<html></html>\n").string();
-  EXPECT_THAT(
-      error_in(scene_of(mesh)),
-      HasSubstr("box.obj: is a mesh (OBJ), must be a scene; palpate inspect, --organ and --tool read it"));
+  EXPECT_THAT(error_in(scene_of(mesh)),
+              HasSubstr("box.obj: is a mesh (OBJ), must be a scene; palpate run --organ "));
   EXPECT_THAT(error_in(scene_of(tissue)),
               HasSubstr("is a tissue file, must be a scene; --tissue FILE reads it"));
   Overrides request;

@@ -79,6 +79,15 @@ TEST(CsvTable, NamesTheColumnsThatAreMissingBeforeThoseThatAreUnknown) {
   EXPECT_EQ(error("t,x,y\n"),
             "a.csv:1: time_s, x_m and y_m: missing, the header must name time_s, x_m and y_m; "
             "unknown in it: t, x and y");
+  // An export's header names many more.
+  EXPECT_EQ(error("tick,time,hand,phase,depth,layer,force,noise\n"),
+            "a.csv:1: time_s, x_m and y_m: missing, the header must name time_s, x_m and y_m; "
+            "unknown in it: tick, time, hand, phase, depth and 3 others");
+  EXPECT_EQ(
+      error("tick,hand,phase,time_s,depth\n"),
+      "a.csv:1: x_m and y_m: missing, the header must name time_s, x_m and y_m; unknown in it: tick, hand, "
+      "phase and depth; the file is the ticks of a recording as CSV: palpate export wrote it; commands read "
+      "the recording (.h5) itself");
   EXPECT_EQ(error("time_s,x_m,y_mm\n"), "a.csv:1: column \"y_mm\": unknown, did you mean y_m?");
 }
 
