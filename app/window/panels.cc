@@ -138,9 +138,10 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"Ctrl + Tab", "into the panels; arrows, Space and Enter there"},
       {"Esc", "leave: zero force, recording closed"},
   };
-  static constexpr KeyLine kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
+  static constexpr KeyLine kMouse[] = {{"mouse", "the tool is under the pointer"},
                                        {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
                                        {"left button", "closes the jaws; G: which way they rest"},
+                                       {"F", "parks the tool above the organ, or brings it back"},
                                        {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
   static constexpr KeyLine kPad[] = {{"left stick", "moves the tool sideways"},
                                      {"right stick", "down presses, up lifts"},

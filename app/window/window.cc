@@ -75,7 +75,9 @@ bool Window::frame() {
   take_rows();
   if (leaving_) return false;
   poll_search();
-  steering_.update_devices(camera_);
+  point_the_tool();
+  const std::int64_t steered_before_ns = std::exchange(steered_ns_, monotonic_ns());
+  steering_.update_devices(camera_, shown_, 1e-9 * static_cast<double>(steered_ns_ - steered_before_ns));
   const Traces::NoiseStatistics statistics = traces_->take_noise_statistics();
   steering_.rumble(statistics.tissue, statistics.noise);
 
@@ -151,11 +153,10 @@ void Window::draw_picture() {
   if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
   if (!camera_set_) {
     const contact::ToolResult& result = shown_.results[0];
-    const double aspect = static_cast<double>(place.width) / place.height;
     camera_.look_as(search_ != nullptr
-                        ? tilted(render::frame_from_above(subject(), shown_, aspect))
+                        ? tilted(render::frame_from_above(subject(), shown_, aspect()))
                         : render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
-                    aspect);
+                    aspect());
     camera_set_ = true;
     take_newest();  // choosing the view of a large organ takes time
   }

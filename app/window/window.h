@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -104,6 +105,8 @@ class Window final {
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return viewport_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
+  /// Where a point is in the window [window units]; nothing: behind the camera.
+  [[nodiscard]] std::optional<std::pair<float, float>> in_window(const Vec3& point_W) const;
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
   [[nodiscard]] const LiveRun<RowObserver>& run() const noexcept { return *run_; }
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
@@ -121,6 +124,10 @@ class Window final {
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
   void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
+  void point_the_tool();
+  [[nodiscard]] double aspect() const {
+    return static_cast<double>(layout_.picture.width) / std::max(1.0F, layout_.picture.height);
+  }
   void mouse_wheel(const SDL_MouseWheelEvent& wheel);
   void file_dropped(const std::filesystem::path& file);
   [[nodiscard]] bool over_picture(int x, int y) const { return Viewport::over(layout_.picture, x, y); }
@@ -187,6 +194,7 @@ class Window final {
   bool mouse_over_ = false;  // the last mouse event was over the picture
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;
+  std::int64_t steered_ns_ = 0;  // when the devices got their last targets
   double frame_time_ = 0.0;
   double frames_a_second_ = 0.0;
   double age_ = 0.0;
