@@ -123,7 +123,7 @@ class Window final {
   void letter_key(SDL_Keycode key);
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
-  void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
+  void mouse_motion(std::pair<int, int> way);
   void point_the_tool();
   [[nodiscard]] double aspect() const {
     return static_cast<double>(layout_.picture.width) / std::max(1.0F, layout_.picture.height);
@@ -158,6 +158,9 @@ class Window final {
   void take_newest();
   void compose();
   void draw_overlay();
+  void show_preparing();
+  void keep_in_frame();
+  [[nodiscard]] Gestures gestures() const;
   void draw_picture();
   void recover_graphics();
   [[nodiscard]] PanelModel shown() const;
@@ -181,7 +184,8 @@ class Window final {
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
-  LiveParameters now_;  // of this run, or of the next one
+  bool rest_there_ = false;  // the picture shows the organ at rest, until the first snapshot
+  LiveParameters now_;       // of this run, or of the next one
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
   bool noise_waits_ = false;
@@ -191,7 +195,8 @@ class Window final {
   Layout layout_;
   bool paused_ = false;
   bool leaving_ = false;
-  bool mouse_over_ = false;  // the last mouse event was over the picture
+  bool touched_ = false;       // a tool has touched the organ in this window
+  bool mouse_inside_ = false;  // the mouse has moved in the window and not left it
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;
   std::int64_t steered_ns_ = 0;  // when the devices got their last targets

@@ -11,13 +11,13 @@ namespace palpate::app {
 void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
     case SDL_WINDOWEVENT:
-      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_over_ = false;
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_inside_ = false;
       break;
     case SDL_KEYDOWN:
       key_down(event.key);
       break;
     case SDL_MOUSEMOTION:
-      mouse_motion(event.motion, way);
+      mouse_motion(way);
       break;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
@@ -46,8 +46,8 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   camera_controller_.button(button, !steering_.mouse_steers());
 }
 
-void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
-  mouse_over_ = over_picture(motion.x, motion.y);
+void Window::mouse_motion(std::pair<int, int> way) {
+  mouse_inside_ = true;
   (void)camera_controller_.mouse_moved(way, layout_.picture.height);
 }
 
@@ -55,7 +55,7 @@ void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int
 void Window::point_the_tool() {
   const auto [x, y] = viewport_.mouse_at();
   const Rectangle& place = layout_.picture;
-  if (!mouse_over_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) {
+  if (!mouse_inside_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) {
     steering_.freeze();
     return;
   }
@@ -127,6 +127,9 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_p) commands_.screenshot = true;
   if (key == SDLK_v) commands_.look = true;
   if (key == SDLK_g) steering_.toggle_rest_of_jaws();
+  if (key == SDLK_a) panels_.marks.force = !panels_.marks.force;
+  if (key == SDLK_b) panels_.marks.scale = !panels_.marks.scale;
+  if (key == SDLK_x) panels_.marks.axes = !panels_.marks.axes;
   if (key == SDLK_f) steering_.toggle_parked();
   if (key == SDLK_m && search_ != nullptr) {
     steering_.press_button(run_->session().scene().search.mark_button);

@@ -28,11 +28,12 @@ struct ToolTarget {
 class SurfaceRider final {
  public:
   static constexpr double kHover = 5e-3;  // m, height over the surface before the first press and in the air
-  static constexpr double kParked = 30e-3;       // m, height of a parked tool
-  static constexpr double kMaxDepth = 30e-3;     // m, largest set depth
-  static constexpr double kMaxSpeed = 0.08;      // m/s over the surface and in the air; a hand has 0.1 m/s
-  static constexpr double kPressSpeed = 0.05;    // m/s along the normal
-  static constexpr double kMaxTilt = 1.05;       // rad, from the orientation at the start: 60 degrees
+  static constexpr double kParked = 30e-3;     // m, height of a parked tool
+  static constexpr double kMaxDepth = 30e-3;   // m, largest set depth
+  static constexpr double kMaxSpeed = 0.08;    // m/s over the surface and in the air; a hand has 0.1 m/s
+  static constexpr double kPressSpeed = 0.05;  // m/s along the normal
+  static constexpr double kMaxTilt =
+      0.785;  // rad, from the start, 45 degrees: more would hide the contact behind the tool
   static constexpr double kTurnSpeed = 1.5;      // rad/s
   static constexpr double kLongestStep = 50e-3;  // s, of advance()
 
