@@ -58,10 +58,10 @@ class WindowProgram : public testing::Test {
   }
   /// Moves the mouse to the middle of the picture. The window is in the middle of the screen of 3840 x 2160.
   void mouse_to_picture() const { use("mousemove 1920 900 mousemove 1920 905"); }
-  /// Turns the wheel away from the user: 10 mm to the organ, then 4 mm deep.
+  /// Turns the wheel away from the user: 5 mm to the organ, then 4 mm deep.
   void press_by_the_wheel() const {
     mouse_to_picture();
-    use("click --repeat 14 --delay 20 4");
+    use("click --repeat 9 --delay 20 4");
   }
 
   Folder folder_;

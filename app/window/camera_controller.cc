@@ -22,6 +22,7 @@ void CameraController::button(const SDL_MouseButtonEvent& button, bool left_turn
 bool CameraController::mouse_moved(std::pair<int, int> way, double picture_height) {
   const auto [right, down] = way;
   const double height = std::max(1.0, picture_height);
+  used_ = used_ || busy();
   if (turns_) {
     camera_.orbit(kTurn * right, kTurn * down);
   } else if (moves_) {
@@ -30,12 +31,16 @@ bool CameraController::mouse_moved(std::pair<int, int> way, double picture_heigh
   return busy();
 }
 
-void CameraController::wheel_turned(double notches) { camera_.zoom(std::pow(kNearer, notches)); }
+void CameraController::wheel_turned(double notches) {
+  used_ = true;
+  camera_.zoom(std::pow(kNearer, notches));
+}
 
 void CameraController::arrow_key(const SDL_KeyboardEvent& key) {
   const double right = sign_of(key.keysym.sym, SDLK_RIGHT, SDLK_LEFT);
   const double up = sign_of(key.keysym.sym, SDLK_UP, SDLK_DOWN);
   if (right == 0.0 && up == 0.0) return;
+  used_ = true;
   if ((key.keysym.mod & KMOD_SHIFT) != 0) {
     camera_.pan(-kKeyMove * right, -kKeyMove * up);
   } else {

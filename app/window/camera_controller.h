@@ -16,6 +16,9 @@ class CameraController final {
   /// the middle button pans it. The left button rotates it too if `left_turns`.
   void button(const SDL_MouseButtonEvent& button, bool left_turns) noexcept;
   [[nodiscard]] bool busy() const noexcept { return turns_ || moves_; }
+  /// Whether the user has moved the view since forget().
+  [[nodiscard]] bool used() const noexcept { return used_; }
+  void forget() noexcept { used_ = false; }
   /// The mouse moved by `way` over a picture of this height [window units]. @return whether that moved the
   /// view
   bool mouse_moved(std::pair<int, int> way, double picture_height);
@@ -30,6 +33,7 @@ class CameraController final {
   OrbitCamera& camera_;
   bool turns_ = false;
   bool moves_ = false;
+  bool used_ = false;
 };
 
 /// [any] 1 for the key `positive`, -1 for `negative`, 0 for any other.

@@ -81,6 +81,26 @@ ToolPlane plane_across(const Vec3& axis_W, const OrbitCamera& camera) {
   return {right, away.normalized()};
 }
 
+devices::Ray ray_through(const render::Camera& camera, double aspect, double x, double y) {
+  const Vec3 back = (camera.eye - camera.target).normalized();
+  const Vec3 right = camera.up.cross(back).normalized();
+  const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
+  const Vec3 direction =
+      (2.0 * x - 1.0) * aspect * half * right + (1.0 - 2.0 * y) * half * back.cross(right) - back;
+  return {camera.eye, direction.normalized()};
+}
+
+std::optional<PicturePlace> place_of(const Vec3& point_W, const render::Camera& camera, double aspect) {
+  const Vec3 back = (camera.eye - camera.target).normalized();
+  const Vec3 right = camera.up.cross(back).normalized();
+  const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
+  const Vec3 way = point_W - camera.eye;
+  const double far = -way.dot(back);
+  if (far < 1e-3) return std::nullopt;
+  const double unit = 1.0 / (2.0 * half * far);
+  return PicturePlace{0.5 + unit * way.dot(right) / aspect, 0.5 - unit * way.dot(back.cross(right))};
+}
+
 render::Camera tilted(render::Camera from_above) {
   constexpr double kTilt = 0.61;  // rad
   const double distance = (from_above.eye - from_above.target).norm();

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "palpate/offscreen.h"
+#include "run/devices/surface_rider.h"
 
 namespace palpate::app {
 
@@ -50,6 +51,19 @@ struct ToolPlane {
 };
 /// [any] @param axis_W unit vector
 [[nodiscard]] ToolPlane plane_across(const Vec3& axis_W, const OrbitCamera& camera);
+
+/// [any] The line of sight through a point of the picture. @param aspect width over height of the picture
+/// @param x, y 0 to 1 from the picture's upper left corner
+[[nodiscard]] devices::Ray ray_through(const render::Camera& camera, double aspect, double x, double y);
+
+/// A place of a picture: 0 to 1 from its upper left corner.
+struct PicturePlace {
+  double x = 0.0;
+  double y = 0.0;
+};
+/// [any] Where a point is in the picture, the inverse of ray_through(); nothing: it is behind the camera.
+[[nodiscard]] std::optional<PicturePlace> place_of(const Vec3& point_W, const render::Camera& camera,
+                                                   double aspect);
 
 /// [any] The view from above, tilted by 35 degrees so that depth is seen; y stays upwards.
 [[nodiscard]] render::Camera tilted(render::Camera from_above);

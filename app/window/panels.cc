@@ -113,6 +113,7 @@ void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& com
 
 void draw_key_lines(const char* name, std::span<const KeyLine> lines) {
   if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
+  ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed, 14.0F * ImGui::GetFontSize());
   for (const KeyLine& line : lines) {
     ImGui::TableNextColumn();
     ImGui::TextColored(colour::kDepth, "%s   ", line.keys);
@@ -139,22 +140,31 @@ void draw_keys(bool& open, std::span<const KeyLine> lines, const std::function<v
   ImGui::PopStyleVar();
 }
 
-void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
+std::string first_hint(const Gestures& gestures) {
+  const char* third = "";
+  if (gestures.mouse) {
+    if (gestures.jaws) third = "   Grip: hold left.";
+    if (gestures.search) third = "   Mark: left button.";
+    return std::string("Move: mouse.   Press: wheel.") + third;
+  }
+  if (!gestures.gamepad) return {};
+  if (gestures.jaws) third = "   Grip: left trigger.";
+  if (gestures.search) third = "   Mark: A.";
+  return std::string("Move: left stick.   Press: right trigger.") + third;
+}
+
+void draw_help(PanelState& state, const Gestures& gestures) {
   static constexpr KeyLine kLines[] = {
       {"F1", "these keys"},
       {"F2 to F7", "scene, tissue, noise, device, timing, plots: open or close"},
       {"F8", "all panels away, or back"},
       {"F11", "full screen"},
-      {"right or left drag, arrows", "turn the view"},
-      {"middle drag, Shift + arrows", "move the view"},
-      {"wheel, + and -", "nearer, farther"},
       {"Home", "the view of the beginning"},
+      {"A, B, X", "force arrow, scale bar, axes: on or off"},
       {"Space", "hold the picture; the run goes on"},
-      {"Ctrl + Space", "pause the run, where no hand holds the device"},
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
-      {"M, T", "palpate: mark the place under the tool; map of the felt stiffness"},
       {"Ctrl + R", "record this run; or end the recording"},
       {"Ctrl + Z, Ctrl + Y", "undo, redo a change of tissue, noise or inclusion"},
       {"V", "look at the recording, in the viewer's window"},
@@ -164,25 +174,50 @@ void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers) {
       {"Ctrl + Tab", "into the panels; arrows, Space and Enter there"},
       {"Esc", "leave: zero force, recording closed"},
   };
-  static constexpr KeyLine kMouse[] = {{"mouse", "moves the tool sideways (Shift: finely)"},
-                                       {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
-                                       {"left button", "closes the jaws; G: which way they rest"},
-                                       {"right, middle drag, Ctrl + wheel", "the view; 1 to 4: which hand"}};
+  static constexpr KeyLine kView[] = {{"right or left drag, arrows", "turn the view"},
+                                      {"middle drag, Shift + arrows", "move the view"},
+                                      {"wheel, + and -", "nearer, farther"}};
+  static constexpr KeyLine kViewBesideTool[] = {{"right drag, arrows", "turn the view"},
+                                                {"middle drag, Shift + arrows", "move the view"},
+                                                {"Ctrl + wheel, + and -", "nearer, farther"}};
+  static constexpr KeyLine kPause[] = {{"Ctrl + Space", "pause the run"}};
+  static constexpr KeyLine kSearch[] = {{"M", "mark the place under the tool"},
+                                        {"T", "map of the felt stiffness"}};
+  static constexpr KeyLine kMouse[] = {
+      {"mouse", "the tool is under the pointer"},
+      {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
+      {"F", "parks the tool above the organ, or brings it back"},
+  };
+  static constexpr KeyLine kMouseJaws[] = {{"left button", "closes the jaws; then drag to pull"}};
+  static constexpr KeyLine kJaws[] = {{"G", "jaws rest open or closed"}};
+  static constexpr KeyLine kMouseMark[] = {{"left button", "marks the place under the tool"}};
+  static constexpr KeyLine kHands[] = {{"1 to 4", "which hand the mouse holds"}};
   static constexpr KeyLine kPad[] = {{"left stick", "moves the tool sideways"},
                                      {"right stick", "down presses, up lifts"},
-                                     {"right trigger", "presses, up to 25 mm"},
-                                     {"left trigger", "closes the jaws"}};
-  draw_keys(state.help, kLines, [=] {
-    if (mouse_steers) {
+                                     {"right trigger", "presses, up to 25 mm"}};
+  static constexpr KeyLine kPadJaws[] = {{"left trigger", "closes the jaws"}};
+  draw_keys(state.help, kLines, [&] {
+    draw_key_lines("view", gestures.mouse ? std::span<const KeyLine>(kViewBesideTool) : kView);
+    if (gestures.may_pause) draw_key_lines("pause", kPause);
+    if (gestures.search) draw_key_lines("search", kSearch);
+    if (gestures.mouse) {
       ImGui::Separator();
       ImGui::TextUnformatted("The mouse holds the tool");
       draw_key_lines("mouse", kMouse);
+      if (gestures.search) {
+        draw_key_lines("mark", kMouseMark);
+      } else if (gestures.jaws) {
+        draw_key_lines("mouse jaws", kMouseJaws);
+      }
+      if (gestures.hands > 1) draw_key_lines("hands", kHands);
     }
-    if (gamepad_steers) {
+    if (gestures.gamepad) {
       ImGui::Separator();
       ImGui::TextUnformatted("The gamepad holds the tool");
       draw_key_lines("pad", kPad);
+      if (gestures.jaws) draw_key_lines("pad jaws", kPadJaws);
     }
+    if (gestures.jaws && (gestures.mouse || gestures.gamepad)) draw_key_lines("jaws", kJaws);
   });
 }
 

@@ -18,6 +18,7 @@
 #include "palpate/touch_noise.h"
 
 #include "app/window/file_chooser.h"
+#include "app/window/picture_marks.h"
 #include "app/window/scene_gallery.h"
 #include "app/window/search.h"
 #include "app/window/traces.h"
@@ -111,6 +112,7 @@ struct PanelState {
   std::array<bool, kPanels> open{true, true, true, true, true, true};
   bool hidden = false;  // all panels
   bool help = false;
+  PictureMarks marks;
   double user_threshold = 20e-3;  // N, touch threshold of the user
   double noise_share = 0.6;       // fraction of the threshold
   FileChooser files;
@@ -156,7 +158,18 @@ void draw_left(const Rectangle& place, const PanelModel& shown, PanelState& stat
 void draw_right(const Rectangle& place, const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& commands);
 void draw_plots(const Rectangle& place, const Plotted& plotted);
-void draw_help(PanelState& state, bool mouse_steers, bool gamepad_steers);
+/// What the present run can do, for the list of keys.
+struct Gestures {
+  bool mouse = false;      // holds a tool
+  bool gamepad = false;    // holds a tool
+  bool jaws = false;       // a tool has jaws
+  bool search = false;     // task palpate
+  bool may_pause = false;  // no hand holds a device
+  std::size_t hands = 1;
+};
+void draw_help(PanelState& state, const Gestures& gestures);
+/// [any] How to press and grip; empty: a device of its own does that.
+[[nodiscard]] std::string first_hint(const Gestures& gestures);
 [[nodiscard]] Plotted plotted(const PanelModel& shown);
 
 /// [any] A hand's contact as text with this number of decimals: "pressing, 4.2 mm deep".

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/state.h"
+#include "core/haptics/simulation.h"
+
 namespace palpate::app {
 namespace {
 
@@ -25,16 +28,21 @@ void Steering::take(const Session& session) {
   for (std::size_t hand = 0; hand < session.devices().size(); ++hand) {
     haptics::Device* device = session.devices()[hand].get();
     const scene::DeviceSetup& how = session.scene().devices[hand];
-    const Quat world_D = how.base.rotation;
     if (auto* mouse = dynamic_cast<devices::MouseDevice*>(device)) {
       const double gripper = session.scene().task == scene::Task::kPull ? 1.0 : 0.0;
-      mice_.push_back({mouse, world_D, how.workspace_scale,
-                       Vec3(world_D * mouse->orientation() * Vec3::UnitZ()), mouse->start(), gripper, false});
+      const haptics::SimulationWorld& world = session.world();
+      const haptics::WorkspaceMapping& mapping = world.mappings[hand];
+      mice_.push_back({mouse, hand, mapping,
+                       std::make_unique<devices::SurfaceRider>(
+                           world.contact.data().surface, session.scene().tools[hand], world.organ_W,
+                           mapping.apply(mouse->start(), mouse->orientation()), gripper,
+                           mapping.scale * devices::TargetFollower::kMaxDistance),
+                       gripper, false});
     }
     if (auto* pad = dynamic_cast<devices::GamepadDevice*>(device)) {
       const double gripper = session.scene().task == scene::Task::kPull ? 1.0 : 0.0;
-      pads_.push_back(
-          {pad, world_D, how.workspace_scale, Vec3(world_D * pad->orientation() * Vec3::UnitZ()), gripper});
+      pads_.push_back({pad, how.base.rotation, how.workspace_scale,
+                       Vec3(how.base.rotation * pad->orientation() * Vec3::UnitZ()), gripper});
     }
   }
 }
@@ -45,22 +53,25 @@ void Steering::drop() {
   chosen_ = 0;
 }
 
-void Steering::mouse_moved(double right, double up, const OrbitCamera& camera, bool fine) {
-  if (mice_.empty()) return;
-  Mouse& mouse = mice_[chosen_];
-  const ToolPlane plane = plane_across(mouse.axis_W, camera);
-  const double far = gain_ * camera.height_at_target() * (fine ? kFine : 1.0);
-  const Vec3 way_W = far * (right * plane.right + up * plane.away);
-  mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
+void Steering::point_at(const devices::Ray& ray_W) {
+  if (!mice_.empty()) mice_[chosen_].rider->point_at(ray_W);
+}
+
+void Steering::freeze() {
+  for (Mouse& mouse : mice_) mouse.rider->freeze();
 }
 
 void Steering::wheel_turned(double notches, bool fine) {
-  if (mice_.empty()) return;
-  Mouse& mouse = mice_[chosen_];
-  const double gain = notches > 0.0 ? gain_ : 1.0;  // lifting is never slowed
-  const Vec3 way_W = gain * notches * kNotch * (fine ? kFine : 1.0) * mouse.axis_W;
-  mouse.target_D += mouse.world_D.conjugate() * way_W / mouse.scale;
+  if (!mice_.empty()) mice_[chosen_].rider->press(notches * kNotch * (fine ? kFine : 1.0));
 }
+
+void Steering::toggle_parked() {
+  if (mice_.empty()) return;
+  devices::SurfaceRider& rider = *mice_[chosen_].rider;
+  rider.park(!rider.parked());
+}
+
+double Steering::set_depth() const { return mice_.empty() ? 0.0 : mice_[chosen_].rider->depth(); }
 
 void Steering::grip(bool closed) {
   if (!mice_.empty()) mice_[chosen_].held = closed;
@@ -72,7 +83,9 @@ void Steering::toggle_rest_of_jaws() {
 }
 
 void Steering::choose_hand(std::size_t which) {
-  if (which < mice_.size()) chosen_ = which;
+  if (which >= mice_.size()) return;
+  freeze();
+  chosen_ = which;
 }
 
 void Steering::gamepad_event(const SDL_Event& event) {
@@ -103,23 +116,31 @@ void Steering::press_button(std::uint32_t button) {
   pressed_frames_ = kFrames;
 }
 
-void Steering::update_devices(const OrbitCamera& camera) {
+void Steering::update_devices(const OrbitCamera& camera, const haptics::Snapshot& shown, double time) {
   if (pressed_frames_ > 0 && --pressed_frames_ == 0) pressed_ = 0;
-  for (Mouse& mouse : mice_) {
-    const Vec3 way = mouse.target_D - mouse.device->start();
-    // A target out of range waits at the limit, so that it reacts at once when the motion reverses.
-    const double far =
-        way.norm();  // beyond reach the target waits at its edge, so that it turns round at once
-    if (far > devices::TargetFollower::kMaxDistance) {
-      mouse.target_D = mouse.device->start() + devices::TargetFollower::kMaxDistance / far * way;
-    }
-    mouse.device->input().writable() = {mouse.target_D, mouse.held ? 0.0 : mouse.rest,
-                                        (mouse.held ? 1U : 0U) | pressed_, true};
-    mouse.device->input().publish();
-  }
+  for (Mouse& mouse : mice_) update_mouse(mouse, shown, time);
   for (std::size_t i = 0; i < pads_.size(); ++i) {
     update_gamepad(pads_[i], i < controllers_.size() ? controllers_[i] : nullptr, camera);
   }
+}
+
+void Steering::update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double time) const {
+  const double wanted = mouse.held ? 0.0 : mouse.rest;
+  const bool there = mouse.hand < shown.hands;  // false before the first tick
+  const bool dragging = there && mouse.held && shown.results[mouse.hand].phase == contact::Phase::kPull;
+  devices::SurfaceRider& rider = *mouse.rider;
+  rider.advance(time, there ? shown.tools[mouse.hand].gripper : wanted, dragging, gain_);
+  const devices::ToolTarget target = rider.target();
+  const Pose device_W = mouse.mapping.base.inverse();
+  devices::MouseInput& input = mouse.device->input().writable();
+  input.target_D = device_W * target.tip_W / mouse.mapping.scale;
+  input.orientation_D = device_W.rotation * target.orientation_W;
+  input.turns = true;
+  input.held = rider.tip() / mouse.mapping.scale;
+  input.gripper = wanted;
+  input.buttons = (mouse.held ? 1U : 0U) | pressed_;
+  input.present = true;
+  mouse.device->input().publish();
 }
 
 void Steering::update_gamepad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const {

@@ -1,12 +1,16 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <SDL.h>
 
+#include "core/haptics/workspace.h"
+#include "palpate/tick_observer.h"
 #include "run/devices/gamepad.h"
 #include "run/devices/mouse.h"
+#include "run/devices/surface_rider.h"
 
 #include "app/session.h"
 #include "app/window/orbit_camera.h"
@@ -35,16 +39,22 @@ class Steering final {
   [[nodiscard]] bool mouse_steers() const noexcept { return !mice_.empty(); }
   [[nodiscard]] bool gamepad_steers() const noexcept { return !pads_.empty(); }
 
-  /// Moves the target across the tool axis, by fractions of the picture's height.
-  void mouse_moved(double right, double up, const OrbitCamera& camera, bool fine);
-  /// Moves the target along the tool axis, by notches of the wheel; positive presses.
+  /// The pointer is over the picture: the tool rides on the organ's surface under it. Call once per frame.
+  void point_at(const devices::Ray& ray_W);
+  /// The pointer is on a panel, or turns the view: the tool stays where it is.
+  void freeze();
+  /// Changes the set depth by notches of the wheel; positive presses.
   void wheel_turned(double notches, bool fine);
+  /// Lifts the tool off the organ and leaves it there, or brings it back under the pointer.
+  void toggle_parked();
+  /// Set depth of the mouse's tool under the surface [m]; negative: height above it.
+  [[nodiscard]] double set_depth() const;
   /// Closes the jaws while the left button is held, and releases them.
   void grip(bool closed);
   /// Presses a button of the mouse devices and gamepads for some frames. @param button bit of
   /// DeviceState::buttons
   void press_button(std::uint32_t button);
-  /// Sets how far the target moves for a motion of the mouse, 0 to 1.
+  /// Sets the pace of the tool that follows the mouse, 0 to 1.
   void set_gain(double gain) noexcept { gain_ = gain; }
   /// Opens the jaws if they are closed while no button is held, and the reverse.
   void toggle_rest_of_jaws();
@@ -52,18 +62,18 @@ class Steering final {
   void choose_hand(std::size_t which);
   /// Adds or removes a gamepad (SDL_CONTROLLERDEVICEADDED or REMOVED).
   void gamepad_event(const SDL_Event& event);
-  /// Sends targets and inputs to the devices. Call once per frame.
-  void update_devices(const OrbitCamera& camera);
+  /// Sends targets and inputs to the devices. Call once per frame. @param shown the newest snapshot
+  /// @param time since the last call [s]
+  void update_devices(const OrbitCamera& camera, const haptics::Snapshot& shown, double time);
   /// Sets the gamepads' vibration: slow motor from the tissue force [N], fast motor from the noise [N].
   void rumble(double tissue_force, double noise);
 
  private:
   struct Mouse {
     devices::MouseDevice* device = nullptr;
-    Quat world_D;        // from the device frame to the world frame
-    double scale = 1.0;  // workspace scale
-    Vec3 axis_W;         // direction of the tool
-    Vec3 target_D;
+    std::size_t hand = 0;
+    haptics::WorkspaceMapping mapping;
+    std::unique_ptr<devices::SurfaceRider> rider;
     double rest = 0.0;  // opening of the gripper while no button is held
     bool held = false;
   };
@@ -75,6 +85,7 @@ class Steering final {
     double rest = 0.0;
   };
 
+  void update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double time) const;
   void update_gamepad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const;
 
   std::vector<Mouse> mice_;

@@ -10,8 +10,10 @@
 #include <imgui.h>
 
 #include "core/haptics/gate.h"
+#include "core/haptics/simulation.h"
 #include "io/system/clock.h"
 #include "palpate/error.h"
+#include "palpate/tool_path.h"
 
 #include "app/messages.h"
 #include "app/window/panels.h"
@@ -44,6 +46,29 @@ std::string advice_on(haptics::Fault fault) {
   return {};
 }
 
+/// The organ at rest without tools, and where a scripted tool begins. The first view is the same as that of
+/// the run's first tick.
+haptics::Snapshot at_rest(const Session& session) {
+  const scene::Scene& scene = session.scene();
+  haptics::Snapshot snapshot;
+  snapshot.organ_W = scene.organ_pose;
+  if (scene.task == scene::Task::kPalpate) return snapshot;  // its view does not depend on the tool
+  haptics::SimulationState state(session.world());
+  std::vector<haptics::DeviceState> samples(session.hands());
+  for (std::size_t hand = 0; hand < samples.size(); ++hand) {
+    const scene::PathRow start = scene::default_path(scene, hand).at(0.0);
+    samples[hand].position_D = start.position;
+    samples[hand].orientation_D = start.orientation;
+    samples[hand].gripper = start.gripper;
+  }
+  std::vector<haptics::ForceCommand> commands(samples.size());
+  std::vector<haptics::TickRow> rows(samples.size());
+  haptics::tick(session.world(), state, 0, samples, commands, rows);
+  haptics::make_snapshot({state, commands, 0}, snapshot);
+  snapshot.hands = 0;
+  return snapshot;
+}
+
 }  // namespace
 
 Window::Window(std::shared_ptr<Session> first, scene::Overrides request, WindowOptions options)
@@ -71,12 +96,17 @@ bool Window::frame() {
   leaving_ |= viewport_.take_events(
       options_.stop, [this](const SDL_Event& event, std::pair<int, int> way) { take_event(event, way); });
   poll_runs();
-  if (!run_->started()) begin();
+  if (!run_->started()) {
+    show_preparing();
+    begin();
+  }
   take_rows();
   if (leaving_) return false;
   poll_search();
   poll_recording();
-  steering_.update_devices(camera_);
+  point_the_tool();
+  const std::int64_t steered_before_ns = std::exchange(steered_ns_, monotonic_ns());
+  steering_.update_devices(camera_, shown_, 1e-9 * static_cast<double>(steered_ns_ - steered_before_ns));
   const Traces::NoiseStatistics statistics = traces_->take_noise_statistics();
   steering_.rumble(statistics.tissue, statistics.noise);
 
@@ -105,8 +135,7 @@ void Window::draw_frame() {
 /// Draws the organ at rest until resolution and quality fit the machine. This happens before the run, so that
 /// the user does not see outdated pictures during contact.
 void Window::settle_picture() {
-  shown_ = {};
-  shown_.organ_W = run_->session().scene().organ_pose;
+  shown_ = at_rest(run_->session());
   snapshot_there_ = true;
   const bool camera_was_set = camera_set_;
   const std::int64_t until = monotonic_ns() + kSettlingNs;
@@ -116,6 +145,7 @@ void Window::settle_picture() {
   } while (!live_.settle(frame_time_) && frame_began_ns_ < until);
   camera_set_ = camera_was_set;
   snapshot_there_ = false;
+  rest_there_ = true;
 }
 
 /// Records the age of the snapshot that this frame has shown.
@@ -148,18 +178,23 @@ void Window::recover_graphics() {
 void Window::draw_picture() {
   viewport_.clear();
   const Rectangle& place = layout_.picture;
-  if (!snapshot_there_ || place.width < 1.0F || place.height < 1.0F) return;
+  if (place.width < 1.0F || place.height < 1.0F) return;
+  if (!snapshot_there_) {
+    if (rest_there_) live_.show(shown_, camera_.camera(), place, viewport_);
+    return;
+  }
   if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
   if (!camera_set_) {
     const contact::ToolResult& result = shown_.results[0];
-    const double aspect = static_cast<double>(place.width) / place.height;
     camera_.look_as(search_ != nullptr
-                        ? tilted(render::frame_from_above(subject(), shown_, aspect))
+                        ? tilted(render::frame_from_above(subject(), shown_, aspect()))
                         : render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
-                    aspect);
+                    aspect());
     camera_set_ = true;
+    camera_controller_.forget();
     take_newest();  // choosing the view of a large organ takes time
   }
+  keep_in_frame();
   live_.show(shown_, camera_.camera(), place, viewport_);
 }
 
@@ -171,7 +206,7 @@ std::vector<HandStatus> Window::hand_texts() const {
     const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
     HandStatus& status = all[hand];
     status.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
-    status.state = run_->ended() ? "the run has ended" : moment_text(newest, 1);
+    status.state = run_->ended() ? "the run has ended" : snapshot_there_ ? moment_text(newest, 1) : "begins";
     status.engagement = newest.engagement;
     status.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
                                        haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
@@ -246,7 +281,7 @@ void Window::compose() {
   if (layout_.right.width > 0.0F) draw_right(layout_.right, all, panels_, commands_);
   if (layout_.bottom.height > 0.0F) draw_plots(layout_.bottom, plotted(all));
   draw_overlay();
-  draw_help(panels_, steering_.mouse_steers(), steering_.gamepad_steers());
+  draw_help(panels_, gestures());
   draw_leave_dialog(all, panels_, commands_);
   const SceneGallery::Choice choice = panels_.gallery.draw();
   if (choice.scene != nullptr) commands_.scene = choice.scene;
@@ -259,9 +294,54 @@ void Window::compose() {
   Viewport::end_panels();
 }
 
-/// Draws title, banner and message over the picture.
+/// Says what the window waits for: a new picture takes time.
+void Window::show_preparing() {
+  viewport_.begin_panels();
+  const ImGuiIO& io = ImGui::GetIO();
+  layout_ = lay_out(io.DisplaySize.x, io.DisplaySize.y, viewport_.scale(), panels_);
+  const std::string organ = std::filesystem::path(run_->session().scene().organ_name).filename().string();
+  const std::string text = "Preparing the organ: " + organ + " ...";
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  ImGui::GetBackgroundDrawList()->AddText(
+      ImVec2(0.5F * (io.DisplaySize.x - size.x), 0.5F * (io.DisplaySize.y - size.y)), packed(colour::kText),
+      text.c_str());
+  Viewport::end_panels();
+  viewport_.clear();
+  Viewport::draw_panels();
+  viewport_.show();
+}
+
+/// Moves back while a tool or a contact is outside the picture, until the user moves the view. A tool under
+/// the mouse is always inside.
+void Window::keep_in_frame() {
+  constexpr double kFarther = 1.02;  // a frame
+  if (steering_.mouse_steers() || camera_controller_.used()) return;
+  if (!contacts_in_frame(shown_, camera_.camera(), aspect())) camera_.zoom(kFarther);
+}
+
+Gestures Window::gestures() const {
+  const Session& session = run_->session();
+  Gestures all;
+  all.mouse = steering_.mouse_steers();
+  all.gamepad = steering_.gamepad_steers();
+  for (const geometry::Tool& tool : session.scene().tools) {
+    for (const geometry::ToolPart& part : tool.parts) all.jaws = all.jaws || part.is_jaw;
+  }
+  all.search = search_ != nullptr;
+  all.may_pause = session.may_pause();
+  all.hands = session.hands();
+  return all;
+}
+
+/// Draws marks, hint, title, banner and message over the picture.
 void Window::draw_overlay() {
   bool fault = false;
+  if (snapshot_there_) draw_marks(layout_.picture, camera_, shown_, panels_.marks);
+  for (const contact::ToolResult& result : shown_.hand_results()) {
+    touched_ = touched_ || result.phase != contact::Phase::kApproach;
+  }
+  const std::string hint = touched_ || !snapshot_there_ ? std::string() : first_hint(gestures());
+  if (!hint.empty()) draw_hint(layout_.picture, hint);
   banner_ = banner_text(fault);
   viewport_.draw_overlay(layout_.picture, {{banner_, fault}, {tissue_note_, false}},
                          title_of(run_->session().scene()) + formatted("   %.1f s", traces_->newest_time()));

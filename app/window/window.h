@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -109,6 +110,8 @@ class Window final {
   [[nodiscard]] const Traces& traces() const noexcept { return *traces_; }
   [[nodiscard]] std::pair<int, int> mouse_at() const noexcept { return viewport_.mouse_at(); }
   [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
+  /// Where a point is in the window [window units]; nothing: behind the camera.
+  [[nodiscard]] std::optional<std::pair<float, float>> in_window(const Vec3& point_W) const;
   [[nodiscard]] PanelState& panels() noexcept { return panels_; }
   [[nodiscard]] const LiveRun<RowObserver>& run() const noexcept { return *run_; }
   [[nodiscard]] bool preparing() const noexcept { return next_ != nullptr; }
@@ -129,7 +132,11 @@ class Window final {
   void letter_key(SDL_Keycode key);
   void view_key(const SDL_KeyboardEvent& key);
   void mouse_button(const SDL_MouseButtonEvent& button);
-  void mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way);
+  void mouse_motion(std::pair<int, int> way);
+  void point_the_tool();
+  [[nodiscard]] double aspect() const {
+    return static_cast<double>(layout_.picture.width) / std::max(1.0F, layout_.picture.height);
+  }
   void mouse_wheel(const SDL_MouseWheelEvent& wheel);
   void file_dropped(const std::filesystem::path& file);
   [[nodiscard]] bool over_picture(int x, int y) const { return Viewport::over(layout_.picture, x, y); }
@@ -172,6 +179,9 @@ class Window final {
   void take_newest();
   void compose();
   void draw_overlay();
+  void show_preparing();
+  void keep_in_frame();
+  [[nodiscard]] Gestures gestures() const;
   void draw_picture();
   void recover_graphics();
   [[nodiscard]] PanelModel shown() const;
@@ -199,7 +209,8 @@ class Window final {
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;
   bool snapshot_there_ = false;
-  LiveParameters now_;  // of this run, or of the next one
+  bool rest_there_ = false;  // the picture shows the organ at rest, until the first snapshot
+  LiveParameters now_;       // of this run, or of the next one
   ParameterHistory history_;
   std::string tissue_note_;
   bool tissue_waits_ = false;  // until the run is resumed
@@ -211,10 +222,12 @@ class Window final {
   bool paused_ = false;
   bool leaving_ = false;
   EscapeGuard escape_;
-  bool panel_used_ = false;  // later than the picture, so that Enter may be meant for the panel
-  bool mouse_over_ = false;  // the last mouse event was over the picture
+  bool panel_used_ = false;    // later than the picture, so that Enter may be meant for the panel
+  bool touched_ = false;       // a tool has touched the organ in this window
+  bool mouse_inside_ = false;  // the mouse has moved in the window and not left it
   std::string banner_;
   std::int64_t frame_began_ns_ = 0;
+  std::int64_t steered_ns_ = 0;  // when the devices got their last targets
   double frame_time_ = 0.0;
   double frames_a_second_ = 0.0;
   double age_ = 0.0;

@@ -11,13 +11,13 @@ namespace palpate::app {
 void Window::take_event(const SDL_Event& event, std::pair<int, int> way) {
   switch (event.type) {
     case SDL_WINDOWEVENT:
-      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_over_ = false;
+      if (event.window.event == SDL_WINDOWEVENT_LEAVE) mouse_inside_ = false;
       break;
     case SDL_KEYDOWN:
       key_down(event.key);
       break;
     case SDL_MOUSEMOTION:
-      mouse_motion(event.motion, way);
+      mouse_motion(way);
       break;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
@@ -47,16 +47,32 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   camera_controller_.button(button, !steering_.mouse_steers());
 }
 
-void Window::mouse_motion(const SDL_MouseMotionEvent& motion, std::pair<int, int> way) {
-  const double height = std::max(1.0F, layout_.picture.height);
-  const auto [right, down] = way;
-  const bool was_over = mouse_over_;
-  mouse_over_ = over_picture(motion.x, motion.y);
-  if (camera_controller_.mouse_moved(way, height)) return;
-  if (was_over && mouse_over_) {  // a motion that starts on a panel must not move the tool
-    const bool fine = (SDL_GetModState() & KMOD_SHIFT) != 0;
-    steering_.mouse_moved(right / height, -down / height, camera_, fine);
+void Window::mouse_motion(std::pair<int, int> way) {
+  mouse_inside_ = true;
+  (void)camera_controller_.mouse_moved(way, layout_.picture.height);
+}
+
+/// The tool rides under the pointer. On a panel and while the pointer turns the view, the tool stays.
+void Window::point_the_tool() {
+  const auto [x, y] = viewport_.mouse_at();
+  const Rectangle& place = layout_.picture;
+  if (!mouse_inside_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) {
+    steering_.freeze();
+    return;
   }
+  const auto share = [](int at, float from, float length) {
+    return static_cast<double>((static_cast<float>(at) + 0.5F - from) / length);
+  };
+  steering_.point_at(ray_through(camera_.camera(), aspect(), share(x, place.x, place.width),
+                                 share(y, place.y, place.height)));
+}
+
+std::optional<std::pair<float, float>> Window::in_window(const Vec3& point_W) const {
+  const Rectangle& picture = layout_.picture;
+  const std::optional<PicturePlace> place = place_of(point_W, camera_.camera(), aspect());
+  if (!place) return std::nullopt;
+  return std::pair(picture.x + static_cast<float>(place->x) * picture.width,
+                   picture.y + static_cast<float>(place->y) * picture.height);
 }
 
 void Window::mouse_wheel(const SDL_MouseWheelEvent& wheel) {
@@ -138,6 +154,10 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_p) commands_.screenshot = true;
   if (key == SDLK_v) commands_.look = true;
   if (key == SDLK_g) steering_.toggle_rest_of_jaws();
+  if (key == SDLK_a) panels_.marks.force = !panels_.marks.force;
+  if (key == SDLK_b) panels_.marks.scale = !panels_.marks.scale;
+  if (key == SDLK_x) panels_.marks.axes = !panels_.marks.axes;
+  if (key == SDLK_f) steering_.toggle_parked();
   if (key == SDLK_m && search_ != nullptr) {
     steering_.press_button(run_->session().scene().search.mark_button);
   }

@@ -42,6 +42,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   tissue_note_.clear();
   traces_ = std::make_unique<Traces>(scene.rate_Hz);
   snapshot_there_ = false;
+  rest_there_ = false;
   paused_ = false;
   tissue_waits_ = false;
   noise_waits_ = false;

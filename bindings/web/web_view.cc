@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,8 +21,10 @@
 using palpate::InputError;
 using palpate::Pose;
 using palpate::Vec3;
+using palpate::app::ray_through;
 using palpate::c_interface::guarded;
 using palpate::c_interface::UseError;
+using palpate::devices::Ray;
 using palpate::haptics::Snapshot;
 using palpate::render::Quality;
 
@@ -121,20 +122,6 @@ void read_hand(StateReader& numbers, const Pose& organ_W, const palpate::geometr
 // The renderer's first pictures, which prepare its shaders, are small.
 constexpr int kFirstWidth = 60;
 constexpr int kFirstHeight = 44;
-
-struct Ray {
-  Vec3 origin;
-  Vec3 direction;  // unit
-};
-
-Ray ray_through(const palpate::render::Camera& camera, double aspect, double x, double y) {
-  const Vec3 back = (camera.eye - camera.target).normalized();
-  const Vec3 right = camera.up.cross(back).normalized();
-  const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);
-  const Vec3 direction =
-      (2.0 * x - 1.0) * aspect * half * right + (1.0 - 2.0 * y) * half * back.cross(right) - back;
-  return {camera.eye, direction.normalized()};
-}
 
 /// Distance along the ray to a triangle's front; infinite: it does not meet it.
 double distance_to(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {

@@ -33,16 +33,18 @@ void experiment(const std::filesystem::path& file, const char* task) {
   request.task = task;
   request.device = "mouse";
   DrivenWindow driven(request);
-  driven.frames(3);
-  driven.move_to_picture();
+  driven.until([&] { return driven.window().snapshot().hands == 1; }, kSlow);
+  const auto place = driven.window().in_window(driven.window().snapshot().results[0].nearest_W);
+  if (!place) throw std::runtime_error("the tool is behind the camera");
+  driven.move(static_cast<int>(place->first), static_cast<int>(place->second));
   if (std::string(task) == "pull") {
-    wheel(driven, 10);
+    wheel(driven, 5);
     driven.button(SDL_BUTTON_LEFT, true);
     driven.until(
         [&] { return driven.window().snapshot().results[0].phase == palpate::contact::Phase::kPull; }, kSlow);
     wheel(driven, -13);
   } else {
-    wheel(driven, 22);
+    wheel(driven, 17);
     wheel(driven, -6);
     wheel(driven, 6);
   }

@@ -71,7 +71,7 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
     DrivenWindow driven(ball("mouse"), small(recording));
     driven.frames(3);
     driven.move_to_picture();
-    for (int notch = 0; notch < 14; ++notch) Driven::wheel(1);  // 10 mm to the organ, then 4 mm deep
+    for (int notch = 0; notch < 9; ++notch) Driven::wheel(1);  // 5 mm to the organ, then 4 mm deep
     ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].depth > 3e-3; }));
     depth = driven.window().snapshot().results[0].depth;
     EXPECT_EQ(driven.window().snapshot().results[0].phase, contact::Phase::kPress);
@@ -86,39 +86,58 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
   EXPECT_TRUE(read.facts.complete);
   EXPECT_GE(read.rows.back().tick, 100U);
   EXPECT_EQ(record::replay(read).rows_different, 0U);
-  EXPECT_NEAR(depth, 4e-3, 1.5e-3);
+  EXPECT_NEAR(depth, 4e-3, 1e-3);
 }
 
-TEST_F(WindowTest, AMouseMovesTheToolSidewaysAndTurnsTheView) {
+/// Runs frames until the tool rests.
+bool until_tool_rests(DrivenWindow& driven) {
+  Vec3 last = Vec3::Zero();
+  return driven.until([&] {
+    const Vec3 now = driven.window().snapshot().tools[0].pose_W.position;
+    const bool rests = (now - last).norm() < 1e-7;
+    last = now;
+    return rests;
+  });
+}
+
+TEST_F(WindowTest, TheToolIsUnderTheMouseStaysOnThePanelsAndWhileTheViewTurns) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("mouse"), small());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
   driven.frames(2);
-  const Vec3 before = driven.window().snapshot().tools[0].pose_W.position;
-  driven.move_to_picture();
-  driven.frames(1);
+  const auto tool = [&] { return driven.window().snapshot().tools[0].pose_W.position; };
   const Rectangle& place = driven.window().layout().picture;
-  driven.move(static_cast<int>(place.x + 0.5F * place.width) + 60,
-              static_cast<int>(place.y + 0.5F * place.height));
-  const auto moved = [&] { return Vec3(driven.window().snapshot().tools[0].pose_W.position - before); };
-  ASSERT_TRUE(driven.until([&] { return moved().norm() > 2e-3; }));
-  Vec3 last = Vec3::Zero();
-  ASSERT_TRUE(driven.until([&] {
-    const bool rests = (moved() - last).norm() < 1e-7;
-    last = moved();
-    return rests;
-  }));
-  EXPECT_NEAR(moved().z(), 0.0, 1e-6) << "sideways";
+  const int x = static_cast<int>(place.x + 0.5F * place.width);
+  const int y = static_cast<int>(place.y + 0.5F * place.height);
+  driven.move(x, y);
+  driven.frames(20);
+  ASSERT_TRUE(until_tool_rests(driven));
+  EXPECT_NEAR(driven.window().snapshot().results[0].distance, 5e-3, 0.3e-3) << "it hovers";
+  Vec3 before = tool();
+  driven.move(x + 30, y);
+  driven.frames(20);
+  ASSERT_TRUE(until_tool_rests(driven));
+  EXPECT_GT((tool() - before).norm(), 2e-3);
+  EXPECT_NEAR(driven.window().snapshot().results[0].distance, 5e-3, 0.3e-3);
+  before = tool();
+  driven.move(static_cast<int>(place.x) / 2, y);  // on a panel
+  driven.frames(10);
+  EXPECT_LT((tool() - before).norm(), 1e-5);
+  driven.move(x + 30, y);
+  driven.frames(10);
+  ASSERT_TRUE(until_tool_rests(driven));
+  before = tool();
   const render::Image first = driven.window().picture();
   driven.button(SDL_BUTTON_RIGHT, true);
-  driven.move(static_cast<int>(place.x + 0.5F * place.width) - 60,
-              static_cast<int>(place.y + 0.5F * place.height));
-  driven.button(SDL_BUTTON_RIGHT, false);
-  const Vec3 still = driven.window().snapshot().tools[0].pose_W.position;
-  driven.frames(3);
+  driven.move(x - 60, y);
+  driven.frames(10);
   EXPECT_NE(first.rgb, driven.window().picture().rgb);
-  EXPECT_LT((driven.window().snapshot().tools[0].pose_W.position - still).norm(), 1e-5)
-      << "the view turned instead";
+  EXPECT_LT((tool() - before).norm(), 1e-5) << "the view turned instead";
+  driven.button(SDL_BUTTON_RIGHT, false);
+  driven.key(SDLK_f);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].distance > 25e-3; }));
+  driven.key(SDLK_f);
+  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].distance < 6e-3; }));
   close_and_expect_order(driven);
 }
 
@@ -223,7 +242,10 @@ TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
   driven.frames(3);
   ASSERT_NE(window.search(), nullptr);
   EXPECT_EQ(window.search()->pointer_gain(window.traces()), 1.0);
-  driven.move_to_picture();
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
+  const auto above_stone = window.in_window(window.snapshot().results[0].nearest_W);
+  ASSERT_TRUE(above_stone.has_value());
+  driven.move(static_cast<int>(above_stone->first), static_cast<int>(above_stone->second));
   for (int notch = 0; notch < 20; ++notch) Driven::wheel(1);
   ASSERT_TRUE(driven.until([&] { return window.snapshot().results[0].depth > 4e-3; }));
   ASSERT_TRUE(driven.until([&] { return window.search()->pointer_gain(window.traces()) < 0.95; }));
@@ -251,8 +273,10 @@ TEST_F(WindowTest, AMouseGraspsAndPulls) {
   DrivenWindow driven(request, small());
   driven.frames(3);
   driven.move_to_picture();
-  for (int notch = 0; notch < 10; ++notch) Driven::wheel(1);
-  ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().results[0].distance < 0.9e-3; }));
+  for (int notch = 0; notch < 5; ++notch) Driven::wheel(1);
+  driven.frames(20);
+  ASSERT_TRUE(until_tool_rests(driven));
+  EXPECT_LT(driven.window().snapshot().results[0].distance, 0.9e-3);
   driven.button(SDL_BUTTON_LEFT, true);
   ASSERT_TRUE(
       driven.until([&] { return driven.window().snapshot().results[0].phase == contact::Phase::kPull; }));

@@ -103,7 +103,8 @@ std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& scene, std::
 Probe probe_mouse(const Machine& machine) {
   std::vector<Reason> reasons = mouse_reasons(machine);
   if (!reasons.empty()) return {"mouse", false, "needs the window of a run", true, std::move(reasons)};
-  return {"mouse", true, "moves the tool in the window of `palpate run`: sideways, the wheel presses"};
+  return {"mouse", true,
+          "holds the tool under its pointer in the window of `palpate run`; the wheel presses"};
 }
 
 Probe probe_gamepad(const Machine& machine) {

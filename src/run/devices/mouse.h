@@ -6,12 +6,15 @@
 
 namespace palpate::devices {
 
-/// State of the mouse that the window reads: the target of the tool, in the device's frame.
+/// Where the window's pointer wants the tool, in the device's frame and lengths.
 struct MouseInput {
-  Vec3 target_D = Vec3::Zero();  // m
+  Vec3 target_D = Vec3::Zero();  // m, of the held point
   double gripper = 0.0;          // 0 closed .. 1 open
   std::uint32_t buttons = 0;     // one bit per button
   bool present = true;           // false: the window is closed
+  Vec3 held = Vec3::Zero();      // m, point of the tool that moves to target_D, handle frame
+  bool turns = false;            // the tool turns to orientation_D, about the held point
+  Quat orientation_D = Quat::Identity();
 };
 
 /// A tool that a mouse moves in the window of a run.

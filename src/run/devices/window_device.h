@@ -10,7 +10,7 @@ namespace palpate::devices {
 
 /// A tool that the window of a run moves. The window writes an Input into input(); the tick filters it to
 /// hand motion (TargetFollower). Forces are ignored, so it is not a held device. It starts at the pose of the
-/// scripted device and keeps that orientation.
+/// scripted device.
 template <typename Input>
 class WindowDevice : public haptics::Device {
  public:

@@ -21,7 +21,12 @@ scene::PathRow start_at(const Vec3& position, double gripper = 1.0) {
 }
 
 void say(MouseDevice& mouse, const Vec3& target, double gripper, bool present = true) {
-  mouse.input().writable() = {target, gripper, 1U, present};
+  MouseInput input;
+  input.target_D = target;
+  input.gripper = gripper;
+  input.buttons = 1U;
+  input.present = present;
+  mouse.input().writable() = input;
   mouse.input().publish();
 }
 
@@ -90,6 +95,31 @@ TEST(MouseDevice, DrawsFarAndSenselessTargetsInToItsReach) {
   const haptics::DeviceState sample = after(mouse, 100);
   EXPECT_TRUE(sample.position_D.allFinite());
   EXPECT_EQ(sample.gripper, 1.0);
+}
+
+TEST(MouseDevice, TurnsAboutTheHeldPointWhichStaysAndItsVelocityIsThatOfItsPositions) {
+  MouseDevice mouse(start_at(Vec3::Zero()), kRate);  // half a turn about x: z of the handle is down
+  MouseInput input;
+  input.held = Vec3(0.0, 0.0, 0.1);
+  input.target_D = Vec3(0.0, 0.0, -0.1);
+  input.turns = true;
+  input.orientation_D = rotation_about(Vec3::UnitY(), 0.5) * Quat(0.0, 1.0, 0.0, 0.0);
+  mouse.input().writable() = input;
+  mouse.input().publish();
+  Vec3 before = Vec3::Zero();
+  Quat turned = Quat(0.0, 1.0, 0.0, 0.0);
+  haptics::DeviceState sample;
+  for (std::uint64_t tick = 0; tick < 1000; ++tick) {
+    sample = mouse.read(tick, 0.0);
+    const Vec3 tip = sample.position_D + sample.orientation_D * input.held;
+    EXPECT_LT((tip - input.target_D).norm(), 1e-9);
+    EXPECT_LE(sample.orientation_D.angularDistance(turned), 1.001 * TargetFollower::kMaxTurnSpeed / kRate);
+    EXPECT_NEAR(((sample.position_D - before) * kRate - sample.velocity_D).norm(), 0.0, 1e-3);
+    before = sample.position_D;
+    turned = sample.orientation_D;
+  }
+  EXPECT_LT(sample.orientation_D.angularDistance(input.orientation_D), 1e-6);
+  EXPECT_NEAR(sample.velocity_D.norm(), 0.0, 1e-6);
 }
 
 TEST(MouseDevice, AWindowThatIsGoneIsAFaultInWords) {

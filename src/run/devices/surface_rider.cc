@@ -1,0 +1,251 @@
+#include "run/devices/surface_rider.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace palpate::devices {
+namespace {
+
+constexpr double kWalkStep = 1e-3;  // m
+constexpr double kFar = 5.0;        // m, longest line of sight
+
+/// Moves a point by at most `way` towards a goal.
+Vec3 towards(const Vec3& from, const Vec3& goal, double way) {
+  const Vec3 left = goal - from;
+  const double far = left.norm();
+  return far <= way ? goal : Vec3(from + way / far * left);
+}
+
+/// Calls `use` with all vertices of a tool, handle frame.
+template <typename Use>
+void for_each_vertex(const geometry::Tool& tool, double gripper, const Use& use) {
+  for (const geometry::ToolPart& part : tool.parts) {
+    const Pose pose = geometry::part_pose(part, gripper);
+    for (const Vec3& vertex : part.mesh.vertices) use(pose * vertex);
+  }
+}
+
+/// The point of a tool that is farthest along a unit direction; handle frame. Across the direction it is the
+/// mean of all that are at most 1 mm less far, so that it has no jump when the direction turns.
+Vec3 farthest_point(const geometry::Tool& tool, double gripper, const Vec3& direction_P) {
+  constexpr double kBand = 1e-3;  // m
+  double most = -kFar;
+  for_each_vertex(tool, gripper, [&](const Vec3& v) { most = std::max(most, direction_P.dot(v)); });
+  Vec3 sum = Vec3::Zero();
+  double weights = 0.0;
+  for_each_vertex(tool, gripper, [&](const Vec3& v) {
+    const double weight = std::max(0.0, 1.0 - (most - direction_P.dot(v)) / kBand);
+    sum += weight * v;
+    weights += weight;
+  });
+  const Vec3 mean = sum / weights;
+  return mean + (most - direction_P.dot(mean)) * direction_P;
+}
+
+}  // namespace
+
+SurfaceRider::SurfaceRider(const contact::OrganSurface& surface, const geometry::Tool& tool,
+                           const Pose& organ_W, const Pose& start_W, double gripper, double reach)
+    : surface_(surface), tool_(tool), organ_W_(organ_W), reach_(reach) {
+  const Pose start_S = organ_W.inverse() * start_W;
+  start_S_ = start_S.rotation;
+  orientation_S_ = start_S_;
+  normal_S_ = -(start_S_ * Vec3::UnitZ());
+  tip_P_ = farthest_point(tool, 0.0, Vec3::UnitZ());
+  tip_S_ = start_S * tip_P_;
+  touch_S_ = tip_S_ + tip_to_touch(gripper);
+  reach_from_S_ = touch_S_;
+}
+
+void SurfaceRider::point_at(const Ray& ray_W) {
+  const Pose world_S = organ_W_.inverse();
+  ray_S_ = {world_S * ray_W.origin, world_S.rotation * ray_W.direction};
+  const std::optional<geometry::Entry> entry =
+      surface_.first_entry(ray_S_.origin, ray_S_.origin + kFar * ray_S_.direction);
+  goal_ = entry ? Goal::kSurface : Goal::kAir;
+  if (entry) aim_ = {entry->point, entry->triangle};
+}
+
+double SurfaceRider::depth() const noexcept { return -std::clamp(height_ - deeper_, -kMaxDepth, kParked); }
+
+void SurfaceRider::advance(double time, double gripper, bool dragging, double pace) {
+  const double step = std::clamp(time, 0.0, kLongestStep);
+  const double way = pace * kMaxSpeed * step;
+  const double deeper = std::exchange(deeper_, 0.0);
+  if (dragging) {
+    if (goal_ != Goal::kNone) drag(way, deeper);
+  } else {
+    height_ = std::clamp(height_ - deeper, -kMaxDepth, kParked);
+    if (drag_offset_S_) riding_ = false;
+    drag_offset_S_.reset();
+    if (riding_) ride(way, pace * kPressSpeed * step, kPressSpeed * step);
+    if (!riding_ && goal_ != Goal::kNone && !parked_) fly(way);
+    turn(kTurnSpeed * step);
+  }
+  tip_S_ = touch_S_ - tip_to_touch(gripper);
+}
+
+ToolTarget SurfaceRider::target() const { return {organ_W_ * tip_S_, organ_W_.rotation * orientation_S_}; }
+
+void SurfaceRider::ride(double way, double down, double up) {
+  if (goal_ != Goal::kNone && !parked_) riding_ = goal_ == Goal::kSurface && walk(way);
+  if (!riding_) return;
+  over_ += std::clamp(wanted_height() - over_, -down, up);
+  normal_S_ = surface_.normal_at(place_);
+  touch_S_ = place_.point + over_ * normal_S_;
+}
+
+bool SurfaceRider::walk(double way) {
+  constexpr double kLeastProgress = 0.3;  // of a step; less: an edge or a gap is in between
+  constexpr double kNear = 1.5e-3;        // m, over which edges do not matter
+  while (way > 0.0) {
+    const Vec3 left = aim_.point - place_.point;
+    const double far = left.norm();
+    if (far <= std::min(way, kNear)) {
+      place_ = aim_;
+      return true;
+    }
+    const Vec3 normal = surface_.normal_at(place_);
+    const Vec3 along = left - normal.dot(left) * normal;
+    if (along.norm() < 0.5 * far) return false;
+    const double step = std::min({kWalkStep, way, far});
+    const contact::SurfacePoint next = surface_.walk(place_, step / along.norm() * along, normal);
+    if (far - (aim_.point - next.point).norm() < kLeastProgress * step) return false;
+    place_ = next;
+    way -= step;
+  }
+  return true;
+}
+
+void SurfaceRider::fly(double way) {
+  if (lift_off(way)) return;
+  const AirPlace goal = goal_in_air();
+  const double far = (goal.point - touch_S_).norm();
+  if (!free_between(touch_S_, goal.point)) {
+    constexpr double kAhead = 10e-3;  // m
+    const Vec3 rising = ((goal.point - touch_S_).normalized() + (ray_S_.origin - touch_S_).normalized());
+    const Vec3 ahead = touch_S_ + kAhead * rising.normalized();
+    const bool rises = rising.norm() > 0.1 && free_between(touch_S_, ahead) && distance(ahead) > 0.8 * kHover;
+    touch_S_ = within_reach(touch_S_ + way * (rises ? rising.normalized() : way_to_viewer()));
+    return;
+  }
+  turn_normal(goal.normal, far > way ? way / far : 1.0);
+  touch_S_ = towards(touch_S_, goal.point, way);
+  if (goal_ != Goal::kSurface || far > way) return;
+  riding_ = true;
+  place_ = aim_;
+  over_ = (touch_S_ - place_.point).dot(goal.normal);
+}
+
+bool SurfaceRider::lift_off(double way) {
+  constexpr double kEnough = 0.8 * kHover;
+  const geometry::NearestPoint nearest = surface_.nearest(touch_S_, -1);
+  if (nearest.distance >= kEnough) return false;
+  const Vec3 direction = nearest.distance < 0.0 ? normal_S_ : nearest.normal;
+  const Vec3 lifted = touch_S_ + way * direction;
+  // In a groove there is no more room than this.
+  if (nearest.distance > 0.0 && distance(lifted) < nearest.distance + 0.1 * way) return false;
+  touch_S_ = lifted;
+  return true;
+}
+
+Vec3 SurfaceRider::way_to_viewer() const {
+  const Vec3 to_viewer = (ray_S_.origin - touch_S_).normalized();
+  const geometry::NearestPoint nearest = surface_.nearest(touch_S_, -1);
+  const double outwards = nearest.normal.dot(to_viewer);
+  if (outwards >= 0.0 || nearest.distance > 2.0 * kHover) return to_viewer;
+  const Vec3 along = to_viewer - outwards * nearest.normal;
+  return along.norm() > 0.1 ? along.normalized() : nearest.normal.unitOrthogonal();
+}
+
+SurfaceRider::AirPlace SurfaceRider::goal_in_air() const {
+  if (goal_ == Goal::kSurface) {
+    const Vec3 normal = surface_.normal_at(aim_);
+    return {within_reach(aim_.point + std::max(kHover, height_) * normal), normal};
+  }
+  // The point of the line of sight that is nearest to the organ; not nearer than kHover.
+  constexpr int kSamples = 64;
+  const double end = 2.0 * (surface_.nearest(ray_S_.origin, -1).point - ray_S_.origin).norm() + 0.1;
+  const auto at = [&](double t) { return Vec3(ray_S_.origin + t * ray_S_.direction); };
+  double best = 0.0;
+  double least = kFar;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double t = end * i / kSamples;
+    const double far = distance(at(t));
+    if (far < least) {
+      least = far;
+      best = t;
+    }
+  }
+  for (double half = 0.5 * end / kSamples; half > 1e-4; half *= 0.5) {
+    for (const double t : {best - half, best + half}) {
+      const double far = distance(at(t));
+      if (far >= least) continue;
+      least = far;
+      best = t;
+    }
+  }
+  const geometry::NearestPoint nearest = surface_.nearest(at(best), -1);
+  const Vec3 outwards =
+      nearest.distance > 1e-6 ? Vec3((at(best) - nearest.point).normalized()) : nearest.normal;
+  return {within_reach(nearest.point + std::max(kHover, nearest.distance) * outwards), outwards};
+}
+
+bool SurfaceRider::free_between(const Vec3& a, const Vec3& b) const {
+  constexpr double kSpacing = 3e-3;    // m
+  constexpr double kClearance = 8e-3;  // m, room for the tool around the point that is moved
+  constexpr double kRise = 0.3;        // the room grows from half of that at the ends
+  const double length = (b - a).norm();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / kSpacing)));
+  const double at_a = 0.5 * distance(a);
+  const double at_b = 0.5 * distance(b);
+  for (int i = 1; i < pieces; ++i) {
+    const double way = length * i / pieces;
+    const double room = std::min({kClearance, at_a + kRise * way, at_b + kRise * (length - way)});
+    if (distance(a + way / length * (b - a)) < room) return false;
+  }
+  return true;
+}
+
+Vec3 SurfaceRider::within_reach(const Vec3& point_S) const {
+  const Vec3 way = point_S - reach_from_S_;
+  const double far = way.norm();
+  return far > reach_ ? Vec3(reach_from_S_ + reach_ / far * way) : point_S;
+}
+
+void SurfaceRider::drag(double way, double deeper) {
+  if (!drag_offset_S_) drag_plane_S_ = touch_S_;
+  // Where the line of sight meets the plane that faces the viewer.
+  const Vec3 facing = (drag_plane_S_ - ray_S_.origin).normalized();
+  const double slope = std::max(0.2, facing.dot(ray_S_.direction));
+  const Vec3 pointed = ray_S_.origin + facing.dot(drag_plane_S_ - ray_S_.origin) / slope * ray_S_.direction;
+  if (!drag_offset_S_) drag_offset_S_ = touch_S_ - pointed;
+  *drag_offset_S_ -= deeper * normal_S_;
+  touch_S_ = towards(touch_S_, within_reach(pointed + *drag_offset_S_), way);
+}
+
+void SurfaceRider::turn_normal(const Vec3& goal, double share) {
+  const Vec3 mean = (1.0 - share) * normal_S_ + share * goal;
+  if (mean.norm() > 1e-3) normal_S_ = mean.normalized();
+}
+
+void SurfaceRider::turn(double angle) {
+  constexpr double kOpposite = 2.6;  // rad; beyond, the direction of the tilt is not certain
+  const Vec3 axis = (start_S_ * Vec3::UnitZ()).cross(-normal_S_);
+  const double wanted = std::atan2(axis.norm(), -(start_S_ * Vec3::UnitZ()).dot(normal_S_));
+  const double certain = std::min(1.0, (std::numbers::pi - wanted) / (std::numbers::pi - kOpposite));
+  const double tilt = certain * std::min(kMaxTilt, wanted);
+  const Quat goal =
+      axis.norm() > 1e-9 ? (rotation_about(axis.normalized(), tilt) * start_S_).normalized() : start_S_;
+  const double left = orientation_S_.angularDistance(goal);
+  orientation_S_ = left <= angle ? goal : slerp(orientation_S_, goal, angle / left);
+}
+
+Vec3 SurfaceRider::tip_to_touch(double gripper) const {
+  const Vec3 direction_P = orientation_S_.conjugate() * Vec3(-normal_S_);
+  return orientation_S_ * Vec3(farthest_point(tool_, gripper, direction_P) - tip_P_);
+}
+
+}  // namespace palpate::devices
