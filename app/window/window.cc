@@ -159,7 +159,8 @@ void Window::note_age() {
 }
 
 void Window::take_newest() {
-  if (paused_ || !run_->snapshots().refresh()) return;
+  const bool answers = search_ != nullptr && search_->ended();  // without the tool, see poll_search()
+  if (paused_ || answers || !run_->snapshots().refresh()) return;
   shown_ = run_->snapshots().value();
   snapshot_there_ = true;
   live_.refresh();

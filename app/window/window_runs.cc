@@ -87,7 +87,7 @@ void Window::take_rows() {
   }
 }
 
-/// Slows the mouse over stiff places; at the end of a search shows where the lumps are.
+/// Slows the mouse over stiff places; at the end of a search shows lumps and marks.
 void Window::poll_search() {
   steering_.set_gain(search_ == nullptr ? 1.0 : search_->pointer_gain(*traces_));
   if (search_ == nullptr) return;
@@ -98,6 +98,11 @@ void Window::poll_search() {
   std::vector<model::Inclusion> all;
   for (const scene::InclusionSetup& one : now_.inclusions) all.push_back(one.inclusion);
   live_.show_inclusions(std::move(all));
+  // The organ at rest without the tool, which would hide the last mark.
+  const Pose organ_W = shown_.organ_W;
+  shown_ = {};
+  shown_.organ_W = organ_W;
+  live_.refresh();
 }
 
 /// Ends the run: zero force, recording closed, devices free for the next session.

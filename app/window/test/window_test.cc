@@ -216,6 +216,7 @@ TEST_F(WindowTest, EachRecordedSearchEndsWithItsAnswerAndIsScoredInAFileOfItsOwn
   driven.frames(5);
   EXPECT_TRUE(driven.alive()) << "the answer stays in the window";
   EXPECT_THAT(window.banner(), HasSubstr("1 of 1 lump found"));
+  EXPECT_EQ(window.snapshot().hands, 0U) << "no tool hides the last mark";
   const LiveRun<RowObserver>* first = &window.run();
   ASSERT_TRUE(driven.press({"left", "Run again"}));
   ASSERT_TRUE(driven.until([&] { return &window.run() != first && window.snapshot().hands == 1; }));
