@@ -37,15 +37,25 @@ std::optional<ImVec2> in_picture(const Rectangle& picture, const render::Camera&
                 picture.y + static_cast<float>(place->y) * picture.height);
 }
 
-/// An arrow of the tissue's force on the tool, with its value.
-void draw_force(const Rectangle& picture, const render::Camera& camera, const contact::ToolResult& result) {
+/// Where the tissue of a contact is now, in the dent or at the end of the stretch.
+Vec3 moved_W(const haptics::Snapshot& shown, const contact::ContactView& view) {
+  return shown.organ_W * Vec3(view.point_S + view.depth * view.direction_S);
+}
+
+/// An arrow of the tissue's force on the tool, with its value. It begins at the deepest contact.
+void draw_force(const Rectangle& picture, const render::Camera& camera, const haptics::Snapshot& shown,
+                const contact::ToolResult& result) {
   constexpr double kLeastForce = 5e-3;  // N
   const double force = result.force_W.norm();
   if (result.view_count == 0 || force < kLeastForce) return;
+  const auto* const deepest = std::max_element(
+      result.views.begin(), result.views.begin() + result.view_count,
+      [](const contact::ContactView& a, const contact::ContactView& b) { return a.depth < b.depth; });
+  const Vec3 start_W = moved_W(shown, *deepest);
   const double height = 0.4 * (camera.eye - camera.target).norm();
   const double length = std::min(kArrowLength * force, 0.35 * height);
-  const auto from = in_picture(picture, camera, result.contact_W);
-  const auto to = in_picture(picture, camera, result.contact_W + length / force * result.force_W);
+  const auto from = in_picture(picture, camera, start_W);
+  const auto to = in_picture(picture, camera, start_W + length / force * result.force_W);
   if (!from || !to) return;
   const float unit = ImGui::GetFontSize();
   const ImVec2 way(to->x - from->x, to->y - from->y);
@@ -132,7 +142,7 @@ void draw_marks(const Rectangle& picture, const OrbitCamera& camera, const hapti
                         ImVec2(picture.x + picture.width, picture.y + picture.height));
   if (marks.force) {
     for (const contact::ToolResult& result : shown.hand_results())
-      draw_force(picture, camera.camera(), result);
+      draw_force(picture, camera.camera(), shown, result);
   }
   const float lower = picture.y + picture.height - 2.6F * unit;  // above the messages
   if (marks.scale) draw_scale(picture, camera, lower);
@@ -158,10 +168,8 @@ bool contacts_in_frame(const haptics::Snapshot& shown, const render::Camera& cam
     const Vec3 tip_W = result.nearest_W + std::max(0.0, result.distance) * result.away_W;
     if (!inside(result.nearest_W, camera, aspect) || !inside(tip_W, camera, aspect)) return false;
     for (int i = 0; i < result.view_count; ++i) {
-      const contact::ContactView& view = result.views[static_cast<std::size_t>(i)];
-      if (!inside(shown.organ_W * Vec3(view.point_S + view.depth * view.direction_S), camera, aspect)) {
-        return false;
-      }
+      const Vec3 moved = moved_W(shown, result.views[static_cast<std::size_t>(i)]);
+      if (!inside(moved, camera, aspect)) return false;
     }
   }
   return true;
