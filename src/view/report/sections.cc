@@ -187,6 +187,14 @@ std::string lead_sentence(const std::vector<ExperimentResults>& all) {
   for (const ExperimentResults& worked : all) {
     const HandAnalysis& hand = main_hand(worked);
     const std::string title = worked.experiment->title;
+    if (all.size() == 1) {  // the page has the title already
+      text = hand.peak_depth > 0.0
+                 ? fmt::format("{} mm {} with up to {} N", fixed(hand.peak_depth * kMilli, 1),
+                               is_pull(worked) ? "far" : "deep", fixed(hand.peak_tissue_force, 2))
+                 : "The tool did not touch the organ";
+      beside_law = hand.law.p95;
+      break;
+    }
     text += text.empty() ? title : ", and " + lower_first(title);
     text += hand.peak_depth > 0.0
                 ? fmt::format(" to {} mm with up to {} N", fixed(hand.peak_depth * kMilli, 1),
@@ -210,7 +218,7 @@ void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
       continue;
     }
     Figure picture = worked.pictures.close_ups[kAtDepth];
-    picture.caption = worked.experiment->title + ". " + picture.caption;
+    if (all.size() > 1) picture.caption = worked.experiment->title + ". " + picture.caption;
     pictures.push_back(std::move(picture));
   }
   page.figures(pictures.size() == 1 ? "wide" : "two", pictures);
@@ -233,8 +241,8 @@ void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
   if (!attention.empty()) page.html_list(attention, "marks");
 }
 
-void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number) {
-  page.section(anchor(number), worked.experiment->title);
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number, bool several) {
+  page.section(anchor(number), several ? worked.experiment->title : "Force and deformation");
   for (std::size_t i = 0; i < worked.hands.size(); ++i)
     write_hand(page, worked.analysis.hands[i], worked.hands[i], worked.hands.size());
   if (worked.pictures.missing.empty()) page.figures("four", worked.pictures.overviews);
