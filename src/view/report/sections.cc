@@ -16,7 +16,8 @@
 namespace palpate::report {
 namespace {
 
-constexpr std::size_t kAtDepth = 2;  // of the pictures: before contact, at contact, at depth, after
+constexpr double kLeastShown = 1e-5;  // N: a smaller difference from the law is shown as this one
+constexpr std::size_t kAtDepth = 2;   // of the pictures: before contact, at contact, at depth, after
 
 std::string anchor(std::size_t number) { return "experiment-" + std::to_string(number); }
 
@@ -204,7 +205,7 @@ std::string lead_sentence(const std::vector<ExperimentResults>& all) {
   }
   if (beside_law > 0.0) {
     text += fmt::format("; the force stayed within {} mN of the model's law for 95\u00a0% of the contact",
-                        brief(beside_law * kMilli, 2));
+                        brief(std::max(beside_law, kLeastShown) * kMilli, 2));
   }
   return text + ".";
 }
