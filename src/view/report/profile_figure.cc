@@ -115,6 +115,8 @@ std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
         "deepest contact alone.",
         line.contacts);
   }
+  if (line.contacts_of_others > 0)
+    text += " Another hand moves the surface too, which the theory leaves out.";
   if (scene.support) text += " The organ gives way as a whole, which the theory leaves out.";
   return text;
 }

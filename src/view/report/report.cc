@@ -79,7 +79,7 @@ std::filesystem::path write_report(const std::vector<Experiment>& experiments,
   Page page(title, lead_sentence(all));
   write_summary(page, all);
   std::size_t number = 0;
-  for (const ExperimentResults& worked : all) write_experiment(page, worked, ++number);
+  for (const ExperimentResults& worked : all) write_experiment(page, worked, ++number, all.size() > 1);
   write_comparison(page, all);
   write_details(page, all);
   page.paragraph("Recorded and drawn by palpate, an open haptic soft-tissue simulator.");

@@ -16,7 +16,8 @@
 namespace palpate::report {
 namespace {
 
-constexpr std::size_t kAtDepth = 2;  // of the pictures: before contact, at contact, at depth, after
+constexpr double kLeastShown = 1e-5;  // N: a smaller difference from the law is shown as this one
+constexpr std::size_t kAtDepth = 2;   // of the pictures: before contact, at contact, at depth, after
 
 std::string anchor(std::size_t number) { return "experiment-" + std::to_string(number); }
 
@@ -187,6 +188,14 @@ std::string lead_sentence(const std::vector<ExperimentResults>& all) {
   for (const ExperimentResults& worked : all) {
     const HandAnalysis& hand = main_hand(worked);
     const std::string title = worked.experiment->title;
+    if (all.size() == 1) {  // the page has the title already
+      text = hand.peak_depth > 0.0
+                 ? fmt::format("{} mm {} with up to {} N", fixed(hand.peak_depth * kMilli, 1),
+                               is_pull(worked) ? "far" : "deep", fixed(hand.peak_tissue_force, 2))
+                 : "The tool did not touch the organ";
+      beside_law = hand.law.p95;
+      break;
+    }
     text += text.empty() ? title : ", and " + lower_first(title);
     text += hand.peak_depth > 0.0
                 ? fmt::format(" to {} mm with up to {} N", fixed(hand.peak_depth * kMilli, 1),
@@ -196,7 +205,7 @@ std::string lead_sentence(const std::vector<ExperimentResults>& all) {
   }
   if (beside_law > 0.0) {
     text += fmt::format("; the force stayed within {} mN of the model's law for 95\u00a0% of the contact",
-                        brief(beside_law * kMilli, 2));
+                        brief(std::max(beside_law, kLeastShown) * kMilli, 2));
   }
   return text + ".";
 }
@@ -210,7 +219,7 @@ void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
       continue;
     }
     Figure picture = worked.pictures.close_ups[kAtDepth];
-    picture.caption = worked.experiment->title + ". " + picture.caption;
+    if (all.size() > 1) picture.caption = worked.experiment->title + ". " + picture.caption;
     pictures.push_back(std::move(picture));
   }
   page.figures(pictures.size() == 1 ? "wide" : "two", pictures);
@@ -233,8 +242,8 @@ void write_summary(Page& page, const std::vector<ExperimentResults>& all) {
   if (!attention.empty()) page.html_list(attention, "marks");
 }
 
-void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number) {
-  page.section(anchor(number), worked.experiment->title);
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number, bool several) {
+  page.section(anchor(number), several ? worked.experiment->title : "Force and deformation");
   for (std::size_t i = 0; i < worked.hands.size(); ++i)
     write_hand(page, worked.analysis.hands[i], worked.hands[i], worked.hands.size());
   if (worked.pictures.missing.empty()) page.figures("four", worked.pictures.overviews);

@@ -98,7 +98,8 @@ struct ExperimentResults {
 /// [setup] The picture at depth of each experiment, and results that need attention.
 void write_summary(Page& page, const std::vector<ExperimentResults>& all);
 /// [setup] One experiment: force over depth, deformation, pictures. @param number counts from 1
-void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number);
+/// @param several whether the page has more than one experiment
+void write_experiment(Page& page, const ExperimentResults& worked, std::size_t number, bool several);
 /// [setup] The results of the paper beside these.
 void write_comparison(Page& page, const std::vector<ExperimentResults>& all);
 /// [setup] Checks, statistics, settings and timing of all experiments, folded.

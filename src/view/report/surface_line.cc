@@ -212,6 +212,7 @@ SurfaceLine surface_line(const scene::Scene& scene, const haptics::Snapshot& sna
   line.depth = deepest->depth;
   line.tip_radius = deepest->tip_radius;
   line.contacts = static_cast<int>(own.size());
+  line.contacts_of_others = static_cast<int>(all.size() - own.size());
 
   std::vector<render::ToolShape> shapes;
   for (const geometry::Tool& tool : scene.tools) shapes.emplace_back(tool);

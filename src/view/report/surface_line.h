@@ -44,6 +44,7 @@ struct SurfaceLine {
   double depth = 0.0;             // D [m] of the deepest contact
   double tip_radius = 0.0;        // R [m] of the tool there
   int contacts = 0;               // of the hand at that tick
+  int contacts_of_others = 0;     // of other hands
 };
 
 /// [setup] The row whose depth a measured profile has: the first one that reaches it. Without a profile, and

@@ -75,6 +75,8 @@ TEST(ReportOfAMovingOrgan, SaysTheMotionAndPlotsTheOrgansWayBesideTheDepth) {
   const std::filesystem::path file =
       write_report({{"A box that beats", &recording, "palpate run"}}, folder.path(), {}, kNoPictures);
   const std::string html = read(file);
+  // height(1.199 s) = 10 mm - 22 mm 1.199 / 1.5 = -7.585 mm
+  EXPECT_THAT(html, HasSubstr("<h1>A box that beats</h1>\n<p>7.6 mm deep with up to "));
   EXPECT_THAT(html,
               HasSubstr("heartbeat, 3 mm along (0.00, 0.00, 1.00), 4.0° about (0.00, 0.00, 1.00), every "
                         "0.857 s"));

@@ -75,6 +75,7 @@ TEST(SurfaceLine, OfABallOnAFlatFaceIsTheTheory) {
   const deform::DisplacementProfile theory(recording.scene.tissue.reach, line.depth, line.tip_radius);
   ASSERT_GT(line.places.size(), 20U);
   EXPECT_EQ(line.contacts, 1);
+  EXPECT_EQ(line.contacts_of_others, 0);
   EXPECT_NEAR(line.tip_radius, SyntheticRecording::kRadius, 0.3e-3);
   EXPECT_NEAR(line.depth, -SyntheticRecording::height(0.9), 0.05e-3);
   // The drawn profile is rounded by up to 4 % of the depth, and lies on the ball.
