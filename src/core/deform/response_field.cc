@@ -49,8 +49,8 @@ constexpr int kRadiusRounds = 6;
 // Slope of a dent's wall. A deeper dent is wider than the tool: real tissue gives way beside it, while the
 // linear half-space would have a wall that folds.
 constexpr double kSteepest = 1.7;
-constexpr double kSoftening = 1e-5;    // keeps coincident contacts solvable
-constexpr double kLeastSide = 0.02;    // share of a displacement; a smaller side part slides freely
+constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
+constexpr double kLeastSide = 0.02;  // share of a displacement; a smaller side part slides freely
 
 Vec3 side_of(const ResponseField::Contact& c) {
   return c.displacement - c.displacement.dot(c.normal) * c.normal;
