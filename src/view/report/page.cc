@@ -102,7 +102,8 @@ void replace_figure_list(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& figures) {
   std::map<std::string, std::string> now;  // checksum by name
   for (const std::filesystem::path& figure : figures) {
-    if (figure.parent_path() == folder) now[figure.filename().string()] = sha256_of_file(figure);
+    if ((figure.parent_path() / "").lexically_normal() == (folder / "").lexically_normal())
+      now[figure.filename().string()] = sha256_of_file(figure);
   }
   const std::filesystem::path list = folder / kFigureList;
   constexpr std::size_t kChecksum = 64;  // digits; two blanks follow

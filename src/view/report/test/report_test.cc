@@ -242,6 +242,16 @@ TEST(ReportFolder, LosesTheFiguresOfAnEarlierReportAndNothingElse) {
   EXPECT_TRUE(exists("kept"));
 }
 
+TEST(ReportFolder, WithASlashAtItsEndIsTheSameFolder) {
+  const TemporaryFolder folder;
+  const record::Recording recording = SyntheticRecording::make(false, 300);
+  const Experiment one{"t", &recording, "c"};
+  static_cast<void>(write_report({one, one}, folder.path(), {}, kNoPictures));
+  static_cast<void>(write_report({one}, folder.path() / "", {}, kNoPictures));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "1-law.svg"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "2-law.svg"));
+}
+
 TEST(ReportFolder, DeletesNothingOutsideItWhateverItsListSays) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "out");
