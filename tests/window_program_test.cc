@@ -84,6 +84,15 @@ TEST_F(WindowProgram, IsPressedByTheMouseAndClosedAndTheRecordingReplays) {
   press_by_the_wheel();
   EXPECT_TRUE(wait_until(folder_ / "a.h5", [](const record::Recording& r) { return deepest(r) > 2e-3; }));
   use("key Escape");
+  std::this_thread::sleep_for(2s);
+  EXPECT_FALSE(program.ended()) << "it asks while it records";
+  for (int i = 0; i < 30 && !program.ended(); ++i) {
+    use("key Left");  // from "Go on" to "End and leave"
+    std::this_thread::sleep_for(500ms);
+    use("key space");
+    std::this_thread::sleep_for(500ms);
+  }
+  ASSERT_TRUE(program.ended());
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const record::Recording read = record::read_recording(folder_ / "a.h5");
