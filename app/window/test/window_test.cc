@@ -152,6 +152,13 @@ scene::Overrides search_for_a_stone() {
   return request;
 }
 
+// The stone lies under the tool's first place.
+void move_above_stone(DrivenWindow& driven) {
+  const auto place = driven.window().in_window(driven.window().snapshot().results[0].nearest_W);
+  ASSERT_TRUE(place.has_value());
+  driven.move(static_cast<int>(place->first), static_cast<int>(place->second));
+}
+
 TEST_F(WindowTest, ARunIsSavedAfterItsEndAndARecordingEndsWithItsRun) {
   if (!display_is_there()) return;
   const std::filesystem::path before = std::filesystem::current_path();
@@ -206,7 +213,7 @@ TEST_F(WindowTest, EachRecordedSearchEndsWithItsAnswerAndIsScoredInAFileOfItsOwn
   DrivenWindow driven(search_for_a_stone(), options);
   const Window& window = driven.window();
   ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
-  driven.move_to_picture();
+  move_above_stone(driven);
   for (int notch = 0; notch < 20; ++notch) Driven::wheel(1);
   ASSERT_TRUE(driven.until([&] { return window.snapshot().results[0].depth > 4e-3; }));
   driven.key(SDLK_m);
@@ -244,9 +251,7 @@ TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
   ASSERT_NE(window.search(), nullptr);
   EXPECT_EQ(window.search()->pointer_gain(window.traces()), 1.0);
   ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
-  const auto above_stone = window.in_window(window.snapshot().results[0].nearest_W);
-  ASSERT_TRUE(above_stone.has_value());
-  driven.move(static_cast<int>(above_stone->first), static_cast<int>(above_stone->second));
+  move_above_stone(driven);
   for (int notch = 0; notch < 20; ++notch) Driven::wheel(1);
   ASSERT_TRUE(driven.until([&] { return window.snapshot().results[0].depth > 4e-3; }));
   ASSERT_TRUE(driven.until([&] { return window.search()->pointer_gain(window.traces()) < 0.95; }));
