@@ -53,7 +53,7 @@ void hand_rows(const PanelModel& shown, std::size_t hand, Commands& commands) {
     }
     rows.text("State", status.state);
     rows.name("Force", "what goes to the hand, after the gate");
-    force_bar(device_force(newest), shown.scene.safety.max_force);
+    force_bar(shown.ended ? 0.0 : device_force(newest), shown.scene.safety.max_force);
     rows.text("Let through", formatted("%.0f %%", 100.0 * status.engagement),
               "a held device gets force after it was still outside the tissue for 0.25 s, then within 0.5 s");
     rows.name("Gate", "limits of force and of its change");

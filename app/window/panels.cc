@@ -96,8 +96,12 @@ void draw_leave_dialog(const PanelModel& shown, PanelState& state, Commands& com
   if (ImGui::BeginPopupModal(
           kTitle, nullptr,
           ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings)) {
-    ImGui::Text("Recording: %s", shown.recording_note.c_str());
-    ImGui::TextUnformatted("Leaving ends the run and completes the recording.");
+    if (shown.recording.empty()) {
+      ImGui::TextUnformatted("The search has not ended and is not recorded: leaving saves nothing of it.");
+    } else {
+      ImGui::Text("Recording: %s", shown.recording_note.c_str());
+      ImGui::TextUnformatted("Leaving ends the run and completes the recording.");
+    }
     ImGui::Spacing();
     if (ImGui::Button("End and leave")) commands.leave = true;
     ImGui::SameLine();

@@ -1,10 +1,11 @@
 #include "app/window/scene_gallery.h"
 
 #include <algorithm>
+#include <vector>
 
 #include <epoxy/gl.h>
 #include <imgui.h>
-#include <stb/stb_image.h>
+#include <png.h>
 
 #include "app/window/scene_pictures.h"
 #include "app/window/theme.h"
@@ -31,22 +32,27 @@ unsigned SceneGallery::texture_of(std::string_view name) {
   const auto known = textures_.find(name);
   if (known != textures_.end()) return known->second;
   const std::span<const unsigned char> png = scene_picture(name);
-  int width = 0;
-  int height = 0;
-  int channels = 0;
-  stbi_uc* pixels =
-      stbi_load_from_memory(png.data(), static_cast<int>(png.size()), &width, &height, &channels, 4);
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  std::vector<unsigned char> pixels;
+  bool read = png_image_begin_read_from_memory(&header, png.data(), png.size()) != 0;
+  if (read) {
+    header.format = PNG_FORMAT_RGBA;
+    pixels.resize(PNG_IMAGE_SIZE(header));
+    read = png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr) != 0;
+  }
+  png_image_free(&header);
   GLuint texture = 0;
-  if (pixels != nullptr) {
+  if (read) {
     glGenTextures(1, &texture);
     glBindTexture(GL_TEXTURE_2D, texture);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(header.width),
+                 static_cast<GLsizei>(header.height), 0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
     glBindTexture(GL_TEXTURE_2D, 0);
-    stbi_image_free(pixels);
   }
   textures_.emplace(name, texture);
   return texture;

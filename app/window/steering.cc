@@ -74,7 +74,10 @@ void Steering::toggle_parked() {
 double Steering::set_depth() const { return mice_.empty() ? 0.0 : mice_[chosen_].rider->depth(); }
 
 void Steering::grip(bool closed) {
-  if (!mice_.empty()) mice_[chosen_].held = closed;
+  if (mice_.empty()) return;
+  Mouse& mouse = mice_[chosen_];
+  if (closed) mouse.least_frames = kClickFrames;
+  mouse.held = closed;
 }
 
 void Steering::toggle_rest_of_jaws() {
@@ -85,6 +88,7 @@ void Steering::toggle_rest_of_jaws() {
 void Steering::choose_hand(std::size_t which) {
   if (which >= mice_.size()) return;
   freeze();
+  for (Mouse& mouse : mice_) mouse.held = false;  // the button's release will go to the other hand
   chosen_ = which;
 }
 
@@ -111,9 +115,8 @@ void Steering::gamepad_event(const SDL_Event& event) {
 }
 
 void Steering::press_button(std::uint32_t button) {
-  constexpr int kFrames = 3;
   pressed_ = 1U << button;
-  pressed_frames_ = kFrames;
+  pressed_frames_ = kClickFrames + 1;
 }
 
 void Steering::update_devices(const OrbitCamera& camera, const haptics::Snapshot& shown, double time) {
@@ -125,9 +128,11 @@ void Steering::update_devices(const OrbitCamera& camera, const haptics::Snapshot
 }
 
 void Steering::update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double time) const {
-  const double wanted = mouse.held ? 0.0 : mouse.rest;
+  const bool held = mouse.held || mouse.least_frames > 0;
+  mouse.least_frames = std::max(0, mouse.least_frames - 1);
+  const double wanted = held ? 0.0 : mouse.rest;
   const bool there = mouse.hand < shown.hands;  // false before the first tick
-  const bool dragging = there && mouse.held && shown.results[mouse.hand].phase == contact::Phase::kPull;
+  const bool dragging = there && held && shown.results[mouse.hand].phase == contact::Phase::kPull;
   devices::SurfaceRider& rider = *mouse.rider;
   rider.advance(time, there ? shown.tools[mouse.hand].gripper : wanted, dragging, gain_);
   const devices::ToolTarget target = rider.target();
@@ -138,7 +143,7 @@ void Steering::update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double
   input.turns = true;
   input.held = rider.tip() / mouse.mapping.scale;
   input.gripper = wanted;
-  input.buttons = (mouse.held ? 1U : 0U) | pressed_;
+  input.buttons = (held ? 1U : 0U) | pressed_;
   input.present = true;
   mouse.device->input().publish();
 }

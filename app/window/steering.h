@@ -25,6 +25,7 @@ class Steering final {
   static constexpr double kFine = 0.2;            // factor while Shift is held
   static constexpr double kStickSpeed = 0.04;     // m/s at full deflection of a stick
   static constexpr double kTriggerReach = 25e-3;  // m at full press of the trigger
+  static constexpr int kClickFrames = 2;          // that a click or key holds a button at least
 
   Steering() = default;
   ~Steering();
@@ -76,6 +77,7 @@ class Steering final {
     std::unique_ptr<devices::SurfaceRider> rider;
     double rest = 0.0;  // opening of the gripper while no button is held
     bool held = false;
+    int least_frames = 0;  // for which a click still counts as held, however short it was
   };
   struct Pad {
     devices::GamepadDevice* device = nullptr;

@@ -208,7 +208,8 @@ std::vector<HandStatus> Window::hand_texts() const {
     HandStatus& status = all[hand];
     status.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
     status.state = run_->ended() ? "the run has ended" : snapshot_there_ ? moment_text(newest, 1) : "begins";
-    status.engagement = newest.engagement;
+    if (!run_->ended() && (newest.status & contact::kExtrapolated) != 0) status.state += ", past its range";
+    status.engagement = run_->ended() ? 0.0 : newest.engagement;
     status.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
                                        haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;
     const auto fault = static_cast<haptics::Fault>(newest.fault);

@@ -166,6 +166,7 @@ class Window final {
   void poll_recording();
   void end_recording();
   [[nodiscard]] std::filesystem::path recording_now() const;
+  [[nodiscard]] bool searching() const { return search_ != nullptr && !search_->ended(); }
   [[nodiscard]] std::string recording_note() const;
   // window_runs.cc
   void look_at(const std::filesystem::path& recording);

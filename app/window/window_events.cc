@@ -111,8 +111,8 @@ void Window::key_down(const SDL_KeyboardEvent& key) {
   }
 }
 
-/// Closes what is open; else leaves, after a question while a recording is written. Dialogs and fields close
-/// by themselves in the next frame.
+/// Closes what is open; else leaves, after a question while a recording is written or a search goes on.
+/// Dialogs and fields close by themselves in the next frame.
 void Window::escape_key(const SDL_KeyboardEvent& key) {
   const bool in_field = panels_.dialog_is_open() || ImGui::GetIO().WantTextInput;
   const bool closes = in_field || panels_.help || ImGui::GetIO().NavVisible;
@@ -121,7 +121,7 @@ void Window::escape_key(const SDL_KeyboardEvent& key) {
   panels_.help = false;
   ImGui::SetWindowFocus(nullptr);
   if (!leaves) return;
-  if (recording()) {
+  if (recording() || searching()) {
     panels_.leave = LeaveDialog::kOpening;
   } else {
     leaving_ = true;
@@ -132,6 +132,8 @@ void Window::escape_key(const SDL_KeyboardEvent& key) {
 void Window::enter_key() {
   if (panel_used_) {
     viewport_.show_message("Enter runs again after a click on the picture; or use the button Run again");
+  } else if (searching() && !recording()) {
+    viewport_.show_message("the search has not ended and is not recorded: end it first, or use Run again");
   } else {
     commands_.again = true;
   }

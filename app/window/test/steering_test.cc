@@ -2,6 +2,7 @@
 #include "app/window/steering.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -122,6 +123,23 @@ TEST(Steering, ASweepOverTheLiverStaysAtTheSetDepth) {
   }
 }
 
+TEST(Steering, WhereverThePointerJumpsTheToolTouchesNothingBeforeThePress) {
+  const auto wander = [](const std::string& organ, const std::string& tool) {
+    SteeredRun run(organ, organ, tool);
+    double deepest = 0.0;
+    for (int i = 0; i < 24; ++i) {  // to and fro over the whole picture
+      run.point(std::fmod(0.1 + 0.618 * i, 0.96), std::fmod(0.05 + 0.37 * i, 0.96));
+      run.frames(i % 4 == 3 ? 15 : 120);  // some jumps come in mid-flight
+      deepest = std::max(deepest, run.deepest);
+    }
+    return deepest;
+  };
+  EXPECT_LT(wander("liver", "sphere:5"), 0.1e-3);
+  EXPECT_LT(wander("heart", "sphere:5"), 0.1e-3);
+  EXPECT_LT(wander("liver", "straight-forceps"), 0.1e-3);
+  EXPECT_LT(wander("gallbladder", "curved-forceps"), 0.1e-3);
+}
+
 TEST(Steering, ALineOfSightMeetsThePlaceThatItIsThrough) {
   const render::Camera camera{Vec3(0.1, -0.3, 0.2), Vec3(0.02, 0.01, 0.0), Vec3::UnitZ(), 28.0};
   const devices::Ray ray = ray_through(camera, kAspect, 0.2, 0.7);
@@ -143,7 +161,9 @@ TEST(Steering, AJumpOfThePointerGoesNeitherDeeperNorFasterThanAHand) {
     run.settle();
     EXPECT_LT(run.deepest, 7e-3) << x << ' ' << y;
     EXPECT_LE(run.fastest, 1.001 * devices::TargetFollower::kMaxSpeed) << x << ' ' << y;
-    EXPECT_LT(run.off_sight(run.shown.results[0].contact_W, x, y), 3e-3) << x << ' ' << y;
+    // The third place lies in a gap that is too narrow for the ball: it stays before the gap.
+    const bool in_gap = x == 0.55;
+    EXPECT_LT(run.off_sight(run.shown.results[0].contact_W, x, y), in_gap ? 10e-3 : 3e-3) << x << ' ' << y;
   }
   EXPECT_NEAR(run.depth(), 5e-3, 0.3e-3);
 }

@@ -1,15 +1,18 @@
 #include "run/devices/surface_rider.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 namespace palpate::devices {
 namespace {
 
-constexpr double kWalkStep = 1e-3;  // m
-constexpr double kFar = 5.0;        // m, longest line of sight
+constexpr double kWalkStep = 1e-3;   // m
+constexpr double kFar = 5.0;         // m, longest line of sight
+constexpr double kTipRegion = 0.04;  // m from the tip; the tool touches with this part
 
 /// Moves a point by at most `way` towards a goal.
 Vec3 towards(const Vec3& from, const Vec3& goal, double way) {
@@ -18,30 +21,62 @@ Vec3 towards(const Vec3& from, const Vec3& goal, double way) {
   return far <= way ? goal : Vec3(from + way / far * left);
 }
 
-/// Calls `use` with all vertices of a tool, handle frame.
+/// Calls `use` with the vertices of a tool that are less than `within` [m] from a point, handle frame.
 template <typename Use>
-void for_each_vertex(const geometry::Tool& tool, double gripper, const Use& use) {
+void for_each_vertex(const geometry::Tool& tool, double gripper, const Vec3& near_P, double within,
+                     const Use& use) {
   for (const geometry::ToolPart& part : tool.parts) {
     const Pose pose = geometry::part_pose(part, gripper);
-    for (const Vec3& vertex : part.mesh.vertices) use(pose * vertex);
+    for (const Vec3& vertex : part.mesh.vertices) {
+      const Vec3 place = pose * vertex;
+      if ((place - near_P).squaredNorm() < within * within) use(place);
+    }
   }
 }
 
 /// The point of a tool that is farthest along a unit direction; handle frame. Across the direction it is the
-/// mean of all that are at most 1 mm less far, so that it has no jump when the direction turns.
-Vec3 farthest_point(const geometry::Tool& tool, double gripper, const Vec3& direction_P) {
+/// mean of all that are at most 1 mm less far, so that it has no jump when the direction turns. Only vertices
+/// less than `within` [m] from a point count: a shaft is no tip.
+Vec3 farthest_point(const geometry::Tool& tool, double gripper, const Vec3& direction_P,
+                    const Vec3& near_P = Vec3::Zero(), double within = kFar) {
   constexpr double kBand = 1e-3;  // m
   double most = -kFar;
-  for_each_vertex(tool, gripper, [&](const Vec3& v) { most = std::max(most, direction_P.dot(v)); });
+  for_each_vertex(tool, gripper, near_P, within,
+                  [&](const Vec3& v) { most = std::max(most, direction_P.dot(v)); });
   Vec3 sum = Vec3::Zero();
   double weights = 0.0;
-  for_each_vertex(tool, gripper, [&](const Vec3& v) {
+  for_each_vertex(tool, gripper, near_P, within, [&](const Vec3& v) {
     const double weight = std::max(0.0, 1.0 - (most - direction_P.dot(v)) / kBand);
     sum += weight * v;
     weights += weight;
   });
   const Vec3 mean = sum / weights;
   return mean + (most - direction_P.dot(mean)) * direction_P;
+}
+
+/// Points of a tool's surface, about kApart apart; handle frame.
+std::vector<Vec3> samples_of(const geometry::Tool& tool, double gripper) {
+  constexpr double kApart = 3e-3;  // m
+  std::set<std::array<int, 3>> taken;
+  std::vector<Vec3> samples;
+  const auto add = [&](const Vec3& p) {
+    std::array<int, 3> cell{};
+    for (std::size_t k = 0; k < 3; ++k)
+      cell[k] = static_cast<int>(std::floor(p[static_cast<Eigen::Index>(k)] / kApart));
+    if (taken.insert(cell).second) samples.push_back(p);
+  };
+  for (const geometry::ToolPart& part : tool.parts) {
+    const Pose pose = geometry::part_pose(part, gripper);
+    for (const geometry::Triangle& t : part.mesh.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& a = part.mesh.vertices[static_cast<std::size_t>(t[k])];
+        const Vec3& b = part.mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])];
+        const int pieces = std::max(1, static_cast<int>((b - a).norm() / kApart));
+        for (int i = 0; i <= pieces; ++i) add(pose * Vec3(a + (b - a) * i / pieces));
+      }
+    }
+  }
+  return samples;
 }
 
 }  // namespace
@@ -54,6 +89,7 @@ SurfaceRider::SurfaceRider(const contact::OrganSurface& surface, const geometry:
   orientation_S_ = start_S_;
   normal_S_ = -(start_S_ * Vec3::UnitZ());
   tip_P_ = farthest_point(tool, 0.0, Vec3::UnitZ());
+  samples_P_ = samples_of(tool, gripper);
   tip_S_ = start_S * tip_P_;
   touch_S_ = tip_S_ + tip_to_touch(gripper);
   reach_from_S_ = touch_S_;
@@ -74,6 +110,7 @@ void SurfaceRider::advance(double time, double gripper, bool dragging, double pa
   const double step = std::clamp(time, 0.0, kLongestStep);
   const double way = pace * kMaxSpeed * step;
   const double deeper = std::exchange(deeper_, 0.0);
+  const Stand before = stand();
   if (dragging) {
     if (goal_ != Goal::kNone) drag(way, deeper);
   } else {
@@ -81,10 +118,61 @@ void SurfaceRider::advance(double time, double gripper, bool dragging, double pa
     if (drag_offset_S_) riding_ = false;
     drag_offset_S_.reset();
     if (riding_) ride(way, pace * kPressSpeed * step, kPressSpeed * step);
-    if (!riding_ && goal_ != Goal::kNone && !parked_) fly(way);
+    const bool flies = !riding_ && goal_ != Goal::kNone && !parked_;
+    if (flies) fly(way);
     turn(kTurnSpeed * step);
+    // In the air the tool turns about its tip, on the surface about the point that touches.
+    if (flies && !riding_) touch_S_ = before.tip_S + (touch_S_ - before.touch_S) + tip_to_touch(gripper);
   }
   tip_S_ = touch_S_ - tip_to_touch(gripper);
+  const bool presses = riding_ && wanted_height() < kHover;
+  if (!dragging && !presses) keep_clear(before, way, gripper);
+}
+
+SurfaceRider::Stand SurfaceRider::stand() const {
+  return {riding_, place_, over_, normal_S_, touch_S_, tip_S_, orientation_S_};
+}
+
+void SurfaceRider::return_to(const Stand& stand) {
+  riding_ = stand.riding;
+  place_ = stand.place;
+  over_ = stand.over;
+  normal_S_ = stand.normal_S;
+  touch_S_ = stand.touch_S;
+  tip_S_ = stand.tip_S;
+  orientation_S_ = stand.orientation_S;
+}
+
+SurfaceRider::Clearance SurfaceRider::clearance() const {
+  Clearance least{kFar, Vec3::UnitZ()};
+  for (const Vec3& sample_P : samples_P_) {
+    const geometry::NearestPoint nearest =
+        surface_.nearest(tip_S_ + orientation_S_ * Vec3(sample_P - tip_P_), -1);
+    if (nearest.distance < least.distance) least = {nearest.distance, nearest.normal};
+  }
+  return least;
+}
+
+void SurfaceRider::keep_clear(const Stand& before, double way, double gripper) {
+  constexpr double kLeast = 2e-3;  // m
+  const double now = clearance().distance;
+  if (now >= kLeast) return;
+  const Stand tried = stand();
+  return_to(before);
+  const Clearance was = clearance();
+  if (now >= was.distance) {
+    return_to(tried);
+    return;
+  }
+  // Away from the organ; in a groove, out of it to the viewer.
+  for (const Vec3& direction : {was.away_S, way_to_viewer(), Vec3((ray_S_.origin - touch_S_).normalized())}) {
+    return_to(before);
+    riding_ = false;
+    touch_S_ += way * direction;
+    tip_S_ = touch_S_ - tip_to_touch(gripper);
+    if (clearance().distance > was.distance) return;
+  }
+  if (was.distance >= 0.0) return_to(before);
 }
 
 ToolTarget SurfaceRider::target() const { return {organ_W_ * tip_S_, organ_W_.rotation * orientation_S_}; }
@@ -216,13 +304,18 @@ Vec3 SurfaceRider::within_reach(const Vec3& point_S) const {
 }
 
 void SurfaceRider::drag(double way, double deeper) {
-  if (!drag_offset_S_) drag_plane_S_ = touch_S_;
+  if (!drag_offset_S_) {
+    drag_plane_S_ = touch_S_;
+    dragged_ = 0.0;
+  }
   // Where the line of sight meets the plane that faces the viewer.
   const Vec3 facing = (drag_plane_S_ - ray_S_.origin).normalized();
   const double slope = std::max(0.2, facing.dot(ray_S_.direction));
   const Vec3 pointed = ray_S_.origin + facing.dot(drag_plane_S_ - ray_S_.origin) / slope * ray_S_.direction;
   if (!drag_offset_S_) drag_offset_S_ = touch_S_ - pointed;
-  *drag_offset_S_ -= deeper * normal_S_;
+  const double dragged = std::clamp(dragged_ + deeper, -reach_, kMaxDepth);
+  *drag_offset_S_ -= (dragged - dragged_) * normal_S_;
+  dragged_ = dragged;
   touch_S_ = towards(touch_S_, within_reach(pointed + *drag_offset_S_), way);
 }
 
@@ -245,7 +338,7 @@ void SurfaceRider::turn(double angle) {
 
 Vec3 SurfaceRider::tip_to_touch(double gripper) const {
   const Vec3 direction_P = orientation_S_.conjugate() * Vec3(-normal_S_);
-  return orientation_S_ * Vec3(farthest_point(tool_, gripper, direction_P) - tip_P_);
+  return orientation_S_ * Vec3(farthest_point(tool_, gripper, direction_P, tip_P_, kTipRegion) - tip_P_);
 }
 
 }  // namespace palpate::devices

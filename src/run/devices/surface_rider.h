@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "core/contact/organ_surface.h"
 #include "palpate/pose.h"
@@ -21,8 +22,9 @@ struct ToolTarget {
 
 /// Holds a tool under a pointer. The tool rides on the organ's rest surface at the first point on the
 /// pointer's line of sight, at a set height or depth along the surface's normal. Beside the organ it glides
-/// in the air. It moves, presses and turns at limited speeds, so a jump of the pointer neither hits the
-/// tissue nor pulls the tool through the organ. All members: [setup], one thread.
+/// in the air. It moves, presses and turns at limited speeds. A step that would bring any part of the tool to
+/// the organ before a press is left out, so the tool goes around the organ, and stays away from places that
+/// it cannot reach from its side. All members: [setup], one thread.
 ///
 /// The surface stays in its pose at rest: an organ that breathes moves against the tool.
 class SurfaceRider final {
@@ -77,6 +79,24 @@ class SurfaceRider final {
   void drag(double way, double deeper);
   void turn(double angle);
   void turn_normal(const Vec3& goal, double share);
+  /// Smallest distance of the tool's samples from the organ, and the direction away from it there.
+  struct Clearance {
+    double distance;  // m
+    Vec3 away_S;
+  };
+  [[nodiscard]] Clearance clearance() const;
+  /// The part of the state that a step changes.
+  struct Stand {
+    bool riding;
+    contact::SurfacePoint place;
+    double over;
+    Vec3 normal_S, touch_S, tip_S;
+    Quat orientation_S;
+  };
+  [[nodiscard]] Stand stand() const;
+  void return_to(const Stand& stand);
+  /// Undoes a step by which the tool came too near to the organ, and moves away by `way` instead.
+  void keep_clear(const Stand& before, double way, double gripper);
   /// Walks over the surface towards aim_. @return false: aim_ is not reached that way
   [[nodiscard]] bool walk(double way);
   /// Moves off the surface where the tool is too near to travel. @return false: it is far enough
@@ -98,6 +118,7 @@ class SurfaceRider final {
   Pose organ_W_;
   Quat start_S_;  // orientation at the start
   Vec3 tip_P_;
+  std::vector<Vec3> samples_P_;  // of the tool's surface, handle frame
   Vec3 reach_from_S_;
   double reach_;
 
@@ -118,6 +139,7 @@ class SurfaceRider final {
   Vec3 touch_S_;                   // its point farthest along -normal
   Vec3 tip_S_;
   Quat orientation_S_;
+  double dragged_ = 0.0;               // along the normal by press() since the drag began [m]
   std::optional<Vec3> drag_offset_S_;  // from the pointer's point to touch_S_, in a drag
   Vec3 drag_plane_S_ = Vec3::Zero();   // a point of the drag's plane
 };
