@@ -59,10 +59,22 @@ fs::path write_demo_report(const std::vector<std::unique_ptr<Session>>& sessions
                               [&bar](double done, const std::string& what) { bar.update(done, what); });
 }
 
+void check_profiles(const DemoFlags& flags) {
+  std::vector<NamedFile> recordings;
+  std::vector<NamedFile> profiles;
+  for (std::size_t i = 0; i < kExperiments.size(); ++i) {
+    recordings.push_back({"--report", flags.folder / kExperiments[i].file});
+    profiles.push_back({std::string("--") + kExperiments[i].task + "-profile", flags.profiles[i]});
+  }
+  require_none_of_report(flags.folder, profiles);
+  require_no_overwrite(recordings, profiles);
+}
+
 int demo(const DemoFlags& flags, const std::string& command_line) {
   std::optional<StopOnSignal> signals(std::in_place);
   session::require_usable_core(flags.thread.core, "--core");
   require_writable_folder(flags.folder, "--report");
+  check_profiles(flags);
   Profiles profiles;
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     if (flags.profiles[i].empty()) {

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/mesh_io/formats/gltf_check.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/mesh_io/repair/repair.h"
 #include "io/scene/support_reader.h"
@@ -63,6 +64,15 @@ mesh_io::LoadedMesh load(const InspectOptions& options) {
   mesh_io::LoadedMesh loaded{geometry::make_organ(options.mesh), {}};
   loaded.findings = mesh_io::findings_of(loaded.mesh);
   return loaded;
+}
+
+void check_screenshot(const InspectOptions& options) {
+  require_png_file(options.screenshot, "--screenshot");
+  if (!is_path(options.mesh)) return;
+  std::vector<NamedFile> inputs = {{"the mesh", options.mesh}};
+  for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(options.mesh))
+    inputs.push_back({"a buffer of the mesh", buffer});
+  require_no_overwrite(std::vector<NamedFile>{{"--screenshot", options.screenshot}}, inputs);
 }
 
 std::string without_start(const std::string& text, const std::string& start) {
@@ -216,7 +226,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
     if (!options->screenshot.empty()) {
       if (options->support.empty())
         throw InputError("--screenshot: shows what is held, needs --organ-support");
-      require_writable_file(options->screenshot, "--screenshot");
+      check_screenshot(*options);
     }
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {

@@ -86,10 +86,11 @@ std::string describe_unknown_flag(const CLI::App& program, int argc, char** argv
   return {};
 }
 
-/// [setup] One line that describes the error in a command line. For an unknown command it suggests the known
-/// command with the most similar name.
-std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
-  const std::string help = " (see --help)";
+constexpr const char* kSeeHelp = " (see --help)";
+
+/// [setup] One line that describes an unknown command, and suggests the known one with the most similar name;
+/// empty: it is known, or there is none.
+std::string describe_unknown_command(const CLI::App& program, int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
   std::vector<std::string> known;
   std::string names;
@@ -101,14 +102,19 @@ std::string describe(const CLI::App& program, const CLI::ParseError& error, int 
   if (is_word && !known.empty() && std::find(known.begin(), known.end(), first) == known.end()) {
     const std::string near = nearest_word(first, known);
     return first + ": no such command" +
-           (near.empty() ? "; the commands are " + names : ", did you mean " + near + "?") + help;
+           (near.empty() ? "; the commands are " + names : ", did you mean " + near + "?") + kSeeHelp;
   }
+  return {};
+}
+
+/// [setup] One line that describes the error in a command line.
+std::string describe(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
   if (std::string unknown = describe_unknown_flag(program, argc, argv); !unknown.empty()) return unknown;
   // CLI11 reports a word that is not a number as "Could not convert: --seed = abc".
   std::string message = error.what();
   const std::string convert = "Could not convert: ";
-  if (message.rfind(convert, 0) != 0) return message + help;
-  return message.substr(convert.size()) + ": must be a number" + help;
+  if (message.rfind(convert, 0) != 0) return message + kSeeHelp;
+  return message.substr(convert.size()) + ": must be a number" + kSeeHelp;
 }
 
 /// [setup] Rejects an empty word, as from "$FILE" where FILE is not set. An empty name of an output would
@@ -147,6 +153,9 @@ int run_command(int argc, char** argv, const AddCommands& add_commands) {
   }
   try {
     require_no_empty_word(argc, argv);
+    // Before parsing, because CLI11 answers --help after an unknown command with the general help.
+    if (const std::string unknown = describe_unknown_command(program, argc, argv); !unknown.empty())
+      throw InputError(unknown);
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return program.exit(error);

@@ -116,14 +116,16 @@ void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_png_file(files.screenshot, "--screenshot");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
+  std::vector<NamedFile> inputs = sources_of(scene);
+  inputs.push_back({"--profile", profile});
   std::vector<NamedFile> outputs = {{"--record", files.recording}, {"--screenshot", files.screenshot}};
+  require_none_of_report(files.report, outputs);
+  require_none_of_report(files.report, inputs);
   if (!files.report.empty()) outputs.push_back({"--report", files.report / "report.html"});
   if (!files.report.empty() && files.recording.empty()) {
     require_regular_output(files.report / "recording.h5", "--report");
     outputs.push_back({"--report", files.report / "recording.h5"});
   }
-  std::vector<NamedFile> inputs = sources_of(scene);
-  inputs.push_back({"--profile", profile});
   require_no_overwrite(outputs, inputs);
 }
 

@@ -35,6 +35,7 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   if (!flags.report.empty()) {
     outputs.push_back({"--report", report / "report.html"});
     outputs.push_back({"--report", report / "felt-stiffness.png"});
+    outputs.push_back({"--report", report / "report-figures.sha256"});
     require_writable_folder(report, "--report");
   }
   require_no_overwrite(outputs, std::vector<NamedFile>{{"the recording", flags.file}});

@@ -30,6 +30,7 @@
 #include "palpate/session.h"
 #include "run/devices/ros.h"
 #include "run/ros/ros_node.h"
+#include "view/report/page.h"
 #include "view/report/subject.h"
 
 #include "app/commands.h"
@@ -269,6 +270,24 @@ void require_png_file(const fs::path& file, const std::string& flag) {
                      fs::path(file).replace_extension(".png").string());
   }
   require_writable_file(file, flag);
+}
+
+void require_none_of_report(const fs::path& report_folder, std::span<const NamedFile> files) {
+  if (report_folder.empty()) return;
+  const auto resolved = [](const fs::path& folder) {
+    std::error_code error;  // an error leaves an empty path, which equals no folder
+    return fs::weakly_canonical(fs::absolute(folder / ""), error);
+  };
+  const fs::path folder = resolved(report_folder);
+  for (const NamedFile& named : files) {
+    if (named.path.empty()) continue;
+    for (const fs::path& file : {fs::absolute(named.path), fs::absolute(link_target(named.path))}) {
+      if (!report::is_report_file(file.filename().string()) || resolved(file.parent_path()) != folder)
+        continue;
+      throw InputError(named.flag + " " + named.path.string() + ": the report in " + report_folder.string() +
+                       " may write " + file.filename().string() + " there: use another name or folder");
+    }
+  }
 }
 
 std::vector<NamedFile> sources_of(const scene::Scene& scene) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,10 @@ void require_regular_file(const std::filesystem::path& file, const std::string& 
 void require_png_file(const std::filesystem::path& file, const std::string& flag);
 /// [setup] Checks that a folder, or the folder in which it would be made, is writable. @throws InputError
 void require_writable_folder(const std::filesystem::path& folder, const std::string& flag);
+
+/// [setup] Checks that no other output and no input has a name in the report's folder that the report may
+/// write. @param report its folder; empty: there is none @throws InputError naming the file and its flag
+void require_none_of_report(const std::filesystem::path& report, std::span<const NamedFile> files);
 
 /// [setup] The files from which a scene was read. No output may replace them.
 [[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& scene);

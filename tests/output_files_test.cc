@@ -297,6 +297,59 @@ TEST(OutputFiles, InspectDrawsWhatASupportHolds) {
   EXPECT_FALSE(fs::exists(folder / "a.png"));
 }
 
+const std::string kTetrahedron =
+    "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+
+TEST(OutputFiles, APictureOfInspectLeavesItsMeshAndIsNamedPng) {
+  const Folder folder;
+  std::ofstream(folder / "a.off") << kTetrahedron;
+  std::vector<std::string> words = {"inspect",         "a.off",      "--unit",       "mm",
+                                    "--organ-support", "bed:0,0,-1", "--screenshot", "a.off"};
+  expect_refused_untouched(folder, words, "a.off", "--screenshot a.off", "the mesh a.off");
+  words.back() = "x.jpg";
+  const Outcome outcome = run(folder, words);
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--screenshot x.jpg: pictures are PNG files, must end in .png: x.png"));
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a.off"});
+}
+
+TEST(OutputFiles, AFileInTheReportsFolderWithAFiguresNameIsRefused) {
+  const Folder folder;
+  fs::create_directory(folder / "out");
+  for (const char* name : {"1-law.svg", "1-picture-1-before.png", "report-figures.sha256", "report.html"})
+    std::ofstream(folder.path() / "out" / name) << "r_mm,u_mm\n0,5\n1,4\n2,3\n3,2\n4,1\n";
+  fs::create_symlink("out/1-law.svg", folder / "link.png");
+  const auto refused = [&folder](std::vector<std::string> words, const std::string& flag,
+                                 const std::string& file) {
+    words.insert(words.end(), {"--report", "out", flag, file});
+    const std::string before = text_of(folder / file);
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.exit_code, 2) << flag << file << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(flag + " " + file), HasSubstr("another name or folder")));
+    EXPECT_TRUE(text_of(folder / file) == before) << file;
+  };
+  const std::vector<std::string> short_run = {"run", "--offline", "--duration-s", "0.05"};
+  refused(short_run, "--record", "out/1-law.svg");
+  refused(short_run, "--record", "out/report-figures.sha256");
+  refused(short_run, "--screenshot", "out/1-picture-1-before.png");
+  refused(short_run, "--screenshot", "link.png");
+  refused(short_run, "--profile", "out/1-law.svg");
+  refused(short_run, "--profile", "out/report.html");
+  refused({"demo"}, "--press-profile", "out/1-law.svg");
+  std::ofstream(folder.path() / "out" / "heart.h5") << "r_mm,u_mm\n0,5\n1,4\n2,3\n3,2\n4,1\n";
+  expect_refused_untouched(folder, {"demo", "--report", "out", "--pull-profile", "out/heart.h5"},
+                           "out/heart.h5", "out/heart.h5", "--pull-profile out/heart.h5");
+}
+
+TEST(OutputFiles, AFolderInPlaceOfAReportsListIsRefusedBeforeTheRun) {
+  const Folder folder;
+  fs::create_directories(folder / "out/report-figures.sha256");
+  const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "out"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("out/report-figures.sha256: is a folder"));
+  EXPECT_FALSE(fs::exists(folder / "out/recording.h5"));
+}
+
 TEST(OutputFiles, ControlCharactersOfForeignNamesReachNoTerminal) {
   const Folder folder;
   // U+202E and U+2066 would show the letters after them in another order.

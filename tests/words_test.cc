@@ -47,6 +47,13 @@ TEST(HelpCommand, ShowsTheHelpOfACommand) {
   EXPECT_EQ(run(folder, {"help"}).out, run(folder, {"--help"}).out);
 }
 
+TEST(HelpCommand, RefusesAnUnknownCommand) {
+  const Folder folder;
+  EXPECT_THAT(refusal(folder, {"help", "inspct"}),
+              HasSubstr("inspct: no such command, did you mean inspect?"));
+  EXPECT_THAT(refusal(folder, {"inspct", "--help"}), HasSubstr("did you mean inspect?"));
+}
+
 std::vector<std::string> names_in(const json& entries) {
   std::vector<std::string> names;
   for (const json& entry : entries) {

@@ -6,7 +6,9 @@
 #include <system_error>
 
 #include "io/system/file_exists.h"
+#include "io/system/files.h"
 #include "io/system/path_text.h"
+#include "io/system/temporary.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -89,6 +91,27 @@ void write_output(const fs::path& file, std::string_view bytes, const std::strin
   if (out) return;
   throw InputError(shown({flag, file}) + ": cannot be written" +
                    (errno == 0 ? "" : std::string(": ") + std::strerror(errno)));
+}
+
+void replace_file(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+  std::string name = to_text(file.parent_path() / ".") + to_text(file.filename()) + ".";
+  constexpr mode_t kMode = 0666;  // less the umask
+  const int descriptor = open_temporary_file(name, kMode);
+  if (descriptor < 0) throw InputError(to_text(file) + ": cannot be written: " + std::strerror(errno));
+  close(descriptor);
+  std::error_code error;
+  const fs::path temporary = to_path(name);
+  try {
+    write(temporary);
+    fs::rename(temporary, file, error);
+  } catch (...) {
+    fs::remove(temporary, error);
+    throw;
+  }
+  if (!error) return;
+  const std::string why = error.message();
+  fs::remove(temporary, error);
+  throw InputError(to_text(file) + ": cannot be written: " + why);
 }
 
 }  // namespace palpate

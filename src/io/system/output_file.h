@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,5 +35,11 @@ void require_regular_output(const std::filesystem::path& file, const std::string
 /// [setup] Writes `bytes` as the content of `file`; a device or a FIFO gets them directly. @throws InputError
 /// "FLAG FILE: cannot be written: WHY".
 void write_output(const std::filesystem::path& file, std::string_view bytes, const std::string& flag = {});
+
+/// [setup] Replaces `file`, also where it is a link or a device, by a new file that `write` fills under the
+/// temporary name that it gets. `file` stays as it was when `write` throws. @throws InputError "FILE: cannot
+/// be written: WHY".
+void replace_file(const std::filesystem::path& file,
+                  const std::function<void(const std::filesystem::path&)>& write);
 
 }  // namespace palpate

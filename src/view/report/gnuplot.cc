@@ -14,6 +14,7 @@
 #include "io/system/child_process.h"
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
+#include "io/system/output_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 
@@ -134,7 +135,7 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
 
 Figure drawn(Figure figure, const std::string& script, const std::vector<PlotData>& data) {
   try {
-    run_gnuplot(script, data, figure.file);
+    replace_file(figure.file, [&](const std::filesystem::path& file) { run_gnuplot(script, data, file); });
   } catch (const FigureError& error) {
     figure.missing = error.what();
   }

@@ -81,6 +81,7 @@ code { font: .92em ui-monospace, "DejaVu Sans Mono", monospace; }
 }
 )css";
 
+constexpr const char* kPageFile = "report.html";
 /// The figures of a report, in the format of sha256sum.
 constexpr const char* kFigureList = "report-figures.sha256";
 
@@ -98,6 +99,17 @@ void delete_stale_figure(const std::filesystem::path& file, const std::string& c
   if (sha256_of_file(file) == checksum) std::filesystem::remove(file, error);
 }
 
+/// The list of an earlier report; empty: there is none, or the file cannot be one.
+std::string read_figure_list(const std::filesystem::path& list) {
+  constexpr InputKind kList{"the list of a report's figures", std::uint64_t{1} << 20};
+  if (!regular_file_exists(list)) return {};
+  try {
+    return InputFile(list, kList).read_rest();
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 void replace_figure_list(const std::filesystem::path& folder,
                          const std::vector<std::filesystem::path>& figures) {
   std::map<std::string, std::string> now;  // checksum by name
@@ -107,19 +119,16 @@ void replace_figure_list(const std::filesystem::path& folder,
   }
   const std::filesystem::path list = folder / kFigureList;
   constexpr std::size_t kChecksum = 64;  // digits; two blanks follow
-  if (regular_file_exists(list)) {
-    constexpr InputKind kList{"the list of a report's figures", std::uint64_t{1} << 20};
-    std::istringstream lines(InputFile(list, kList).read_rest());
-    for (std::string line; std::getline(lines, line);) {
-      if (line.size() < kChecksum + 2) continue;
-      const std::string name = line.substr(kChecksum + 2);
-      if (is_figure_name(name) && !now.contains(name))
-        delete_stale_figure(folder / name, line.substr(0, kChecksum));
-    }
+  std::istringstream lines(read_figure_list(list));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.size() < kChecksum + 2) continue;
+    const std::string name = line.substr(kChecksum + 2);
+    if (is_figure_name(name) && !now.contains(name))
+      delete_stale_figure(folder / name, line.substr(0, kChecksum));
   }
   std::string text;
   for (const auto& [name, checksum] : now) text += checksum + "  " + name + "\n";
-  write_output(list, text);
+  replace_file(list, [&](const std::filesystem::path& file) { write_output(file, text); });
 }
 
 std::string read_bytes(const std::filesystem::path& file) {
@@ -230,7 +239,7 @@ std::string Page::html() const {
 }
 
 std::filesystem::path Page::write(const std::filesystem::path& folder) const {
-  std::filesystem::path file = folder / "report.html";
+  std::filesystem::path file = folder / kPageFile;
   write_output(file, html());
   replace_figure_list(folder, files_);
   return file;
@@ -243,6 +252,16 @@ void make_report_folder(const std::filesystem::path& folder) {
     throw InputError(folder.string() + ": the report's folder cannot be made" +
                      (error ? ": " + error.message() : ""));
   }
+  for (const char* name : {kPageFile, kFigureList}) {
+    if (folder_exists(folder / name))
+      throw InputError((folder / name).string() + ": is a folder; the report writes a file of this name");
+  }
+}
+
+bool is_report_file(const std::string& name) {
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  const bool numbered = digits != std::string::npos && digits > 0 && name[digits] == '-';
+  return name == kPageFile || name == kFigureList || (numbered && is_figure_name(name));
 }
 
 std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }

@@ -35,8 +35,12 @@ inline constexpr double kMilli = 1e3;  // m to mm, N to mN
 /// Cells of a table as HTML (use escaped() for text).
 using TableRows = std::vector<std::vector<std::string>>;
 
-/// [setup] @throws InputError when the report's folder cannot be created.
+/// [setup] @throws InputError when the report's folder cannot be created, or has folders in place of files.
 void make_report_folder(const std::filesystem::path& folder);
+
+/// [any] Whether a run's report may write a file of this name: its page, its list, or a figure such as
+/// 1-law.svg.
+[[nodiscard]] bool is_report_file(const std::string& name);
 
 /// Builds a self-contained HTML page with its style and pictures inside. Text arguments are escaped here;
 /// arguments named `html` are inserted unchanged.

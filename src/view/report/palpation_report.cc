@@ -52,7 +52,8 @@ Figure draw_figure(const scene::Scene& scene, const palpation::Scorer& scorer,
       "the tissue is; where the organ has its natural colour it was not pressed. Rings: lumps; dots: marks "
       "that found one; crosses: false marks.";
   try {
-    write_png(draw_felt_stiffness(scene, scorer), file);
+    const render::Image picture = draw_felt_stiffness(scene, scorer);
+    replace_file(file, [&](const std::filesystem::path& made) { render::write_png(picture, made); });
   } catch (const std::exception& error) {
     figure.missing = error.what();
   }

@@ -7,6 +7,7 @@
 
 #include "core/base/statistics.h"
 #include "io/system/clock.h"
+#include "io/system/output_file.h"
 #include "palpate/error.h"
 #include "palpate/offscreen.h"
 #include "palpate/recording.h"
@@ -106,7 +107,7 @@ std::string caption_of(std::string text, const haptics::TickRow& row, double org
 }
 
 Figure written(const render::Image& image, Figure figure) {
-  render::write_png(image, figure.file);
+  replace_file(figure.file, [&](const std::filesystem::path& file) { render::write_png(image, file); });
   return figure;
 }
 

@@ -48,8 +48,9 @@ PlotData table_of(const char* name, const std::vector<LinePlace>& places) {
   return data;
 }
 
-// @param source of the reference; empty: there is none
-std::string profile_script(const std::string& source, double largest_error, double from, double to) {
+// @param source of the reference; empty: there is none @param shared whether there is any error to draw
+std::string profile_script(const std::string& source, bool shared, double largest_error, double from,
+                           double to) {
   const bool measured = !source.empty();
   std::vector<std::string> curves = {
       fmt::format("'theory.dat' using 1:2 with lines lw 6 lc rgb '#a9cbe4' title 'theory'"),
@@ -74,8 +75,11 @@ std::string profile_script(const std::string& source, double largest_error, doub
       "set xlabel 'distance from the contact along the surface (mm)'; set ylabel 'error (mm)'\n"
       "set yrange [0:*]; set offsets 0,0,graph {},0; set ytics {}\n",
       measured ? "0.5" : "0.15", shortest(tic_step(largest_error)));
+  const std::string none =  // gnuplot refuses a pane without a point
+      "set yrange [0:1]; unset ytics; set label 'no place in common' at graph 0.5,0.5 center\nplot NaN "
+      "notitle\n";
   constexpr int kWidth = 540;
-  return two_panes(440, kKeyLeft, 0.36, upper, lower + plot(errors), kWidth);
+  return two_panes(440, kKeyLeft, 0.36, upper, lower + (shared ? plot(errors) : none), kWidth);
 }
 
 // Example: "y" of (0, 1, 0).
@@ -84,6 +88,18 @@ std::string axis_text(const Vec3& axis) {
   for (std::size_t k = 0; k < 3; ++k)
     if (axis == Vec3::Unit(static_cast<Eigen::Index>(k))) return kNames[k];
   return fmt::format("({}, {}, {})", fixed(axis.x(), 2), fixed(axis.y(), 2), fixed(axis.z(), 2));
+}
+
+// Both errors, and of how many places of the reference they are.
+std::string errors_text(const ReferenceProfile& reference, const LineErrors& theory,
+                        const LineErrors& shown) {
+  const std::size_t shared = shown.data.rows.size();
+  const std::size_t all = reference.places.size();
+  if (shared == 0) return "The run's line reaches no place of it, so there is no absolute error.";
+  const std::string where =
+      shared == all ? "" : fmt::format(" at the {} of {} places that the run's line reaches", shared, all);
+  return fmt::format("Absolute error{} of the theory: {}; of the run's surface: {}.", where,
+                     theory.text(reference.depth), shown.text(reference.depth));
 }
 
 std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
@@ -101,10 +117,9 @@ std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
   if (reference == nullptr) {
     text += " Absolute error of the run's surface beside the theory: " + shown.text(line.depth) + ".";
   } else {
-    text += fmt::format(" {}: {}, {} mm deep. Absolute error of the theory: {}; of the run's surface: {}.",
+    text += fmt::format(" {}: {}, {} mm deep. {}",
                         reference->source == "measured" ? "Measured" : "Finite elements", reference->origin,
-                        fixed(reference->depth * kMilli, 2), theory.text(reference->depth),
-                        shown.text(reference->depth));
+                        fixed(reference->depth * kMilli, 2), errors_text(*reference, theory, shown));
     constexpr double kSameDepth = 0.02;
     if (std::abs(line.depth - reference->depth) > kSameDepth * reference->depth)
       text += " The depths differ: this run has no tick as deep as the reference.";
@@ -139,8 +154,11 @@ Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const mo
     from = std::min(from, reference->places.front().distance);
     to = std::max(to, reference->places.back().distance);
     for (const LinePlace& place : reference->places) {
-      theory_error.add(place.distance, theory.at(std::abs(place.distance)) - place.displacement);
-      shown_error.add(place.distance, displacement_at(line.places, place.distance) - place.displacement);
+      const double of_theory = theory.at(std::abs(place.distance)) - place.displacement;
+      const double of_run = displacement_at(line.places, place.distance) - place.displacement;
+      if (!std::isfinite(of_theory) || !std::isfinite(of_run)) continue;  // both at the same places
+      theory_error.add(place.distance, of_theory);
+      shown_error.add(place.distance, of_run);
     }
   } else {
     for (const LinePlace& place : line.places)
@@ -158,7 +176,7 @@ Figure draw_profile(const SurfaceLine& line, const scene::Scene& scene, const mo
   if (reference != nullptr) tables.push_back(table_of("measured.dat", reference->places));
   figure.caption = profile_caption(line, scene, reference, theory_error, shown_error);
   return drawn(figure,
-               profile_script(reference != nullptr ? reference->source : "",
+               profile_script(reference != nullptr ? reference->source : "", !shown_error.data.rows.empty(),
                               std::max(theory_error.largest, shown_error.largest), from, to),
                tables);
 }

@@ -10,6 +10,7 @@
 
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
+#include "view/report/page.h"
 #include "view/report/test/synthetic_recording.h"
 
 namespace palpate::report {
@@ -265,6 +266,41 @@ TEST(ReportFolder, DeletesNothingOutsideItWhateverItsListSays) {
   static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path() / "out", {}, kNoPictures));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "other.svg"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "notes.txt"));
+}
+
+TEST(ReportFolder, LinksInPlaceOfFiguresAndListAreReplacedByFiles) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  std::filesystem::create_directory(out);
+  std::ofstream(folder.path() / "theirs") << "precious";
+  for (const char* name : {"1-law.svg", "report-figures.sha256"})
+    std::filesystem::create_symlink("../theirs", out / name);
+  const record::Recording recording = SyntheticRecording::make(false, 300);
+  static_cast<void>(write_report({{"t", &recording, "c"}}, out, {}, kNoPictures));
+  EXPECT_EQ(read(folder.path() / "theirs"), "precious");
+  for (const char* name : {"1-law.svg", "report-figures.sha256"})
+    EXPECT_FALSE(std::filesystem::is_symlink(out / name)) << name;
+  EXPECT_THAT(read(out / "report-figures.sha256"), HasSubstr("  1-law.svg\n"));
+  EXPECT_THAT(read(out / "1-law.svg"), HasSubstr("<svg"));
+}
+
+TEST(ReportFolder, AListThatIsNotOursCountsAsNone) {
+  const TemporaryFolder folder;
+  const std::filesystem::path list = folder.path() / "report-figures.sha256";
+  std::ofstream(list) << std::string(std::size_t{2} << 20U, 'x');  // larger than a list may be
+  const record::Recording recording = SyntheticRecording::make(false, 300);
+  static_cast<void>(write_report({{"t", &recording, "c"}}, folder.path(), {}, kNoPictures));
+  EXPECT_EQ(read(list).find('x'), std::string::npos);
+  EXPECT_THAT(read(list), HasSubstr("  1-law.svg\n"));
+}
+
+TEST(ReportFolder, FileNamesOfAReportAreKnown) {
+  for (const char* name : {"1-law.svg", "12-hand-2-profile.svg", "1-picture-1-before.png", "report.html",
+                           "report-figures.sha256"}) {
+    EXPECT_TRUE(is_report_file(name)) << name;
+  }
+  for (const char* name : {"law.svg", "1-law.csv", "-law.svg", "1law.png", "recording.h5", "a1-law.svg", ""})
+    EXPECT_FALSE(is_report_file(name)) << name;
 }
 
 TEST(ReportFolder, ThatCannotBeMadeIsRefused) {

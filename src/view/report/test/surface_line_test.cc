@@ -12,6 +12,7 @@
 #include "palpate/error.h"
 #include "palpate/surface.h"
 #include "view/report/report.h"
+#include "view/report/sections.h"
 #include "view/report/test/synthetic_recording.h"
 
 namespace palpate::report {
@@ -20,6 +21,7 @@ namespace {
 using palpate::test::TemporaryFolder;
 using test::SyntheticRecording;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 ReferenceProfile profile_from(const std::string& text) {
   const TemporaryFolder folder;
@@ -145,6 +147,46 @@ TEST(ReferenceProfile, IsInTheReportWithTheAbsoluteErrors) {
   const std::string html{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   EXPECT_THAT(html, HasSubstr("Measured: side.csv, 5.00 mm deep. Absolute error of the theory: RMS "));
   EXPECT_THAT(html, HasSubstr("; of the run&#39;s surface: RMS "));
+}
+
+constexpr double kReferenceDepth = 5e-3;  // m
+
+/// Caption of a flat line from -2 to 2 mm, displaced by 3 mm, beside a reference.
+std::string caption_beside(std::vector<LinePlace> places, bool& drawn) {
+  const TemporaryFolder folder;
+  const record::Recording recording = SyntheticRecording::make(false, 100);
+  SurfaceLine line;
+  line.places = {{-2e-3, 3e-3}, {0.0, 3e-3}, {2e-3, 3e-3}};
+  line.depth = kReferenceDepth;
+  line.tip_radius = SyntheticRecording::kRadius;
+  line.contacts = 1;
+  const ReferenceProfile reference{"measured", "side.csv", kReferenceDepth, std::move(places)};
+  const Figure figure = draw_profile(line, recording.scene, recording.scene.tissue.reach, &reference,
+                                     folder.path() / "profile.svg");
+  drawn = figure.missing.empty() && std::filesystem::exists(figure.file);
+  return figure.caption;
+}
+
+TEST(ReferenceProfile, ErrorsAreTakenWhereTheoryAndRunBothHaveAPlace) {
+  // The run is 1 mm beside each shared place; the theory, 5 mm at r = 0 and about 0 at 90 mm, would have an
+  // error of 40 mm at the far place that the run's line does not reach.
+  bool drawn = false;
+  const std::string caption = caption_beside({{0.0, 4e-3}, {1e-3, 4e-3}, {90e-3, 40e-3}}, drawn);
+  EXPECT_TRUE(drawn);
+  EXPECT_THAT(caption, HasSubstr("at the 2 of 3 places that the run's line reaches"));
+  EXPECT_THAT(caption, HasSubstr("of the run's surface: RMS 1.00 mm, largest 1.00 mm"));
+  EXPECT_THAT(caption, HasSubstr("of the theory: RMS "));
+  EXPECT_THAT(caption, Not(HasSubstr("largest 40")));
+  const std::string whole = caption_beside({{0.0, 4e-3}, {1e-3, 4e-3}}, drawn);
+  EXPECT_THAT(whole, Not(HasSubstr("places")));
+}
+
+TEST(ReferenceProfile, WithNoPlaceInCommonHasNoErrors) {
+  bool drawn = false;
+  const std::string caption = caption_beside({{50e-3, 1e-3}, {60e-3, 0.5e-3}}, drawn);
+  EXPECT_TRUE(drawn);
+  EXPECT_THAT(caption, HasSubstr("The run's line reaches no place of it, so there is no absolute error."));
+  EXPECT_THAT(caption, Not(HasSubstr("RMS")));
 }
 
 }  // namespace
