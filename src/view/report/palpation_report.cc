@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "core/base/statistics.h"
+#include "io/system/output_file.h"
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/page.h"

@@ -97,9 +97,10 @@ std::string errors_text(const ReferenceProfile& reference, const LineErrors& the
   const std::size_t all = reference.places.size();
   if (shared == 0) return "The run's line reaches no place of it, so there is no absolute error.";
   const std::string where =
-      shared == all ? "" : fmt::format(" at the {} of {} places that the run's line reaches", shared, all);
-  return fmt::format("Absolute error{} of the theory: {}; of the run's surface: {}.", where,
-                     theory.text(reference.depth), shown.text(reference.depth));
+      shared == all ? ""
+                    : fmt::format("; at {} of {} places, those that the run's line reaches", shared, all);
+  return fmt::format("Absolute error of the theory: {}; of the run's surface: {}{}.",
+                     theory.text(reference.depth), shown.text(reference.depth), where);
 }
 
 std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,

@@ -173,7 +173,7 @@ TEST(ReferenceProfile, ErrorsAreTakenWhereTheoryAndRunBothHaveAPlace) {
   bool drawn = false;
   const std::string caption = caption_beside({{0.0, 4e-3}, {1e-3, 4e-3}, {90e-3, 40e-3}}, drawn);
   EXPECT_TRUE(drawn);
-  EXPECT_THAT(caption, HasSubstr("at the 2 of 3 places that the run's line reaches"));
+  EXPECT_THAT(caption, HasSubstr("; at 2 of 3 places, those that the run's line reaches"));
   EXPECT_THAT(caption, HasSubstr("of the run's surface: RMS 1.00 mm, largest 1.00 mm"));
   EXPECT_THAT(caption, HasSubstr("of the theory: RMS "));
   EXPECT_THAT(caption, Not(HasSubstr("largest 40")));
