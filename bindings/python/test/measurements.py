@@ -48,3 +48,13 @@ def side_view(depth, pixel, radius):
     picture[inside | shaft] = 0.15
     texture = np.random.default_rng(3).normal(0.0, 0.01, picture.shape)
     return np.clip(picture + texture, 0.0, 1.0)
+
+
+def measured_files(folder):
+    """Two force curves of a liver, one a tenth stiffer."""
+    depth = np.linspace(0.0, 12e-3, 60)
+    files = [folder / 'soft.csv', folder / 'stiff.csv']
+    for file, factor in zip(files, (1.0, 1.1)):
+        write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth,
+                      factor * palpate.spring_law(palpate.tissue_preset('liver')).force_at(depth))
+    return files

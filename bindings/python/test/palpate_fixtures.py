@@ -2,6 +2,7 @@
 import json
 import os
 import subprocess
+import sys
 
 import pytest
 
@@ -68,3 +69,13 @@ def exit_status_of_child():
                 os._exit(code)
         return os.waitpid(child, 0)[1]
     return exit_status
+
+
+@pytest.fixture
+def command(tmp_path):
+    """Runs `python -m palpate` in a folder. `path`: where it finds the program; '': nowhere."""
+    def run(*words, path=''):
+        environment = {**os.environ, 'PATH': path}
+        return subprocess.run([sys.executable, '-B', '-m', 'palpate', *map(str, words)], cwd=tmp_path, capture_output=True, text=True,
+                              env=environment, timeout=240)
+    return run

@@ -1,24 +1,11 @@
 """The command of the wheel, `python -m palpate`, without the program and with it."""
-import os
 import pathlib
 import subprocess
-import sys
 
 import pytest
 
 import palpate
 from palpate_fixtures import PROGRAM
-from test_shown import measured_files
-
-
-@pytest.fixture
-def command(tmp_path):
-    """Runs `python -m palpate` in a folder. `path`: where it finds the program; '': nowhere."""
-    def run(*words, path=''):
-        environment = {**os.environ, 'PATH': path}
-        return subprocess.run([sys.executable, '-B', '-m', 'palpate', *map(str, words)], cwd=tmp_path, capture_output=True, text=True,
-                              env=environment, timeout=240)
-    return run
 
 
 def test_program_is_the_command_where_it_is_installed(command):
@@ -45,19 +32,6 @@ def test_run_and_export_give_the_rows_of_simulate(command, tmp_path):
     assert palpate.read_recording(tmp_path / 'run.h5').rows.tobytes() == rows.tobytes()
     done = command('export', 'run.h5', '--csv', 'run.csv')
     assert done.returncode == 0 and len((tmp_path / 'run.csv').read_text().splitlines()) == 501
-
-
-def test_fit_writes_the_programs_tissue(command, program, tmp_path):
-    if not hasattr(palpate, 'fit'):
-        pytest.skip('the component fit is not built')
-    files = measured_files(tmp_path)
-    program('fit', *files, '--law', 'smooth', '--direction', 'press', '--out', tmp_path / 'mine.toml')
-    wanted = (tmp_path / 'mine.toml').read_text()
-    (tmp_path / 'mine.toml').unlink()
-    done = command('fit', *files, '--law', 'smooth', '--out', 'mine.toml')
-    assert (done.returncode, done.stderr) == (0, '')
-    assert 'pooled' in done.stdout
-    assert (tmp_path / 'mine.toml').read_text() == wanted
 
 
 def test_doctor_has_the_checks_of_the_program(command, program):

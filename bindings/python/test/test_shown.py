@@ -6,7 +6,6 @@ import pytest
 
 import palpate
 from palpate import _shown
-from measurements import write_columns
 
 
 def numbers_of(path):
@@ -180,29 +179,3 @@ def test_recordings_export_as_the_program_does(program, tmp_path):
     program('export', file, '--csv', tmp_path / 'theirs.csv')
     assert palpate.read_recording(file).export_csv(tmp_path / 'ours.csv') == 500
     assert (tmp_path / 'ours.csv').read_bytes() == (tmp_path / 'theirs.csv').read_bytes()
-
-
-def measured_files(folder):
-    depth = np.linspace(0.0, 12e-3, 60)
-    files = [folder / 'soft.csv', folder / 'stiff.csv']
-    for file, factor in zip(files, (1.0, 1.1)):
-        write_columns(file, ('displacement_mm', 'force_N'), 1e3 * depth,
-                      factor * palpate.spring_law(palpate.tissue_preset('liver')).force_at(depth))
-    return files
-
-
-def test_several_files_of_specimens_are_read_at_once(tmp_path):
-    if not hasattr(palpate, 'fit'):
-        pytest.skip('the component fit is not built')
-    files = measured_files(tmp_path)
-    assert [one.name for one in palpate.read_specimens(files)] == ['soft', 'stiff']
-    assert [one.name for one in palpate.read_specimens([str(files[1])])] == ['stiff']
-    found = palpate.fit(palpate.read_specimens(files), law='smooth')
-    lines = repr(found).splitlines()
-    assert [line.split()[0] for line in lines[:4]] == ['name', 'soft', 'stiff', 'pooled']
-    value, low, high = found['pooled']['parameters']['k1_N_per_m']
-    assert f'{value:.3g} ({low:.3g} to {high:.3g})' in lines[3]
-    frame = [{**row} for row in found.table()]
-    assert (frame[2]['k1_N_per_m'], frame[2]['k1_N_per_m_low']) == (value, low)
-    page = xml.etree.ElementTree.fromstring(found._repr_html_())
-    assert len(list(page.iter('{http://www.w3.org/2000/svg}svg'))) == 2

@@ -1,11 +1,13 @@
 """palpate.fit() gives the results of `palpate fit`."""
+import xml.etree.ElementTree
+
 import numpy as np
 import pytest
 
 import palpate
 from example_runs import run  # noqa: F401  a fixture
 from example_runs import expect_drawn
-from measurements import write_columns
+from measurements import measured_files, write_columns
 
 
 LAW_PARAMETERS = ('k1_N_per_m', 'beta', 'q', 'limit_mm')
@@ -72,3 +74,29 @@ def test_fit_refuses_what_cannot_be_fitted():
 @pytest.mark.parametrize('name', ['fit_specimens', 'validate_tissue'])
 def test_example_draws(run, name, tmp_path):  # noqa: F811
     expect_drawn(run, name, tmp_path)
+
+
+def test_several_files_of_specimens_are_read_at_once(tmp_path):
+    files = measured_files(tmp_path)
+    assert [one.name for one in palpate.read_specimens(files)] == ['soft', 'stiff']
+    assert [one.name for one in palpate.read_specimens([str(files[1])])] == ['stiff']
+    found = palpate.fit(palpate.read_specimens(files), law='smooth')
+    lines = repr(found).splitlines()
+    assert [line.split()[0] for line in lines[:4]] == ['name', 'soft', 'stiff', 'pooled']
+    value, low, high = found['pooled']['parameters']['k1_N_per_m']
+    assert f'{value:.3g} ({low:.3g} to {high:.3g})' in lines[3]
+    frame = [{**row} for row in found.table()]
+    assert (frame[2]['k1_N_per_m'], frame[2]['k1_N_per_m_low']) == (value, low)
+    page = xml.etree.ElementTree.fromstring(found._repr_html_())
+    assert len(list(page.iter('{http://www.w3.org/2000/svg}svg'))) == 2
+
+
+def test_fit_writes_the_programs_tissue(command, program, tmp_path):
+    files = measured_files(tmp_path)
+    program('fit', *files, '--law', 'smooth', '--direction', 'press', '--out', tmp_path / 'mine.toml')
+    wanted = (tmp_path / 'mine.toml').read_text()
+    (tmp_path / 'mine.toml').unlink()
+    done = command('fit', *files, '--law', 'smooth', '--out', 'mine.toml')
+    assert (done.returncode, done.stderr) == (0, '')
+    assert 'pooled' in done.stdout
+    assert (tmp_path / 'mine.toml').read_text() == wanted
