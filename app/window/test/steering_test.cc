@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/state.h"
 #include "core/haptics/simulation.h"
 #include "palpate/scene.h"
 
@@ -58,6 +60,7 @@ class SteeredRun {
     }
   }
   [[nodiscard]] double depth() const { return shown.results[0].depth; }
+  [[nodiscard]] const Session& session() const { return *session_; }
   [[nodiscard]] Vec3 tool() const { return shown.tools[0].pose_W.position; }
   /// Distance of a world point from the line of sight through a place of the picture [m].
   [[nodiscard]] double off_sight(const Vec3& point_W, double x, double y) const {
@@ -69,7 +72,8 @@ class SteeredRun {
   haptics::Snapshot shown;
   double shallowest = 1.0;  // m, over the ticks since reset_extremes()
   double deepest = 0.0;
-  double fastest = 0.0;  // m/s, tip of the tool; without a shaft, its centre
+  double fastest = 0.0;       // m/s, tip of the tool; without a shaft, its centre
+  std::uint32_t buttons = 0;  // seen by the ticks
   void reset_extremes() {
     shallowest = 1.0;
     deepest = fastest = 0.0;
@@ -94,6 +98,7 @@ class SteeredRun {
     shallowest = std::min(shallowest, depth());
     deepest = std::max(deepest, depth());
     fastest = std::max(fastest, sample.velocity_D.norm());
+    buttons |= sample.buttons;
   }
 
   std::unique_ptr<Session> session_;
@@ -233,6 +238,34 @@ TEST(Steering, AGripPullsTheTissueAfterThePointerAndLetsGo) {
   run.settle();
   EXPECT_NE(run.shown.results[0].phase, contact::Phase::kPull);
   EXPECT_LT(run.depth(), 2e-3);
+}
+
+TEST(Steering, TheWheelPressesADraggedToolNoDeeperThanAFreeOne) {
+  const SteeredRun run("gallbladder", "gallbladder", "curved-forceps", "pull");
+  const haptics::SimulationWorld& world = run.session().world();
+  devices::SurfaceRider rider(world.contact.data().surface, run.session().scene().tools[0], world.organ_W,
+                              run.shown.tools[0].pose_W, 1.0, 0.2);
+  rider.point_at(ray_through(run.camera.camera(), kAspect, 0.5, 0.5));
+  rider.advance(kFrame, 0.0, true, 1.0);
+  const Vec3 gripped_W = rider.target().tip_W;
+  for (int i = 0; i < 160; ++i) {
+    rider.press(0.5e-3);
+    rider.advance(kFrame, 0.0, true, 1.0);
+  }
+  EXPECT_NEAR((rider.target().tip_W - gripped_W).norm(), devices::SurfaceRider::kMaxDepth, 1e-3);
+}
+
+TEST(Steering, AClickThatEndsWithinOnePictureStillCounts) {
+  SteeredRun run("ball", "liver", "sphere:5", "press");
+  run.steering.grip(true);
+  run.steering.grip(false);
+  run.buttons = 0;
+  run.frames(1);
+  EXPECT_EQ(run.buttons, 1U);
+  run.frames(Steering::kClickFrames + 1);
+  run.buttons = 0;
+  run.frames(1);
+  EXPECT_EQ(run.buttons, 0U) << "released again";
 }
 
 }  // namespace

@@ -1,3 +1,24 @@
+// The field that the cells of a whole organ miss near a contact, and how far its change moves the surface.
+//
+// With N the force along the normal and S the force along the surface, both by 4 pi G, and e the direction
+// away from the contact, half_space.h gives
+//
+//     u = 2 (1 - nu) psi N z - (1 - 2 nu) s N e                                      (a press)
+//       + 2 psi S - 2 nu ((psi + 2 t) (e S) e - t S) + (1 - 2 nu) s (e S) z          (a drag, a pull)
+//
+// where psi, s and t are here differences: those of the tool's contact radius less those of the cells'
+// spread, in a table by the distance r, linear between its entries.
+//
+// NearFieldChange bounds |u_now - u_before| at a distance by the sum of
+//
+// 1. the change of the products psi N, s N, ... at the same r and e. They are linear between entries, so the
+//    larger end of a piece bounds it;
+// 2. the slope of the terms times the drift of the contact, because r changes by at most the drift;
+// 3. the terms times the turn of e, at most 2 (drift / r + turn of the normal), and times that of the normal.
+//
+// Each entry then takes the maximum over all larger distances, so that the nearest vertex of a block gives
+// the bound of the whole block.
+
 #include "core/deform/near_field.h"
 
 #include <algorithm>

@@ -1,3 +1,24 @@
+// A tool under a pointer: where it goes in one picture.
+//
+// The pointer's line of sight meets the organ's rest surface at a place, or passes beside the organ. The tool
+// is moved by its touching point, the point near its tip that is farthest along the inward normal.
+//
+//     rides   over the surface: walks towards the place from triangle to triangle, 1 mm a step, and holds its
+//             set height or depth along the normal there. An edge or a gap in the way ends the ride.
+//     flies   in the air, at least 5 mm away: straight to a point over the place, if nothing is in the way;
+//             else it rises to the viewer, from whom all visible places can be reached. Beside the organ it
+//             glides at the point of the line of sight that is nearest to the organ.
+//     drags   the tissue that its jaws hold, in a plane that faces the viewer.
+//
+// It turns with the normal, by at most 45 degrees, because more would hide the contact. In the air it turns
+// about its tip, on the surface about its touching point, which keeps the depth.
+//
+// Only the touching point is led around the organ; a ball's side or a shaft may still meet it. So each step
+// before a press is tried: when it brings any sample of the tool's surface nearer than 2 mm, the step is
+// undone, and the tool moves away from the organ there, or out of a groove to the viewer. It slides along an
+// edge in that way, and stays before a gap that is too narrow. The samples are looked at only when the tool
+// may have come so near since they were looked at last: no distance falls by more than the tool has moved.
+
 #include "run/devices/surface_rider.h"
 
 #include <algorithm>
@@ -90,6 +111,7 @@ SurfaceRider::SurfaceRider(const contact::OrganSurface& surface, const geometry:
   normal_S_ = -(start_S_ * Vec3::UnitZ());
   tip_P_ = farthest_point(tool, 0.0, Vec3::UnitZ());
   samples_P_ = samples_of(tool, gripper);
+  for (const Vec3& sample : samples_P_) length_ = std::max(length_, (sample - tip_P_).norm());
   tip_S_ = start_S * tip_P_;
   touch_S_ = tip_S_ + tip_to_touch(gripper);
   reach_from_S_ = touch_S_;
@@ -126,7 +148,11 @@ void SurfaceRider::advance(double time, double gripper, bool dragging, double pa
   }
   tip_S_ = touch_S_ - tip_to_touch(gripper);
   const bool presses = riding_ && wanted_height() < kHover;
-  if (!dragging && !presses) keep_clear(before, way, gripper);
+  if (dragging || presses) {
+    clear_ = -kFar;
+  } else {
+    keep_clear(before, way, gripper);
+  }
 }
 
 SurfaceRider::Stand SurfaceRider::stand() const {
@@ -155,7 +181,9 @@ SurfaceRider::Clearance SurfaceRider::clearance() const {
 
 void SurfaceRider::keep_clear(const Stand& before, double way, double gripper) {
   constexpr double kLeast = 2e-3;  // m
-  const double now = clearance().distance;
+  clear_ -= (tip_S_ - before.tip_S).norm() + length_ * orientation_S_.angularDistance(before.orientation_S);
+  if (clear_ >= kLeast) return;
+  const double now = clear_ = clearance().distance;
   if (now >= kLeast) return;
   const Stand tried = stand();
   return_to(before);
@@ -164,6 +192,7 @@ void SurfaceRider::keep_clear(const Stand& before, double way, double gripper) {
     return_to(tried);
     return;
   }
+  clear_ = -kFar;  // not known after what follows
   // Away from the organ; in a groove, out of it to the viewer.
   for (const Vec3& direction : {was.away_S, way_to_viewer(), Vec3((ray_S_.origin - touch_S_).normalized())}) {
     return_to(before);

@@ -119,6 +119,8 @@ class SurfaceRider final {
   Quat start_S_;  // orientation at the start
   Vec3 tip_P_;
   std::vector<Vec3> samples_P_;  // of the tool's surface, handle frame
+  double length_ = 0.0;          // m, from the tip to the farthest sample
+  double clear_ = -1.0;          // m, lower bound of the samples' distance from the organ
   Vec3 reach_from_S_;
   double reach_;
 
