@@ -57,6 +57,7 @@ struct OffscreenRenderer::Impl {
     for (const geometry::Tool& tool : subject.tools) {
       shapes.emplace_back(tool);
       tools.emplace_back(tool);
+      jaws.push_back(Jaws::of(tool));
     }
     const geometry::Bounds box = geometry::bounds(subject.organ);
     const double diagonal = box.size().norm();
@@ -116,13 +117,15 @@ struct OffscreenRenderer::Impl {
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
       const bool there = hand < std::min<std::size_t>(snapshot.hands, kMaxHands);
+      const double gripper = there ? drawn_gripper(snapshot, hand, jaws[hand] ? &*jaws[hand] : nullptr) : 0.0;
       for (std::size_t part = 0; part < tools[hand].parts(); ++part, ++solid) {
         painter.tools()[solid]->pose_W =
-            there ? tools[hand].part_pose(part, snapshot.tools[hand].pose_W, snapshot.tools[hand].gripper)
+            there ? tools[hand].part_pose(part, snapshot.tools[hand].pose_W, gripper)
                   : Pose{Quat::Identity(), kNowhere};
       }
     }
-    if (organ.update(deform::indentations_of(snapshot.hand_results()), imprints_of(snapshot, shapes))) {
+    if (organ.update(deform::indentations_of(snapshot.hand_results()), imprints_of(snapshot, shapes),
+                     folds_of(snapshot, jaws))) {
       upload_organ_at_rest();
       return;
     }
@@ -172,7 +175,8 @@ struct OffscreenRenderer::Impl {
   SurfaceMap map;
   std::vector<ToolShape> shapes;
   std::vector<ToolPicture> tools;
-  LitRegion region;  // organ frame
+  std::vector<std::optional<Jaws>> jaws;  // of the tools
+  LitRegion region;                       // organ frame
   std::string driver;
   double update_ms = 0.0;
   std::optional<QualityChoice> choice;

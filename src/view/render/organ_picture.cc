@@ -95,6 +95,18 @@ constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // largest angl
                                                                  // ends of a displayed edge
 constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter edges are not split
 
+// The indentation nearest to a point.
+std::size_t nearest_of(std::span<const deform::Indentation> indentations, const Vec3& point, bool deformed) {
+  std::size_t own = 0;
+  const auto away = [&](std::size_t i) {
+    const deform::Indentation& at = indentations[i];
+    return (at.point + (deformed ? at.depth : 0.0) * at.direction - point).norm();
+  };
+  for (std::size_t i = 0; i < indentations.size(); ++i)
+    if (away(i) < away(own)) own = i;
+  return own;
+}
+
 }  // namespace
 
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
@@ -147,38 +159,55 @@ bool OrganPicture::divide_around(std::span<const deform::Indentation> indentatio
   return true;
 }
 
+// Moves a displaced vertex on by a field along `direction` whose gradient by the position is `slope`.
+void OrganPicture::shift(std::int32_t v, const Eigen::Vector3f& direction, float by,
+                         const Eigen::Vector3f& slope) {
+  const Eigen::Vector3f& at_rest = surface_->rest_vertices()[static_cast<std::size_t>(v)];
+  const Eigen::Vector3f& rest_normal = surface_->rest_normals()[static_cast<std::size_t>(v)];
+  deform::SurfaceVertex& vertex = surface_->move(v);
+  vertex.position += by * direction;
+  // Transposed adjugate of I + direction slope^T.
+  const Eigen::Vector3f normal =
+      (1.0F + direction.dot(slope)) * vertex.normal - direction.dot(vertex.normal) * slope;
+  if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
+  const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+  vertex.moved = inwards * (vertex.position - at_rest).norm();
+}
+
 void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations) {
-  std::size_t own = 0;
-  for (std::size_t i = 0; i < indentations.size(); ++i)
-    if ((indentations[i].point - imprint.point()).norm() < (indentations[own].point - imprint.point()).norm())
-      own = i;
+  const std::size_t own = nearest_of(indentations, imprint.point(), false);
   const Eigen::Vector3f direction = imprint.direction().cast<float>();
-  Eigen::Vector3f q;  // gradient of the lowering
+  Eigen::Vector3f slope;
   for (const deform::DeformedSurface::Range& run : surface_->near(own, kLoweredWithin)) {
     for (std::size_t i = run.first; i < run.first + run.count; ++i) {
-      const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
-      const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
-      const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &q);
+      const float lowering = imprint.lowering(surface_->vertices()[i].position, surface_->rest_vertices()[i],
+                                              surface_->rest_normals()[i], &slope);
       const auto v = static_cast<std::int32_t>(i);
-      if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
-      deform::SurfaceVertex& vertex = surface_->move(v);
-      vertex.position += lowering * direction;
-      // Transposed adjugate of I + direction q^T.
-      const Eigen::Vector3f normal =
-          (1.0F + direction.dot(q)) * vertex.normal - direction.dot(vertex.normal) * q;
-      if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
-      const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
-      vertex.moved = inwards * (vertex.position - at_rest).norm();
+      if (lowering > 0.0F && surface_->is_near(own, v, kLoweredWithin)) shift(v, direction, lowering, slope);
+    }
+  }
+}
+
+void OrganPicture::raise_fold(const GraspedFold& fold, std::span<const deform::Indentation> indentations) {
+  constexpr float kLeast = 1e-6F;  // m
+  const std::size_t own = nearest_of(indentations, fold.peak(), true);
+  for (const deform::DeformedSurface::Range& run : surface_->near(own, GraspedFold::kReach)) {
+    for (std::size_t i = run.first; i < run.first + run.count; ++i) {
+      const GraspedFold::Raise raise = fold.raise(surface_->vertices()[i].position);
+      const auto v = static_cast<std::int32_t>(i);
+      if (raise.by > kLeast && surface_->is_near(own, v, GraspedFold::kReach))
+        shift(v, fold.up(), raise.by, raise.slope);
     }
   }
 }
 
 bool OrganPicture::update(std::span<const deform::Indentation> indentations,
-                          std::span<const ToolImprint> imprints) {
+                          std::span<const ToolImprint> imprints, std::span<const GraspedFold> folds) {
   const bool changed = divide_around(indentations);
   take_response();
   surface_->update(indentations, detail_ == Detail::kStill ? deform::DeformedSurface::kSettle : kLiveSteps);
   for (const ToolImprint& imprint : imprints) lower_onto(imprint, indentations);
+  for (const GraspedFold& fold : folds) raise_fold(fold, indentations);
   return changed;
 }
 

@@ -9,6 +9,7 @@
 #include "core/deform/deformed_surface.h"
 #include "palpate/tool.h"
 #include "view/render/gl_objects.h"
+#include "view/render/grasped_fold.h"
 #include "view/render/tool_imprint.h"
 
 namespace palpate::render {
@@ -30,9 +31,10 @@ class OrganPicture final {
 
   /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
   /// call only; with kLive the surface catches up within some pictures (DeformedSurface).
-  /// @param imprints of the tools: the surface is lowered onto them @return whether rest() and its triangles
-  /// changed
-  bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {});
+  /// @param imprints of the tools: the surface is lowered onto them @param folds of grasped tissue
+  /// @return whether rest() and its triangles changed
+  bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {},
+              std::span<const GraspedFold> folds = {});
 
   /// [any] The refined rest surface. It passes within a few hundredths of an edge length of the given one.
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return surface_->rest(); }
@@ -51,6 +53,8 @@ class OrganPicture final {
   void take_surface(geometry::TriangleMesh rest);
   void take_response();
   void lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations);
+  void raise_fold(const GraspedFold& fold, std::span<const deform::Indentation> indentations);
+  void shift(std::int32_t vertex, const Eigen::Vector3f& direction, float by, const Eigen::Vector3f& slope);
 
   model::FalloffRatios reach_;
   Detail detail_;
