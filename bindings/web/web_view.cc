@@ -36,7 +36,8 @@ palpate::render::Subject subject_of(const palpate::scene::Scene& scene) {
           scene.tissue.reach,
           scene.tissue.name,
           palpate::scene::visible_inclusions(scene.inclusions),
-          scene.support};
+          scene.support,
+          scene.organ_name};
 }
 
 /// Copies a snapshot that came from another instance. @throws UseError for other bytes

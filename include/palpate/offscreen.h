@@ -77,6 +77,7 @@ struct Subject {
   std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
   std::vector<model::Inclusion> inclusions{};  // the visible ones, at most model::kMaxInclusions
   std::optional<geometry::Support> support{};  // with it, the whole organ gives way
+  std::string organ_name{};                    // of a built-in organ: shows its vessels
 };
 
 /// Values at points of the rest surface, drawn as a colour map.

@@ -15,6 +15,7 @@ class CutVessel final {
   CutVessel(const std::vector<TubeKnot>& knots, double far);
 
   [[nodiscard]] FieldValue at(const Vec3& p) const noexcept;
+  [[nodiscard]] const Tube& tube() const noexcept { return tube_; }
 
   /// [setup] The lumen: an ellipsoid at the cut, to be subtracted from the solid.
   [[nodiscard]] Ellipsoid lumen() const;

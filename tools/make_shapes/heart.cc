@@ -45,6 +45,12 @@ class Chambers {
     const FieldValue chambers = unite_with_furrow(ventricles(p), atria(p), kSulcus, kSulcusDepth);
     return unite(unite(chambers, septum_.at(p), kBranch), arteries(p), kBranch);
   }
+  [[nodiscard]] std::vector<VesselLine> lines() const {
+    std::vector<VesselLine> lines;
+    for (const CutVessel& vessel : arteries_) lines.push_back(line_of("artery", vessel.tube(), 12));
+    for (const CutVessel& vessel : veins_) lines.push_back(line_of("vein", vessel.tube(), 6));
+    return lines;
+  }
   [[nodiscard]] std::vector<Ellipsoid> lumens() const {
     std::vector<Ellipsoid> result;
     for (const CutVessel& vessel : arteries_) result.push_back(vessel.lumen());
@@ -193,6 +199,11 @@ class Coronaries final {
     for (const Tube& vessel : vessels_) solid = unite(solid, vessel.at(p), kBlend);
     return solid;
   }
+  [[nodiscard]] std::vector<VesselLine> lines() const {
+    std::vector<VesselLine> lines;
+    for (const Tube& vessel : vessels_) lines.push_back(line_of("coronary", vessel, 20));
+    return lines;
+  }
 
  private:
   static constexpr double kBlend = 1.5;
@@ -322,6 +333,13 @@ TriangleMesh make_heart(Detail detail) {
   if (detail == Detail::k75k)
     goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Heart(detail != Detail::kPaper), start, goal);
+}
+
+std::vector<VesselLine> heart_vessels() {
+  const Chambers chambers;
+  std::vector<VesselLine> lines = Coronaries(chambers, true).lines();
+  for (VesselLine& line : chambers.lines()) lines.push_back(std::move(line));
+  return lines;
 }
 
 }  // namespace palpate::geometry

@@ -2,6 +2,7 @@
 #include "palpate/mesh.h"
 
 #include "tools/make_shapes/detail.h"
+#include "tools/make_shapes/vessel_lines.h"
 
 namespace palpate::geometry {
 
@@ -10,5 +11,8 @@ namespace palpate::geometry {
 /// wall of the ventricles faces +z, the apex points to +x and -y (the patient's left), the vessels leave
 /// towards +y.
 [[nodiscard]] TriangleMesh make_heart(Detail detail);
+
+/// [setup] Its vessels, in the frame of the mesh before that is centred.
+[[nodiscard]] std::vector<VesselLine> heart_vessels();
 
 }  // namespace palpate::geometry

@@ -33,6 +33,11 @@ class Kidney final : public ImplicitSolid {
     return {all.value * kMillimetre, all.gradient};
   }
 
+  [[nodiscard]] std::vector<VesselLine> lines() const {
+    return {line_of("vein", vessels_[0].tube(), 8), line_of("artery", vessels_[1].tube(), 8),
+            line_of("duct", vessels_[2].tube(), 12)};
+  }
+
  private:
   // Blend widths where parts meet [mm].
   static constexpr double kLip = 7.0;
@@ -117,5 +122,7 @@ TriangleMesh make_kidney(Detail detail) {
     goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.005, .finest = 0.2};
   return remesh(Kidney(true), start, goal);
 }
+
+std::vector<VesselLine> kidney_vessels() { return Kidney(true).lines(); }
 
 }  // namespace palpate::geometry

@@ -2,6 +2,7 @@
 #include "palpate/mesh.h"
 
 #include "tools/make_shapes/detail.h"
+#include "tools/make_shapes/vessel_lines.h"
 
 namespace palpate::geometry {
 
@@ -10,5 +11,8 @@ namespace palpate::geometry {
 /// with +y up: the upper pole points to +y, the hilum faces +x (the middle of the body). From front to back
 /// the hilum has vein, artery and renal pelvis.
 [[nodiscard]] TriangleMesh make_kidney(Detail detail);
+
+/// [setup] Its vessels, in the frame of the mesh before that is centred.
+[[nodiscard]] std::vector<VesselLine> kidney_vessels();
 
 }  // namespace palpate::geometry

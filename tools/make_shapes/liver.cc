@@ -81,6 +81,11 @@ class Liver final : public ImplicitSolid {
     return {all.value * kMillimetre, all.gradient};
   }
 
+  [[nodiscard]] std::vector<VesselLine> lines() const {
+    return {line_of("vein", cava_.tube(), 12), line_of("vein", vessels_[0].tube(), 8),
+            line_of("duct", vessels_[1].tube(), 8), line_of("artery", vessels_[2].tube(), 8)};
+  }
+
  private:
   // Blend widths where parts meet [mm].
   static constexpr double kMargin = 5.0;  // the lower margin: sharp
@@ -201,5 +206,7 @@ TriangleMesh make_liver(Detail detail) {
     goal = {.vertices = 9377, .subdivisions = 1, .bend_radius = 0.010, .finest = 0.2};
   return remesh(Liver(detail == Detail::kPaper ? Liver::kCoarse : Liver::kFine), start, goal);
 }
+
+std::vector<VesselLine> liver_vessels() { return Liver(Liver::kFine).lines(); }
 
 }  // namespace palpate::geometry

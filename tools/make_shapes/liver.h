@@ -2,6 +2,7 @@
 #include "palpate/mesh.h"
 
 #include "tools/make_shapes/detail.h"
+#include "tools/make_shapes/vessel_lines.h"
 
 namespace palpate::geometry {
 
@@ -12,5 +13,8 @@ namespace palpate::geometry {
 /// and stump of the inferior vena cava, and the impressions of kidney, colon, stomach and heart. Anterior
 /// view from +z with +y up: the left lobe's tip points to +x (the patient's left).
 [[nodiscard]] TriangleMesh make_liver(Detail detail);
+
+/// [setup] Its vessels, in the frame of the mesh before that is centred.
+[[nodiscard]] std::vector<VesselLine> liver_vessels();
 
 }  // namespace palpate::geometry

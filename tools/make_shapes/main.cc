@@ -2,6 +2,7 @@
 //
 //   make_shapes FOLDER           writes shapes.bin and shapes.txt (the repository's assets/)
 //   make_shapes --check FOLDER   exit 1 when the shapes differ from those of shapes.txt
+//   make_shapes --vessels        prints src/view/render/organ_vessels.inc
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 #include "palpate/tool.h"
+#include "palpate/units.h"
 
 #include "tools/make_shapes/detail.h"
 #include "tools/make_shapes/forceps.h"
@@ -97,9 +99,38 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
   if (!(out << bytes) || !out.flush()) throw InputError(file.string() + ": cannot be written");
 }
 
+// The vessels' lines as rows of C++, in millimetres of the centred organs' frame.
+void print_vessels() {
+  struct Lines {
+    const char* organ;
+    TriangleMesh (*make)(Detail);
+    std::vector<VesselLine> (*lines)();
+  };
+  fmt::print("// By `make_shapes --vessels`. Organ, kind, and x, y, z and radius along the line [mm].\n");
+  for (const Lines& of :
+       {Lines{"heart", make_heart, heart_vessels}, Lines{"kidney", make_kidney, kidney_vessels},
+        Lines{"liver", make_liver, liver_vessels}}) {
+    const Vec3 middle = bounds(of.make(Detail::k30k)).middle() / kMillimetre;
+    for (const VesselLine& line : of.lines()) {
+      fmt::print("{{\"{}\", VesselKind::k{}{}, {{", of.organ, static_cast<char>(line.kind[0] - 'a' + 'A'),
+                 line.kind.substr(1));
+      for (const TubeKnot& knot : line.knots) {
+        const Vec3 p = knot.middle - middle;
+        fmt::print("{{{:.1f}F, {:.1f}F, {:.1f}F, {:.1f}F}},", p.x(), p.y(), p.z(), knot.radius);
+      }
+      fmt::print("}}}},\n");
+    }
+  }
+}
+
 int run(const std::vector<std::string>& arguments) {
+  if (arguments == std::vector<std::string>{"--vessels"}) {
+    print_vessels();
+    return 0;
+  }
   const bool check = arguments.size() == 2 && arguments[0] == "--check";
-  if (!check && arguments.size() != 1) throw InputError("usage: make_shapes [--check] FOLDER");
+  if (!check && arguments.size() != 1)
+    throw InputError("usage: make_shapes [--check] FOLDER, or make_shapes --vessels");
   const std::filesystem::path folder = arguments.back();
   const Archive archive = make_all();
   if (check) {

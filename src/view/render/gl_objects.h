@@ -18,7 +18,8 @@ struct StaticVertex {
   Eigen::Vector3f rest;                // rest position [m], where the material's pattern is evaluated
   std::array<std::uint8_t, 4> colour;  // square roots of linear red, green, blue; fraction of fat
   Eigen::Vector3f vessel;              // position in the pattern of vessels
-  std::array<std::uint8_t, 4> light;   // visible fraction of the sky, width of the vessels, 0, 0
+  std::array<std::uint8_t, 4> light;   // visible fraction of the sky, width of the vessels;
+                                       // beside a vessel's line (organ_vessels.h), share of it
 };
 
 /// Attributes of a vertex in a map of values.

@@ -13,6 +13,7 @@
 #include "view/render/gl_objects.h"
 #include "view/render/opengl.h"
 #include "view/render/organ_picture.h"
+#include "view/render/organ_vessels.h"
 #include "view/render/painter.h"
 #include "view/render/surface_map.h"
 #include "view/render/tissue_pattern.h"
@@ -51,6 +52,7 @@ Quality cheaper(Quality q) { return static_cast<Quality>(static_cast<int>(q) + 1
 struct OffscreenRenderer::Impl {
   Impl(const Subject& subject, int width, int height, Quality quality)
       : look(tissue_appearance(subject.tissue_name)),
+        organ_name(subject.organ_name),
         painter(look, width, height, quality),
         organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive,
               subject.support) {
@@ -76,7 +78,9 @@ struct OffscreenRenderer::Impl {
     for (const geometry::Triangle& t : organ.rest().triangles)
       for (const std::int32_t v : t) corners.push_back(static_cast<std::uint32_t>(v));
     mesh.set(corners, organ.vertices());
-    mesh.gpu().set_static(tissue_pattern(organ.rest(), look));
+    std::vector<StaticVertex> pattern = tissue_pattern(organ.rest(), look);
+    paint_vessels(organ_name, organ.rest(), look, pattern);
+    mesh.gpu().set_static(pattern);
     painter.redraw_all();
     static_cast<void>(organ.take_changes());
     assign_values();
@@ -169,6 +173,7 @@ struct OffscreenRenderer::Impl {
   }
 
   TissueAppearance look;
+  std::string organ_name;
   Painter painter;
   OrganPicture organ;
   SurfaceValues values;

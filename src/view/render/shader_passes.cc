@@ -26,6 +26,7 @@ out vec3 n_W;
 out vec3 rest;
 out vec4 colour;
 out vec4 vessel;
+out vec2 beside;  // radii to the side of a vessel's line; share of the vessel
 out float sky_at_rest;
 #ifndef FULL
 out vec3 in_shadow_map;
@@ -39,9 +40,11 @@ void main() {
   rest = rest_position;
   colour = vec4(pattern_colour.rgb * pattern_colour.rgb, pattern_colour.a);
   vessel = vec4(pattern_vessel, pattern_light.y);
+  beside = vec2((pattern_light.z * 2.0 - 1.0) * 3.0, pattern_light.w);
   if (map_range > 0.0) {
     colour = vec4(0.8 * mapped(clamp(abs(moved) / map_range, 0.0, 1.0)), 0.0);
     vessel.w = 0.0;
+    beside.y = 0.0;
   }
 #ifdef ANNOTATED
   map_at = values_shown * vec2(map_value.x * map_value.y, map_value.y);

@@ -62,6 +62,7 @@ in vec3 n_W;
 in vec3 rest;
 in vec4 colour;
 in vec4 vessel;
+in vec2 beside;
 in float sky_at_rest;
 out vec4 pixel;
 #ifdef FULL
@@ -180,6 +181,12 @@ float vessels() {
 #endif
   return clamp(lines, 0.0, 1.0) * vessel_share;
 }
+const vec3 kArteryColour = vec3(0.23, 0.018, 0.016);
+// The tissue's colour with its vessels.
+vec3 with_vessels() {
+  float artery = beside.y * (1.0 - smoothstep(0.5, 0.95, abs(beside.x)));
+  return mix(mix(colour.rgb, vessel_colour, vessels()), kArteryColour, artery);
+}
 
 uniform mat4 model;
 
@@ -264,7 +271,7 @@ vec3 annotated(vec3 finished, vec3 light) { return finished; }
 void main() {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye - p_W);
-  vec3 albedo = with_inclusions(mix(colour.rgb, vessel_colour, vessels()), v);
+  vec3 albedo = with_inclusions(with_vessels(), v);
   float fat = colour.a;
   float facing = clamp(dot(n, v), 0.0, 1.0);
   float flat_on = smoothstep(0.0, 0.5, facing);  // seen flat, bumps hide one another
@@ -304,7 +311,7 @@ void main() {
 #else
 void main() {
   vec3 v = normalize(eye - p_W);
-  vec3 albedo = with_inclusions(mix(colour.rgb, vessel_colour, vessels()), v);
+  vec3 albedo = with_inclusions(with_vessels(), v);
   vec3 n = n_W;
 #ifndef FAST
   vec3 waves = noise(rest * 260.0).yzw * (0.034 * smoothstep(0.0, 0.5, dot(n, v)));

@@ -15,7 +15,8 @@ render::Subject subject_of(const scene::Scene& scene) {
           scene.tissue.reach,
           scene.tissue.name,
           scene::visible_inclusions(scene.inclusions),
-          scene.support};
+          scene.support,
+          scene.organ_name};
 }
 
 render::Image draw_held(const geometry::TriangleMesh& organ, const geometry::Support& support, int height) {
