@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
-#include "io/mesh_io/formats/gltf_check.h"
+#include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/mesh_io/repair/repair.h"
 #include "io/scene/support_reader.h"

@@ -7,7 +7,7 @@
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "core/contact/tissue_laws.h"
-#include "io/mesh_io/formats/gltf_check.h"
+#include "io/mesh_io/formats/formats.h"
 #include "io/scene/device_kinds.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/instrument.h"

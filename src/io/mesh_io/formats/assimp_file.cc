@@ -17,7 +17,6 @@
 
 #include "core/base/text.h"
 #include "io/mesh_io/formats/formats.h"
-#include "io/mesh_io/formats/gltf_check.h"
 #include "io/mesh_io/formats/scan.h"
 #include "io/system/input_file.h"
 #include "io/system/path_text.h"
@@ -258,10 +257,6 @@ void check_3ds(const MeshFile& file) {
 ImportedMesh read_3ds(const MeshFile& file) {
   check_3ds(file);
   return read_by_assimp(file);
-}
-
-ImportedMesh read_gltf(const MeshFile& file) {
-  return check_gltf(file) ? read_by_assimp(with_float_positions(file)) : read_by_assimp(file);
 }
 
 }  // namespace palpate::mesh_io

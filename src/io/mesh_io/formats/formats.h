@@ -1,4 +1,7 @@
 #pragma once
+#include <filesystem>
+#include <vector>
+
 #include "io/mesh_io/mesh_file.h"
 
 // One reader per format, as import_mesh(): [setup], @throws InputError.
@@ -15,8 +18,12 @@ namespace palpate::mesh_io {
 [[nodiscard]] ImportedMesh read_vtk(const MeshFile& file);
 /// Gmsh's MSH of versions 2 and 4, text or binary.
 [[nodiscard]] ImportedMesh read_msh(const MeshFile& file);
-/// 3DS and glTF, by assimp, after checks of the values that assimp trusts.
+/// 3DS, by assimp, after checks of the values that assimp trusts.
 [[nodiscard]] ImportedMesh read_3ds(const MeshFile& file);
+/// glTF 2.0: .gltf or .glb.
 [[nodiscard]] ImportedMesh read_gltf(const MeshFile& file);
+/// The separate buffer files that a .gltf or .glb file names; empty for other meshes. @throws InputError when
+/// the mesh cannot be read.
+[[nodiscard]] std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& mesh);
 
 }  // namespace palpate::mesh_io

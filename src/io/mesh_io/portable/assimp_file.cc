@@ -1,6 +1,5 @@
 // Formats that are read by assimp, in a build without it.
 #include "io/mesh_io/formats/formats.h"
-#include "io/mesh_io/formats/gltf_check.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
