@@ -128,6 +128,7 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
       for (std::size_t i = 0; i < parts.size(); ++i) note(part_size_remark(parts[i], *files[i]));
     }
   }
+  if (tool.tip_radius) note(tool_size_remark(std::span(tool.parts).first(1), *description.mesh));  // a ball
   for (geometry::ToolPart& part : tool.parts) {
     geometry::transform(part.mesh, description.mount);
     part.pivot = description.mount * part.pivot;

@@ -194,6 +194,25 @@ std::string time_unit_question(const std::vector<PathRow>& rows) {
                      times.median_step, times.fastest * 1e3, question);
 }
 
+/// A question about a pause that is far longer than the rows of a log are apart: the tool moves evenly over
+/// it, and a run takes as long.
+std::string pause_question(const std::vector<PathRow>& rows) {
+  constexpr std::size_t kFewest = 8;  // rows of a log
+  constexpr double kLongest = 10.0;   // s
+  constexpr double kManySteps = 100.0;
+  if (rows.size() < kFewest) return {};
+  std::size_t last = 1;
+  for (std::size_t i = 2; i < rows.size(); ++i)
+    if (rows[i].time - rows[i - 1].time > rows[last].time - rows[last - 1].time) last = i;
+  const double pause = rows[last].time - rows[last - 1].time;
+  const double usual = (rows.back().time - rows.front().time - pause) / static_cast<double>(rows.size() - 2);
+  if (pause <= kLongest || pause <= kManySteps * usual) return {};
+  return fmt::format(
+      "time_s: rows {} and {} are {:.4g} s apart, the others {:.3g} s: are these two recordings? "
+      "The tool moves evenly between them",
+      last, last + 1, pause, usual);
+}
+
 }  // namespace
 
 double first_path_time(const std::filesystem::path& file) {
@@ -230,7 +249,8 @@ ToolPath read_tool_path(const std::filesystem::path& file, PathInterpolation int
     rows.push_back(row);
   }
   try {
-    for (const std::string& remark : {time_unit_question(rows), count_from_start(rows, earliest)}) {
+    for (const std::string& remark :
+         {time_unit_question(rows), pause_question(rows), count_from_start(rows, earliest)}) {
       if (remarks != nullptr && !remark.empty()) remarks->push_back(to_text(file) + ": " + remark);
     }
     return ToolPath(std::move(rows), table.has(kGripper), interpolation);

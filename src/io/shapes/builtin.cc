@@ -55,10 +55,10 @@ Tool sphere(const std::string& name) {
   double radius_mm = 0.0;
   const auto [end, error] = from_chars(number.data(), number.data() + number.size(), radius_mm);
   const bool whole = error == std::errc() && end == number.data() + number.size();
-  constexpr double kLargest = 1000.0;  // mm
+  constexpr double kLargest = 200.0;  // mm: no hand holds a larger ball
   if (!whole || !std::isfinite(radius_mm) || radius_mm <= 0.0 || radius_mm > kLargest) {
     throw InputError("tool \"" + name +
-                     "\": the radius after \"sphere:\" must be a number of mm > 0 and <= 1000");
+                     "\": the radius after \"sphere:\" must be a number of mm > 0 and <= 200");
   }
   Tool tool;
   tool.name = name;

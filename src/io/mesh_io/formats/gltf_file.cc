@@ -44,7 +44,7 @@ constexpr double kUnitWithin = 0.01;  // of 1: length of a rotation's quaternion
 
 class GltfReader final {
  public:
-  explicit GltfReader(const MeshFile& file) : file_(file), document_(file) { document_.check(); }
+  explicit GltfReader(const MeshFile& file) : document_(file) { document_.check(); }
 
   ImportedMesh run() {
     place_nodes();
@@ -342,7 +342,6 @@ class GltfReader final {
     }
   }
 
-  const MeshFile& file_;
   GltfDocument document_;
   std::map<std::size_t, Mat4> global_;                // of a node's first use
   std::vector<std::pair<std::size_t, Mat4>> placed_;  // node and transform

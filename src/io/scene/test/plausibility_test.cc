@@ -81,6 +81,11 @@ TEST_F(Plausibility, AnInstrumentInMetresThatIsTakenAsMillimetresIsRefused) {
 }
 
 TEST_F(Plausibility, AnUnusualInstrumentIsQuestionedAndAUsualOneIsNot) {
+  Overrides ball;
+  ball.tools = {"sphere:0.2"};
+  EXPECT_THAT(remarks_of(ball), Contains(HasSubstr("sphere:0.2: the instrument's largest side is 0.4 mm")));
+  ball.tools = {"sphere:0.02"};
+  EXPECT_THROW((void)load(ball), InputError);
   EXPECT_THAT(remarks_of(with_tool(0.25)),
               Contains(HasSubstr("largest side is 0.5 mm, usual is 1 to 1000 mm")));
   EXPECT_THAT(remarks_of(with_tool(6.0)), IsEmpty());

@@ -332,6 +332,22 @@ TEST(ReadToolPath, ALogWhoseTimesMayBeMillisecondsIsQuestioned) {
   }
 }
 
+// Eleven rows a tenth of a second apart, with a pause after the sixth.
+std::string log_with_pause(double pause) {
+  std::string log = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 10; ++i)
+    log += fmt::format("{},0,0,{}\n", 0.1 * i + (i > 5 ? pause : 0.0), 0.06 - 0.001 * i);
+  return log;
+}
+
+TEST(ReadToolPath, AFarLongerPauseThanBetweenTheOtherRowsIsQuestioned) {
+  EXPECT_THAT(
+      path_remarks_in(log_with_pause(1e5)),
+      ElementsAre(HasSubstr("way.csv: time_s: rows 6 and 7 are 1e+05 s apart, the others 0.1 s: are these "
+                            "two recordings?")));
+  EXPECT_THAT(path_remarks_in(log_with_pause(9.0)), testing::IsEmpty());
+}
+
 TEST(ReadToolPath, AStaircaseOfStressRelaxationIsTaken) {
   const std::string stairs =
       "time_s,x_m,y_m,z_m\n0,0,0,0.06\n30,0,0,0.05\n330,0,0,0.05\n360,0,0,0.04\n660,0,0,0.04\n"

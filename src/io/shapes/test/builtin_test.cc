@@ -294,7 +294,7 @@ TEST(BuiltinTool, SphereHasTheRadiusInItsName) {
 
 TEST(BuiltinTool, SphereWithoutAGoodRadiusIsRefused) {
   for (const char* name : {"sphere:", "sphere:x", "sphere:-1", "sphere:0", "sphere:nan", "sphere:inf",
-                           "sphere:3mm", "sphere:1e9"}) {
+                           "sphere:3mm", "sphere:201", "sphere:1e9"}) {
     EXPECT_THROW((void)make_tool(name), InputError) << name;
   }
 }
