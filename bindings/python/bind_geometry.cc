@@ -22,7 +22,8 @@ namespace {
 using geometry::MeshFindings;
 using geometry::TriangleMesh;
 
-using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+// Without forcecast: fractions are a TypeError, not cut off.
+using Indices = py::array_t<std::int64_t, py::array::c_style>;
 
 TriangleMesh mesh_of(const Numbers& vertices, const Indices& triangles) {
   if (vertices.ndim() != 2 || vertices.shape(1) != 3)

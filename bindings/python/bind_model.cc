@@ -1,5 +1,6 @@
 // Tissues, force laws and touch noise.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "core/model/tissue_fields.h"
+#include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"
@@ -176,6 +178,7 @@ void bind_tissue(py::module_& module) {
 /// The steady noise of the samples first .. first + count.
 py::array_t<double> noise_forces(const TouchNoise& noise, std::size_t count, double distance,
                                  std::uint32_t hand, std::uint64_t first) {
+  if (std::isnan(distance)) throw ParameterError("distance", distance, "a number (m)");
   py::array_t<double> forces(static_cast<py::ssize_t>(count));
   double* to = forces.mutable_data();
   const py::gil_scoped_release others_may_run;
@@ -199,7 +202,10 @@ void bind_noise(py::module_& module) {
       .def(
           "sigma",
           [](const TouchNoise& noise, const Numbers& distance) -> NumberOrArray {
-            return vectorised<double>(distance, [&](double one) { return noise.sigma(one); });
+            return vectorised<double>(distance, [&](double one) {
+              if (std::isnan(one)) throw ParameterError("distance", one, "a number (m)");
+              return noise.sigma(one);
+            });
           },
           py::arg("distance"), doc("TouchNoise::sigma"))
       .def("forces", &noise_forces, py::arg("count"), py::arg("distance") = 0.0, py::arg("hand") = 0,

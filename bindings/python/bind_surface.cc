@@ -4,6 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
+#include "core/base/text.h"
 #include "io/scene/support_reader.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -44,6 +47,30 @@ Indentation make_indentation(const Numbers& point, const Numbers& direction, dou
   return made;
 }
 
+/// An indentation in another unit or frame lies off the mesh, or is deeper than it is large.
+void check_places(const geometry::TriangleMesh& mesh, const std::vector<Indentation>& indentations) {
+  constexpr double kOff = 0.1;  // of the mesh's diagonal
+  if (mesh.vertices.empty()) return;
+  const geometry::Bounds box = geometry::bounds(mesh);
+  const double diagonal = box.size().norm();
+  for (std::size_t i = 0; i < indentations.size(); ++i) {
+    const Indentation& one = indentations[i];
+    const double off = (one.point - one.point.cwiseMax(box.low).cwiseMin(box.high)).norm();
+    if (off > kOff * diagonal) {
+      throw InputError(
+          fmt::format("indentations[{}]: its point is {} m off the mesh, must be on its surface: is "
+                      "it in metres, in the mesh's frame?",
+                      i, brief(off)));
+    }
+    if (one.depth > diagonal) {
+      throw InputError(
+          fmt::format("indentations[{}]: depth = {} m, must be at most the mesh's diagonal, {} m: is "
+                      "it in metres?",
+                      i, brief(one.depth), brief(diagonal)));
+    }
+  }
+}
+
 geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
                                         const std::vector<Indentation>& indentations,
                                         const TissueArgument& tissue,
@@ -54,6 +81,7 @@ geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
     scene::check_support(*stated, mesh);
     response = deform::prepare_response(mesh, stated->support);
   }
+  check_places(mesh, indentations);
   deform::SurfaceDeformer deformer(mesh, response);
   geometry::TriangleMesh moved;
   moved.triangles = mesh.triangles;

@@ -103,6 +103,9 @@ def test_noise_is_the_programs_line_by_line(program):
     assert noise.forces(200, distance=0.0).tolist() == [float(line) for line in program(*asked, '--contact').split()]
     assert (noise.forces(50, distance=3e-3, first=100) == forces[100:150]).all()
     assert float(noise.sigma(3e-3)) == pytest.approx(5e-5 / 8e-3, rel=1e-12)
+    for asked_for in (lambda: noise.sigma(np.nan), lambda: noise.forces(3, distance=np.nan)):
+        with pytest.raises(palpate.ParameterError, match='distance'):
+            asked_for()
 
 
 def test_noise_gain_from_a_threshold_is_that_of_a_scene(program, tmp_path):
@@ -170,6 +173,8 @@ def test_meshes_are_made_from_arrays():
 def test_meshes_are_refused_in_words():
     with pytest.raises(palpate.InputError, match='must be an index of the 3 vertices'):
         palpate.Mesh(np.eye(3), [[0, 1, 3]])
+    with pytest.raises(TypeError):
+        palpate.Mesh(np.eye(3), np.array([[0.0, 1.4, 2.0]]))
     for wrong in (np.nan, np.inf):
         with pytest.raises(palpate.InputError, match=r'vertices\[1\]: must be three finite numbers'):
             palpate.Mesh([[0, 0, 0], [0, wrong, 0], [0, 0, 1]], [[0, 1, 2]])

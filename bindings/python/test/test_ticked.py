@@ -140,3 +140,10 @@ def test_deformed_surface_is_refused_in_words():
             ([0, 0, 0], [0, 0, 1], 1e-3, 0.0, 'tip_radius')):
         with pytest.raises(palpate.InputError, match=words):
             palpate.Indentation(point, direction, depth, radius)
+    box = palpate.make_organ('box')
+    off = palpate.Indentation([0, 0, 10.0], [0, 0, -1], 1e-3, 1e-3)
+    with pytest.raises(palpate.InputError, match=r'indentations\[0\]: its point is .* off the mesh'):
+        palpate.deformed_surface(box, [off], 'liver')
+    deep = palpate.Indentation([0, 0, box.vertices[:, 2].max()], [0, 0, -1], 4.0, 1e-3)
+    with pytest.raises(palpate.InputError, match=r'indentations\[0\]: depth = 4 m'):
+        palpate.deformed_surface(box, [deep], 'liver')

@@ -35,6 +35,10 @@ QuestPlusGrid detection_grid(double from, double to, int per_decade) {
   const double first = portable::log(from) / kLogOf10;
   const double last = portable::log(to) / kLogOf10;
   if (last - first < kLocationStep) throw ParameterError("to", to, "at least 6 % above `from`");
+  constexpr double kMostDecades = 8.0;
+  constexpr int kMostPerDecade = 100;
+  if (last - first > kMostDecades) throw ParameterError("to", to, "at most 1e8 times `from`");
+  if (per_decade > kMostPerDecade) throw ParameterError("per_decade", per_decade, "<= 100");
   QuestPlusGrid grid;
   const int steps = static_cast<int>(std::floor((last - first) * per_decade + 1e-6));
   for (int i = 0; i <= steps; ++i) grid.levels.push_back(first + static_cast<double>(i) / per_decade);

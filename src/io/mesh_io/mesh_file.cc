@@ -134,7 +134,9 @@ ImportedMesh import_mesh(const MeshFile& file) {
   const auto* const reader = std::find_if(kReaders.begin(), kReaders.end(),
                                           [&](const Reader& known) { return known.format == file.format; });
   try {
-    return reader->read(file);
+    ImportedMesh mesh = reader->read(file);
+    if (mesh.mesh.triangles.empty()) refuse_other_format(file);  // an OBJ reader skips what it does not know
+    return mesh;
   } catch (const InputError&) {
     refuse_other_format(file);
     throw;

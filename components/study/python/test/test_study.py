@@ -57,6 +57,8 @@ def test_invalid_input_is_refused_in_words():
         study.Observer('wizard')
     with pytest.raises(palpate.ParameterError):
         study.QuestPlus.detection(10.0, 1.0)
+    with pytest.raises(palpate.ParameterError, match='at most 1e8 times'):
+        study.QuestPlus.detection(1e-300, 1e300)
     assert palpate.study is study
 
 

@@ -499,6 +499,13 @@ TEST_F(ReadMesh, Refuses3dsChunksThatAreLongerThanTheOneAround) {
                  "byte 58: a chunk declares 71 bytes, must be 6 to 70");
 }
 
+TEST_F(ReadMesh, NamesAnotherFormatWhoseLinesAnObjReaderSkips) {
+  expect_refused("a.obj",
+                 "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                 "endloop\nendfacet\nendsolid\n",
+                 ".stl");
+}
+
 TEST_F(ReadMesh, RefusesGltfBuffersOutsideItsFolder) {
   for (const std::string uri :
        {"/dev/zero", "../secret.bin", "a/../../b.bin", "file:///etc/passwd", "%2e%2e/b.bin"}) {
