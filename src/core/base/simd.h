@@ -109,7 +109,14 @@ inline constexpr std::size_t kLanes = Float4::kSize;
 /// [any] Row i becomes column i.
 inline void transpose(std::array<Float4, kLanes>& rows) noexcept {
   const auto [a, b, c, d] = rows;
-  for (std::size_t i = 0; i < kLanes; ++i) rows[i] = Float4(Float4::Value{a.v[i], b.v[i], c.v[i], d.v[i]});
+  const RawFloat4 ab_low = __builtin_shufflevector(a.v, b.v, 0, 4, 1, 5);
+  const RawFloat4 ab_high = __builtin_shufflevector(a.v, b.v, 2, 6, 3, 7);
+  const RawFloat4 cd_low = __builtin_shufflevector(c.v, d.v, 0, 4, 1, 5);
+  const RawFloat4 cd_high = __builtin_shufflevector(c.v, d.v, 2, 6, 3, 7);
+  rows[0] = Float4(__builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5));
+  rows[1] = Float4(__builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7));
+  rows[2] = Float4(__builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5));
+  rows[3] = Float4(__builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7));
 }
 
 }  // namespace palpate

@@ -347,13 +347,13 @@ void DeformedSurface::move_blocks(bool settle) {
       if (state.error <= (close ? 0.0F : kMaxError)) continue;
     }
     bool moves = false;
-    if (near.empty()) {
-      blocks_.rest(block, out);
-    } else {
+    if (!near.empty()) {
       moves = blocks_.move(block, near, profile_, out);
+    } else if (!whole) {
+      blocks_.rest(block, out);
     }
     if (whole) {
-      move_whole(block);
+      move_whole(block, !moves);
       moves = true;
     }
     state = {moves, false, state.changed || state.moved || moves, 0.0F};
@@ -362,26 +362,56 @@ void DeformedSurface::move_blocks(bool settle) {
 
 void DeformedSurface::set_response(std::shared_ptr<const OrganResponse> response) {
   whole_ = response ? std::make_unique<ResponseField>(std::move(response)) : nullptr;
-  places_.clear();
-  if (whole_ == nullptr) return;
-  places_.reserve(rest_.vertices.size());
-  for (const Vec3& v : rest_.vertices) places_.push_back(whole_->place_of(v));
+  groups_.clear();
+  first_group_ = {0};
   block_nodes_.clear();
   first_node_ = {0};
-  std::map<std::uint32_t, float> weight_of;
-  for (std::size_t block = 0; block < blocks_.count(); ++block) {
-    weight_of.clear();
-    for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v) {
-      const auto nodes = whole_->nodes_of(places_[v]);
-      const auto weights = ResponseField::weights_of(places_[v]);
-      for (std::size_t n = 0; n < nodes.size(); ++n)
-        weight_of[nodes[n]] = std::max(weight_of[nodes[n]], std::abs(weights[n]));
-    }
-    for (const auto& [node, weight] : weight_of) block_nodes_.push_back({node, weight});
-    first_node_.push_back(block_nodes_.size());
-  }
+  if (whole_ == nullptr) return;
+  for (std::size_t block = 0; block < blocks_.count(); ++block) gather_groups(block);
   const bool touched = std::any_of(contacts_.begin(), contacts_.end(), [](const auto& c) { return c->used; });
   whole_share_ = touched ? 0.0F : 1.0F;
+}
+
+void DeformedSurface::gather_groups(std::size_t block) {
+  std::map<std::uint32_t, float> weight_of;
+  std::map<std::uint32_t, std::vector<Member>> in_cell;
+  for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v) {
+    const ResponseField::Place place = whole_->place_of(rest_.vertices[v]);
+    in_cell[place.node].push_back({static_cast<std::uint32_t>(v), place});
+    const auto nodes = whole_->nodes_of(place);
+    const auto weights = ResponseField::weights_of(place);
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      weight_of[nodes[n]] = std::max(weight_of[nodes[n]], std::abs(weights[n]));
+  }
+  for (const auto& [node, weight] : weight_of) block_nodes_.push_back({node, weight});
+  first_node_.push_back(block_nodes_.size());
+  for (const auto& entry : in_cell) {
+    const std::span<const Member> members = entry.second;
+    for (std::size_t first = 0; first < members.size(); first += kLanes)
+      groups_.push_back(group_of(members.subspan(first, std::min(kLanes, members.size() - first))));
+  }
+  first_group_.push_back(groups_.size());
+}
+
+DeformedSurface::VertexGroup DeformedSurface::group_of(std::span<const Member> members) const {
+  const auto member = [members](std::size_t lane) -> const Member& {
+    return members[std::min(lane, members.size() - 1)];
+  };
+  const auto four = [](const auto& of) {
+    std::array<Float4, kLanes> rows;
+    for (std::size_t i = 0; i < kLanes; ++i)
+      rows[i] = Float4(std::array<float, 4>{of(i)[0], of(i)[1], of(i)[2], 0.0F});
+    transpose(rows);
+    return Float4x3{rows[0], rows[1], rows[2]};
+  };
+  VertexGroup group;
+  group.cell = members.front().place.node;
+  group.count = members.size();
+  for (std::size_t i = 0; i < kLanes; ++i) group.vertices[i] = member(i).vertex;
+  group.within = four([&member](std::size_t i) { return member(i).place.within; });
+  group.place = four([&member, this](std::size_t i) { return surface_.vertices[member(i).vertex]; });
+  group.normal = four([&member, this](std::size_t i) { return rest_normals_[member(i).vertex]; });
+  return group;
 }
 
 DeformedSurface::Drawn DeformedSurface::drawn_at(const Indentation& indentation, double share) const {
@@ -428,20 +458,26 @@ float DeformedSurface::whole_change(std::size_t block) const {
   return change;
 }
 
-void DeformedSurface::move_whole(std::size_t block) {
-  const std::size_t first = blocks_.first(block);
-  for (std::size_t v = first; v < first + blocks_.size(block); ++v) {
-    const PlaceMotion motion = whole_->at(surface_.vertices[v], places_[v]);
-    SurfaceVertex& vertex = vertices_[v];
-    vertex.position += motion.displacement;
-    // The transposed adjugate of I + J transforms normals.
-    const Eigen::Matrix3f j = Eigen::Matrix3f::Identity() + motion.gradient;
-    const Vector3f& n = vertex.normal;
-    const Vector3f normal = n.x() * j.col(1).cross(j.col(2)) + n.y() * j.col(2).cross(j.col(0)) +
-                            n.z() * j.col(0).cross(j.col(1));
-    if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
-    const Vector3f moved = vertex.position - surface_.vertices[v];
-    vertex.moved = moved.dot(rest_normals_[v]) < 0.0F ? -moved.norm() : moved.norm();
+void DeformedSurface::move_whole(std::size_t block, bool at_rest) {
+  ResponseField::CellPolynomial polynomial;
+  const VertexGroup* before = nullptr;
+  for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) {
+    const VertexGroup& group = groups_[g];
+    if (before == nullptr || before->cell != group.cell) whole_->take_polynomial(group.cell, polynomial);
+    before = &group;
+    const FourMotions motions = whole_->at(polynomial, group.within, group.place);
+    std::array<SurfaceVertex*, kLanes> vertices{};
+    for (std::size_t i = 0; i < kLanes; ++i) vertices[i] = &vertices_[group.vertices[i]];
+    FourVertices four{group.place, group.normal};
+    if (!at_rest) four = read_vertices({vertices[0], vertices[1], vertices[2], vertices[3]});
+    four.position = four.position + motions.displacement;
+    auto [by_x, by_y, by_z] = motions.gradient;
+    by_x.x += Float4(1.0F);
+    by_y.y += Float4(1.0F);
+    by_z.z += Float4(1.0F);
+    const Float4x3 normal = turned_normal(four.normal, by_x, by_y, by_z);
+    four.normal = select(dot(normal, normal) > Float4(0.0F), unit(normal), four.normal);
+    write_vertices(four, four.position - group.place, group.normal, std::span(vertices).first(group.count));
   }
 }
 

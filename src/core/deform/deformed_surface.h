@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -109,7 +110,8 @@ class DeformedSurface final {
   void set_whole(std::span<const Indentation> indentations, std::span<Drawn> drawn, bool settle);
   // Bound of the motion of a block's vertices by the response [m]; infinity near a contact that changed.
   [[nodiscard]] float whole_change(std::size_t block) const;
-  void move_whole(std::size_t block);
+  // @param at_rest the profile moves no vertex of the block
+  void move_whole(std::size_t block, bool at_rest);
   [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
   geometry::TriangleMesh rest_;
@@ -131,14 +133,29 @@ class DeformedSurface final {
   std::vector<NearChange> near_changes_;
   std::vector<Range> changes_;
   std::vector<Range> near_;
-  std::unique_ptr<ResponseField> whole_;      // null: the profile alone
-  std::vector<ResponseField::Place> places_;  // of the vertices
-  float whole_share_ = 1.0F;                  // of the response
+  std::unique_ptr<ResponseField> whole_;  // null: the profile alone
+  float whole_share_ = 1.0F;              // of the response
   // A node of the response, and the largest weight that it has for a vertex of a block.
   struct BlockNode {
     std::uint32_t node = 0;
     float weight = 0.0F;
   };
+  // Up to four vertices of a block in one cell of the response; the last one fills the other lanes.
+  struct VertexGroup {
+    Float4x3 within, place, normal;  // in the cell; at rest
+    std::uint32_t cell = 0;          // its first node
+    std::array<std::uint32_t, kLanes> vertices{};
+    std::size_t count = 0;
+  };
+  struct Member {
+    std::uint32_t vertex = 0;
+    ResponseField::Place place;
+  };
+  void gather_groups(std::size_t block);
+  // @param members one to four, in one cell
+  [[nodiscard]] VertexGroup group_of(std::span<const Member> members) const;
+  std::vector<VertexGroup> groups_;
+  std::vector<std::size_t> first_group_;  // per block: in groups_; one more at the end
   std::vector<BlockNode> block_nodes_;
   std::vector<std::size_t> first_node_;  // per block: in block_nodes_; one more at the end
 };

@@ -1,5 +1,6 @@
 #pragma once
 #include <numbers>
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -30,19 +31,40 @@ inline constexpr double kHalfSpaceModulus = 4.0 * std::numbers::pi / (2.0 * (1.0
 /// [any] Terms at a distance r [m] from the middle of the contact. @param a radius of the contact [m], > 0
 [[nodiscard]] HalfSpaceTerms<> half_space_terms(double r, double a) noexcept;
 
-/// [any] Displacement by these terms [m/N at Young's modulus 1], not yet divided by 4 pi G.
-/// @param e in the surface, away from the contact, unit; zero at the middle @param inward unit normal
-/// @param normal part of the force along `inward` @param side its other part
+inline double dot(const Vec3& a, const Vec3& b) noexcept { return a.dot(b); }
+
+/// [any] A number in all lanes.
 template <typename Scalar>
-[[nodiscard]] Eigen::Matrix<Scalar, 3, 1> half_space_displacement(
-    const HalfSpaceTerms<Scalar>& terms, const Eigen::Matrix<Scalar, 3, 1>& e,
-    const Eigen::Matrix<Scalar, 3, 1>& inward, Scalar normal,
-    const Eigen::Matrix<Scalar, 3, 1>& side) noexcept {
-  constexpr auto kNu = static_cast<Scalar>(kPoisson);
-  const Scalar along = e.dot(side);
-  return (2 * (1 - kNu) * terms.psi * normal + (1 - 2 * kNu) * terms.s * along) * inward -
-         ((1 - 2 * kNu) * terms.s * normal + 2 * kNu * (terms.psi + 2 * terms.t) * along) * e +
-         (2 * terms.psi + 2 * kNu * terms.t) * side;
+[[nodiscard]] Scalar lanes_with(double number) noexcept {
+  if constexpr (std::is_floating_point_v<Scalar>) {
+    return static_cast<Scalar>(number);
+  } else {
+    return Scalar(static_cast<float>(number));
+  }
+}
+
+/// [any] Displacement by these terms [m/N at Young's modulus 1], not yet divided by 4 pi G. Vectors need
+/// dot().
+/// @param e in the surface, away from the contact, unit; zero at the middle @param inward unit normal
+/// @param normal part of the force along `inward`
+template <typename Scalar, typename Vector>
+[[nodiscard]] Vector half_space_displacement(const HalfSpaceTerms<Scalar>& terms, const Vector& e,
+                                             const Vector& inward, const Scalar& normal) noexcept {
+  const auto times = [&normal](double x) { return lanes_with<Scalar>(x) * normal; };
+  return (times(2.0 * (1.0 - kPoisson)) * terms.psi) * inward - (times(1.0 - 2.0 * kPoisson) * terms.s) * e;
+}
+
+/// [any] The same under a force that has a part `side` along the surface, too.
+template <typename Scalar, typename Vector>
+[[nodiscard]] Vector half_space_displacement(const HalfSpaceTerms<Scalar>& terms, const Vector& e,
+                                             const Vector& inward, const Scalar& normal,
+                                             const Vector& side) noexcept {
+  const auto number = lanes_with<Scalar>;
+  const Scalar along = dot(e, side);
+  const Vector pressed = half_space_displacement(terms, e, inward, normal);
+  return pressed + (number(1.0 - 2.0 * kPoisson) * terms.s * along) * inward -
+         (number(2.0 * kPoisson) * (terms.psi + terms.t + terms.t) * along) * e +
+         (number(2.0) * terms.psi + number(2.0 * kPoisson) * terms.t) * side;
 }
 
 /// [any] Depth of the middle of a contact of radius a [m] under a unit force along the normal [m/N at Young's

@@ -38,10 +38,6 @@ double smooth_step(double x) {
   return x * x * (3.0 - 2.0 * x);
 }
 
-HalfSpaceTerms<float> between(const HalfSpaceTerms<float>& a, const HalfSpaceTerms<float>& b, float share) {
-  return {a.psi + share * (b.psi - a.psi), a.s + share * (b.s - a.s), a.t + share * (b.t - a.t)};
-}
-
 HalfSpaceTerms<float> scaled(const HalfSpaceTerms<float>& a, float by) {
   return {by * a.psi, by * a.s, by * a.t};
 }
@@ -91,23 +87,56 @@ NearField::Force NearField::part_of(const Vec3& force) const noexcept {
   return {normal, side};
 }
 
-void NearField::add(const Vector3f& vertex, const Force& force, PlaceMotion& motion) const noexcept {
-  const Vector3f offset = vertex - point_;
-  const float r = offset.norm();
-  const float entry = r * per_metre_;
-  if (!(entry < static_cast<float>(kEntries))) return;
-  const auto low = static_cast<std::size_t>(entry);
-  const Terms& first = terms_[low];
-  const Terms& second = terms_[low + 1];
+PlaceMotion FourMotions::first() const noexcept {
+  const auto of = [](const Float4x3& v) { return Vector3f(v.x.get(0), v.y.get(0), v.z.get(0)); };
+  PlaceMotion motion{of(displacement), {}};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    motion.gradient.col(static_cast<Eigen::Index>(axis)) = of(gradient[axis]);
+  return motion;
+}
+
+void NearField::add(const Float4x3& places, const Force& force, FourMotions& motions) const noexcept {
+  const Float4 zero(0.0F);
+  const Float4x3 inward = lanes_of(inward_);
+  const Float4x3 offset = places - lanes_of(point_);
+  const Float4 r = sqrt(dot(offset, offset));
+  const Float4 entry = min(r * Float4(per_metre_), Float4(static_cast<float>(kEntries)));
+  const Float4Mask reached = entry < Float4(static_cast<float>(kEntries));
+  if (none(reached)) return;
+  // Entries of the table before and after each place; each is three floats.
+  static_assert(sizeof(Terms) == 3 * sizeof(float));
+  const Int4 low = __builtin_convertvector(entry.v, Int4);
+  std::array<Float4, kLanes> rows;
+  std::array<Float4, kLanes> next;
+#pragma GCC unroll 4
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const Terms* const before = &terms_[std::min(static_cast<std::size_t>(low[lane]), kEntries - 1)];
+    rows[lane] = Float4::load_unaligned(&before[0].psi);
+    next[lane] = Float4::load_unaligned(&before[1].psi);
+  }
+  transpose(rows);
+  transpose(next);
+  const Float4 share =
+      entry - min(Float4(__builtin_convertvector(low, RawFloat4)), Float4(static_cast<float>(kEntries - 1)));
+  const HalfSpaceTerms<Float4> change{next[0] - rows[0], next[1] - rows[1], next[2] - rows[2]};
+  const HalfSpaceTerms<Float4> here{rows[0] + share * change.psi, rows[1] + share * change.s,
+                                    rows[2] + share * change.t};
   // Shorter than a unit vector beside the half-space's surface, so that nothing jumps on the line through the
   // organ under the contact.
-  const float by_r = 1.0F / std::max(r, 1e-7F);
-  const Vector3f e = by_r * (offset - offset.dot(inward_) * inward_);
-  motion.displacement += half_space_displacement(between(first, second, entry - static_cast<float>(low)), e,
-                                                 inward_, force.normal, force.side);
-  const Vector3f slope =
-      half_space_displacement(difference(second, first), e, inward_, force.normal, force.side);
-  motion.gradient += (per_metre_ * by_r) * slope * offset.transpose();
+  const Float4 by_r = Float4(1.0F) / max(r, Float4(1e-7F));
+  const Float4x3 e = by_r * (offset - dot(offset, inward) * inward);
+  const Float4 normal(force.normal);
+  const Float4x3 side = lanes_of(force.side);
+  const bool presses = force.side.isZero(0.0F);
+  const auto displacement = [&](const HalfSpaceTerms<Float4>& terms) __attribute__((always_inline)) {
+    return presses ? half_space_displacement(terms, e, inward, normal)
+                   : half_space_displacement(terms, e, inward, normal, side);
+  };
+  motions.displacement = motions.displacement + displacement(here);
+  const Float4x3 slope = select(reached, Float4(per_metre_) * by_r, zero) * displacement(change);
+  motions.gradient[0] = motions.gradient[0] + offset.x * slope;
+  motions.gradient[1] = motions.gradient[1] + offset.y * slope;
+  motions.gradient[2] = motions.gradient[2] + offset.z * slope;
 }
 
 void NearFieldChange::set(const NearField* before, const NearField* now) noexcept {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "core/deform/float4x3.h"
 #include "core/deform/half_space.h"
 #include "palpate/pose.h"
 
@@ -13,6 +14,15 @@ namespace palpate::deform {
 struct PlaceMotion {
   Eigen::Vector3f displacement = Eigen::Vector3f::Zero();  // [m]
   Eigen::Matrix3f gradient = Eigen::Matrix3f::Zero();
+};
+
+/// The motions of four places.
+struct FourMotions {
+  Float4x3 displacement;
+  std::array<Float4x3, 3> gradient;  // derivatives along the axes
+
+  /// [any] The motion of the first.
+  [[nodiscard]] PlaceMotion first() const noexcept;
 };
 
 /// A contact within this of one of the last picture is the same contact [m].
@@ -39,9 +49,11 @@ class NearField final {
   [[nodiscard]] Force part_of(const Vec3& force) const noexcept;
 
   [[nodiscard]] const Eigen::Vector3f& point() const noexcept { return point_; }
-  /// [any] Adds the motion of a place under the contact's force, or under another one.
-  void add(const Eigen::Vector3f& vertex, PlaceMotion& motion) const noexcept { add(vertex, force_, motion); }
-  void add(const Eigen::Vector3f& vertex, const Force& force, PlaceMotion& motion) const noexcept;
+  /// [any] Distance [m] from which nothing moves.
+  [[nodiscard]] float end() const noexcept { return per_metre_ > 0.0F ? kEntries / per_metre_ : 0.0F; }
+  /// [any] Adds the motions of four places under the contact's force, or under another one.
+  void add(const Float4x3& places, FourMotions& motions) const noexcept { add(places, force_, motions); }
+  void add(const Float4x3& places, const Force& force, FourMotions& motions) const noexcept;
 
  private:
   friend class NearFieldChange;
@@ -52,7 +64,7 @@ class NearField final {
   Eigen::Vector3f inward_ = Eigen::Vector3f::Zero();  // unit
   Force force_;
   float per_metre_ = 0.0F;                   // entries
-  std::array<Terms, kEntries + 1> terms_{};  // by the distance from the point
+  std::array<Terms, kEntries + 2> terms_{};  // by the distance from the point; the last two are 0
 };
 
 /// Bounds how far the change of a near field between two pictures moves vertices, as a function of their

@@ -62,6 +62,11 @@ bool drags(const ResponseField::Contact& c) {
   return presses(c) && side_of(c).norm() > kLeastSide * c.displacement.norm();
 }
 
+FourMotions no_motions() {
+  const Float4x3 none{Float4(0.0F), Float4(0.0F), Float4(0.0F)};
+  return {none, {none, none, none}};
+}
+
 // Radius [m] of the contact of a tool that dents the surface to `depth` [m].
 double radius_of(double tip_radius, double depth) {
   return std::max({kSmallestContact, ball_contact_radius(tip_radius, depth), depth / kSteepest});
@@ -103,10 +108,10 @@ void ResponseField::set_radius(Columns& columns) const {
 Matrix3d ResponseField::response(const Columns& from, const Vec3& point) const {
   Matrix3d motion;
   for (Index axis = 0; axis < 3; ++axis) {
-    PlaceMotion near;
-    from.near.add(point.cast<float>(), from.near.part_of(Vec3::Unit(axis)), near);
-    motion.col(axis) =
-        response_->at(from.along[static_cast<std::size_t>(axis)], point) + near.displacement.cast<double>();
+    FourMotions near = no_motions();
+    from.near.add(lanes_of(point.cast<float>().eval()), from.near.part_of(Vec3::Unit(axis)), near);
+    motion.col(axis) = response_->at(from.along[static_cast<std::size_t>(axis)], point) +
+                       near.first().displacement.cast<double>();
   }
   return motion;
 }
@@ -282,53 +287,83 @@ std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place&
 }
 
 PlaceMotion ResponseField::at(const Eigen::Vector3f& vertex, const Place& place) const noexcept {
-  const std::size_t step_x = response_->grid().stride(0);
-  const std::size_t step_y = response_->grid().stride(1);
-  std::array<std::array<Float4, 3>, 3> value;
-  std::array<std::array<Float4, 3>, 3> slope;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float t = place.within[axis];
-    value[axis] = {Float4(0.5F * (1.0F - t) * (1.0F - t)), Float4(0.5F + t - t * t), Float4(0.5F * t * t)};
-    slope[axis] = {Float4(t - 1.0F), Float4(1.0F - 2.0F * t), Float4(t)};
-  }
-  // Sums along the last axis, then the second, then the first.
-  const Float4 zero(0.0F);
-  Float4 all = zero;
-  Float4 by_x = zero;
-  Float4 by_y = zero;
-  Float4 by_z = zero;
-  for (std::size_t i = 0; i < 3; ++i) {
-    Float4 plane = zero;
-    Float4 plane_y = zero;
-    Float4 plane_z = zero;
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Eigen::Vector4f* node = &field_[place.node + i * step_x + j * step_y];
-      const Float4 a = Float4::load_unaligned(node[0].data());
-      const Float4 b = Float4::load_unaligned(node[1].data());
-      const Float4 c = Float4::load_unaligned(node[2].data());
-      const Float4 line = value[2][0] * a + value[2][1] * b + value[2][2] * c;
-      plane += value[1][j] * line;
-      plane_y += slope[1][j] * line;
-      plane_z += value[1][j] * (slope[2][0] * a + slope[2][1] * b + slope[2][2] * c);
-    }
-    all += value[0][i] * plane;
-    by_x += slope[0][i] * plane;
-    by_y += value[0][i] * plane_y;
-    by_z += value[0][i] * plane_z;
-  }
-  const Float4 by_edge(static_cast<float>(1.0 / response_->grid().edge()));
-  PlaceMotion motion;
-  std::array<float, 4> stored{};
-  const auto store = [&stored](const Float4& from, auto&& to) {
-    from.store_unaligned(stored.data());
-    for (Index k = 0; k < 3; ++k) to[k] = stored[static_cast<std::size_t>(k)];
+  const Float4x3 within{Float4(place.within[0]), Float4(place.within[1]), Float4(place.within[2])};
+  CellPolynomial cell;
+  take_polynomial(place.node, cell);
+  return at(cell, within, lanes_of(vertex)).first();
+}
+
+void ResponseField::take_polynomial(std::uint32_t node, CellPolynomial& cell) const noexcept {
+  // Along one axis the splines are 1/2 - t + t^2/2, 1/2 + t - t^2 and t^2/2.
+  const auto along_axis = [](std::array<Float4, 3>& of) {
+    const auto [a, b, c] = of;
+    const Float4 half(0.5F);
+    of = {half * (a + b), b - a, half * (a + c) - b};
   };
-  store(all, motion.displacement);
-  store(by_edge * by_x, motion.gradient.col(0));
-  store(by_edge * by_y, motion.gradient.col(1));
-  store(by_edge * by_z, motion.gradient.col(2));
-  for (const Columns& from : contacts_) from.near.add(vertex, motion);
-  return motion;
+  std::array<std::array<std::array<Float4, 3>, 3>, 3> nodes;  // components in lanes
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const std::size_t first = node + a * response_->grid().stride(0) + b * response_->grid().stride(1);
+      for (std::size_t c = 0; c < 3; ++c) nodes[a][b][c] = Float4::load_unaligned(field_[first + c].data());
+      along_axis(nodes[a][b]);
+    }
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::array<Float4, 3> line = {nodes[a][0][c], nodes[a][1][c], nodes[a][2][c]};
+      along_axis(line);
+      for (std::size_t b = 0; b < 3; ++b) nodes[a][b][c] = line[b];
+    }
+  }
+  for (std::size_t b = 0; b < 3; ++b) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::array<Float4, 3> line = {nodes[0][b][c], nodes[1][b][c], nodes[2][b][c]};
+      along_axis(line);
+      for (std::size_t a = 0; a < 3; ++a)
+        cell[a][b][c] = {Float4(line[a].get(0)), Float4(line[a].get(1)), Float4(line[a].get(2))};
+    }
+  }
+}
+
+FourMotions ResponseField::at(const CellPolynomial& cell, const Float4x3& within,
+                              const Float4x3& vertices) const noexcept {
+  const Float4 by_edge(static_cast<float>(1.0 / response_->grid().edge()));
+  FourMotions motions;
+  // Horner's scheme with derivatives, along z, then y, then x.
+  const auto sum = [&](Float4 Float4x3::*component) __attribute__((always_inline)) {
+    struct Plane {
+      Float4 value, by_y, by_z;
+    };
+    std::array<Plane, 3> planes;
+    const Float4 twice_x = within.x + within.x;
+    const Float4 twice_y = within.y + within.y;
+    const Float4 twice_z = within.z + within.z;
+#pragma GCC unroll 3
+    for (std::size_t a = 0; a < 3; ++a) {
+      std::array<Float4, 3> line;
+      std::array<Float4, 3> line_z;
+#pragma GCC unroll 3
+      for (std::size_t b = 0; b < 3; ++b) {
+        const auto& of = cell[a][b];
+        const Float4 highest = of[2].*component;
+        const Float4 middle = of[1].*component;
+        line[b] = of[0].*component + within.z * (middle + within.z * highest);
+        line_z[b] = middle + twice_z * highest;
+      }
+      planes[a] = {line[0] + within.y * (line[1] + within.y * line[2]), line[1] + twice_y * line[2],
+                   line_z[0] + within.y * (line_z[1] + within.y * line_z[2])};
+    }
+    const auto& [p, q, r] = planes;
+    motions.displacement.*component = p.value + within.x * (q.value + within.x * r.value);
+    motions.gradient[0].*component = by_edge * (q.value + twice_x * r.value);
+    motions.gradient[1].*component = by_edge * (p.by_y + within.x * (q.by_y + within.x * r.by_y));
+    motions.gradient[2].*component = by_edge * (p.by_z + within.x * (q.by_z + within.x * r.by_z));
+  };
+  sum(&Float4x3::x);
+  sum(&Float4x3::y);
+  sum(&Float4x3::z);
+  for (const Columns& from : contacts_) from.near.add(vertices, motions);
+  return motions;
 }
 
 }  // namespace palpate::deform

@@ -51,6 +51,15 @@ class ResponseField final {
   /// [any] Motion of a rest vertex.
   [[nodiscard]] PlaceMotion at(const Eigen::Vector3f& vertex, const Place& place) const noexcept;
 
+  /// The field in one cell as a polynomial of the place in it: the coefficient of x^a y^b z^c of each
+  /// component at [a][b][c], in all four lanes.
+  using CellPolynomial = std::array<std::array<std::array<Float4x3, 3>, 3>, 3>;
+  /// [any] @param node the first of the cell
+  void take_polynomial(std::uint32_t node, CellPolynomial& cell) const noexcept;
+  /// [any] Motions of four rest vertices in one cell. @param within their places in the cell
+  [[nodiscard]] FourMotions at(const CellPolynomial& cell, const Float4x3& within,
+                               const Float4x3& vertices) const noexcept;
+
  private:
   // The field of one contact under unit forces along the axes.
   struct Columns {

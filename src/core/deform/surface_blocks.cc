@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/deform/float4x3.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {
@@ -12,24 +13,6 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr auto kAlikeSquared = static_cast<float>(kAlike);
-
-struct Float4x3 {
-  Float4 x, y, z;
-};
-
-Float4x3 lanes_of(const Vector3f& v) { return {Float4(v.x()), Float4(v.y()), Float4(v.z())}; }
-Float4x3 operator+(const Float4x3& a, const Float4x3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Float4x3 operator-(const Float4x3& a, const Float4x3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Float4x3 operator*(const Float4& s, const Float4x3& a) { return {s * a.x, s * a.y, s * a.z}; }
-Float4 dot(const Float4x3& a, const Float4x3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Float4x3 cross(const Float4x3& a, const Float4x3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Float4x3 select(const Float4Mask& mask, const Float4x3& a, const Float4x3& b) {
-  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
-}
-// Normalizes; a zero vector stays zero.
-Float4x3 unit(const Float4x3& a) { return (Float4(1.0F) / sqrt(max(dot(a, a), Float4(1e-30F)))) * a; }
 
 // Four vertices at rest.
 struct Rest {
@@ -179,10 +162,7 @@ Moved Blend::result(const Rest& rest) const {
   derivative[0].x += Float4(1.0F);
   derivative[1].y += Float4(1.0F);
   derivative[2].z += Float4(1.0F);
-  // The transposed adjugate of I + J transforms normals.
-  const Float4x3 normal = rest.normal.x * cross(derivative[1], derivative[2]) +
-                          rest.normal.y * cross(derivative[2], derivative[0]) +
-                          rest.normal.z * cross(derivative[0], derivative[1]);
+  const Float4x3 normal = turned_normal(rest.normal, derivative[0], derivative[1], derivative[2]);
   return {moves, (metre * m * gain) * v, select(dot(normal, normal) > zero, unit(normal), rest.normal)};
 }
 
@@ -204,23 +184,41 @@ Moved under(std::span<const ContactField* const> contacts, const ProfileTable& p
 void write(const Rest& rest, const Moved& moved, std::size_t count, SurfaceVertex* out) {
   const Float4 zero(0.0F);
   const Float4x3 displacement = select(moved.moves, moved.displacement, {zero, zero, zero});
-  const Float4x3 place = rest.place + displacement;
-  const Float4x3 normal = select(moved.moves, moved.normal, rest.normal);
-  const Float4 length = sqrt(dot(displacement, displacement));
-  const Float4 signed_length = select(dot(displacement, rest.normal) < zero, zero - length, length);
-  // Each vertex is seven floats: two rows of four that share the fourth.
-  static_assert(sizeof(SurfaceVertex) == 7 * sizeof(float));
-  std::array<Float4, kLanes> upper = {place.x, place.y, place.z, normal.x};
-  std::array<Float4, kLanes> lower = {normal.x, normal.y, normal.z, signed_length};
-  transpose(upper);
-  transpose(lower);
-  for (std::size_t i = 0; i < count; ++i) {
-    upper[i].store_unaligned(out[i].position.data());
-    lower[i].store_unaligned(out[i].normal.data());
-  }
+  const std::array<SurfaceVertex*, kLanes> vertices = {out, out + 1, out + 2, out + 3};
+  write_vertices({rest.place + displacement, select(moved.moves, moved.normal, rest.normal)}, displacement,
+                 rest.normal, std::span(vertices).first(count));
 }
 
 }  // namespace
+
+void write_vertices(const FourVertices& four, const Float4x3& displacement, const Float4x3& rest_normal,
+                    std::span<SurfaceVertex* const> out) noexcept {
+  const Float4 zero(0.0F);
+  const Float4 length = sqrt(dot(displacement, displacement));
+  const Float4 signed_length = select(dot(displacement, rest_normal) < zero, zero - length, length);
+  // Each vertex is seven floats: two rows of four that share the fourth.
+  static_assert(sizeof(SurfaceVertex) == 7 * sizeof(float));
+  std::array<Float4, kLanes> upper = {four.position.x, four.position.y, four.position.z, four.normal.x};
+  std::array<Float4, kLanes> lower = {four.normal.x, four.normal.y, four.normal.z, signed_length};
+  transpose(upper);
+  transpose(lower);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    upper[i].store_unaligned(out[i]->position.data());
+    lower[i].store_unaligned(out[i]->normal.data());
+  }
+}
+
+FourVertices read_vertices(const std::array<const SurfaceVertex*, kLanes>& from) noexcept {
+  std::array<Float4, kLanes> upper;
+  std::array<Float4, kLanes> lower;
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    upper[i] = Float4::load_unaligned(from[i]->position.data());
+    lower[i] = Float4::load_unaligned(from[i]->normal.data());
+  }
+  transpose(upper);
+  transpose(lower);
+  return {{upper[0], upper[1], upper[2]}, {lower[0], lower[1], lower[2]}};
+}
 
 SurfaceBlocks::SurfaceBlocks(std::span<const Vector3f> vertices, std::span<const Vector3f> normals)
     : vertices_(vertices.size()) {

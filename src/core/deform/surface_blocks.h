@@ -1,11 +1,13 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/deform/float4x3.h"
 #include "core/deform/profile_table.h"
 
 namespace palpate::deform {
@@ -16,6 +18,15 @@ struct SurfaceVertex {
   Eigen::Vector3f normal;    // unit
   float moved = 0.0F;        // length of the displacement [m]; negative: inwards
 };
+
+/// Four vertices of the displaced surface.
+struct FourVertices {
+  Float4x3 position, normal;
+};
+[[nodiscard]] FourVertices read_vertices(const std::array<const SurfaceVertex*, kLanes>& from) noexcept;
+/// [any] Writes as many of four vertices as `out` has. @param displacement their whole one [m]
+void write_vertices(const FourVertices& four, const Float4x3& displacement, const Float4x3& rest_normal,
+                    std::span<SurfaceVertex* const> out) noexcept;
 
 /// The displacement field of one contact, organ frame.
 struct ContactField {

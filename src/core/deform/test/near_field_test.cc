@@ -1,5 +1,6 @@
 #include "core/deform/near_field.h"
 
+#include <array>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -20,9 +21,10 @@ NearField near_field(const Vec3& point, const Vec3& inward, double radius, const
 }
 
 Vector3f motion_at(const NearField& field, const Vector3f& vertex) {
-  PlaceMotion motion;
-  field.add(vertex, motion);
-  return motion.displacement;
+  const Float4x3 none{Float4(0.0F), Float4(0.0F), Float4(0.0F)};
+  FourMotions motions{none, {none, none, none}};
+  field.add(lanes_of(vertex), motions);
+  return motions.first().displacement;
 }
 
 TEST(NearField, TurnsTheCellsContactIntoTheTools) {
@@ -48,6 +50,24 @@ TEST(NearField, EndsThreeAndAHalfCellsAway) {
   const NearField field = near_field(Vec3::Zero(), Vec3::UnitZ(), 3e-3, Vec3(1.0, 0.0, 2.0));
   EXPECT_GT(motion_at(field, Vector3f(3.0F * 12e-3F, 0.0F, 0.0F)).norm(), 0.0F);
   EXPECT_EQ(motion_at(field, Vector3f(3.5001F * 12e-3F, 0.0F, 0.0F)).norm(), 0.0F);
+}
+
+TEST(NearField, MovesFourPlacesAsEachAlone) {
+  const NearField field = near_field(Vec3::Zero(), Vec3::UnitZ(), 3e-3, Vec3(0.7, 0.2, 2.0));
+  const std::array<Vector3f, kLanes> places = {Vector3f(1e-3F, 2e-3F, 0.0F), Vector3f(0.0F, 0.5F, 0.0F),
+                                               Vector3f::Zero(), Vector3f(-9e-3F, 1e-3F, 7e-3F)};
+  const auto axis = [&places](Eigen::Index k) {
+    return Float4(std::array<float, kLanes>{places[0][k], places[1][k], places[2][k], places[3][k]});
+  };
+  const Float4x3 none{Float4(0.0F), Float4(0.0F), Float4(0.0F)};
+  FourMotions motions{none, {none, none, none}};
+  field.add({axis(0), axis(1), axis(2)}, motions);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    FourMotions alone{none, {none, none, none}};
+    field.add(lanes_of(places[lane]), alone);
+    EXPECT_EQ(motions.displacement.z.get(lane), alone.displacement.z.get(0)) << lane;
+    EXPECT_EQ(motions.gradient[1].x.get(lane), alone.gradient[1].x.get(0)) << lane;
+  }
 }
 
 // A vector of a length, in any direction.
