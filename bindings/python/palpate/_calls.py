@@ -8,8 +8,9 @@ import re
 import numpy as np
 
 
-def arguments(document):
-    """Names and types of the arguments in the signature that pybind11 writes into the first line of a docstring."""
+def parameters(document):
+    """Arguments in the signature that pybind11 writes into the first line of a docstring: a list of name, type, whether it must be
+    given, whether it may be given without its name."""
     line = (document or '').strip().partition('\n')[0]
     inside, depth, parts = line.partition('(')[2].rpartition(')')[0], 0, ['']
     for letter in inside:
@@ -18,8 +19,18 @@ def arguments(document):
             parts.append('')
         else:
             parts[-1] += letter
-    pairs = [part.partition(' = ')[0].partition(': ') for part in parts]
-    return {name.strip(): kind for name, _, kind in pairs if kind and name.strip() != 'self'}
+    found, by_place = [], True
+    for part in parts:
+        by_place = by_place and part.strip() != '*'
+        name, _, kind = part.partition(' = ')[0].strip().partition(': ')
+        if kind and name != 'self':
+            found.append((name, kind, ' = ' not in part, by_place))
+    return found
+
+
+def arguments(document):
+    """Names and types of these arguments."""
+    return {name: kind for name, kind, _, _ in parameters(document)}
 
 
 def fits(value, kind):
@@ -49,15 +60,26 @@ def words_of(kind):
     return text
 
 
-def mismatch(function, given, named, known):
-    """The error for arguments that do not fit. `known`: names and types. None if nothing can be said in short"""
+def mismatch(function, given, named, found):
+    """The error for arguments that do not fit. `found`: what parameters() returns"""
+    known = {name: kind for name, kind, _, _ in found}
+    places = [name for name, _, _, by_place in found if by_place]
     wrong = [name for name in named if name not in known]
     if wrong:
         return unknown(function, wrong[0], list(known))
-    for name, value in [*zip(known, given), *named.items()]:
+    if len(given) > len(places):
+        return TypeError(f'{function}() takes {", ".join(places) or "no argument"}: {len(given)} given')
+    for name, value in [*zip(places, given), *named.items()]:
         if not fits(value, known[name]):
             return TypeError(f'{function}(): {name} = {value!r:.60}: must be {words_of(known[name])}')
-    return None
+    for name, kind, needed, _ in found:
+        if needed and name not in named and name not in places[:len(given)]:
+            return TypeError(f'{function}() needs {name}: {words_of(kind)}')
+    twice = [name for name in places[:len(given)] if name in named]
+    if twice:
+        return TypeError(f'{function}(): {twice[0]} is given twice')
+    shown = [f'{name}: {words_of(known[name])}' for name in [*places[:len(given)], *named]]
+    return TypeError(f'{function}(): a value does not fit; they must be {", ".join(shown)}')
 
 
 def unknown(function, name, known):
@@ -79,7 +101,7 @@ def answered(function, shown, result=None):
             found = function(*given, **named)
         except TypeError as error:
             own = given[document.startswith(f'{function.__name__}(self: '):]
-            short = mismatch(shown, own, named, arguments(document)) if 'incompatible' in str(error) else None
+            short = mismatch(shown, own, named, parameters(document)) if 'incompatible' in str(error) else None
             if short is None:
                 raise
             raise short from None

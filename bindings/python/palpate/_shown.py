@@ -10,7 +10,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 10, 22, 38
 
 def number(value):
     """A number with four digits."""
-    text = f'{value:,.4g}'
+    text = f'{value + 0.0:,.4g}'  # without -0
     return text if 'e' not in text or abs(value) < 1e-4 or abs(value) >= 1e7 else f'{value:,.0f}'
 
 

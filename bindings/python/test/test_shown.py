@@ -126,6 +126,16 @@ def test_every_built_in_name_is_listed():
     (lambda: palpate.make_ball(radios=1.0), "make_ball() has no argument 'radios', did you mean radius?"),
     (lambda: palpate.simulate(tissue=3), 'simulate(): tissue = 3: must be Tissue or str'),
     (lambda: palpate.simulate(tool=3), 'simulate(): tool = 3: must be str or list of str'),
+    (lambda: palpate.Mesh([[0.0, 0.0, 0.0]]), 'Mesh() needs triangles: array'),
+    (lambda: palpate.Mesh(), 'Mesh() needs vertices: array'),
+    (lambda: palpate.Mesh([], [], 3), 'Mesh() takes vertices, triangles: 3 given'),
+    (lambda: palpate.Mesh([], vertices=[]), 'Mesh() needs triangles: array'),
+    (lambda: palpate.Mesh([], [], vertices=[]), 'Mesh(): vertices is given twice'),
+    (lambda: palpate.Mesh('a', triangles=[]), "Mesh(): vertices = 'a': must be array"),
+    (lambda: palpate.Mesh(triangle=[]), "Mesh() has no argument 'triangle', did you mean triangles?"),
+    (lambda: palpate.Tissue(3), 'Tissue() takes no argument: 1 given'),
+    (lambda: palpate.Indentation([0, 0, 0], [0, 0, 'a'], 1e-3, 3e-3),
+     'Indentation(): a value does not fit; they must be point: array, direction: array, depth: float, tip_radius: float'),
     (lambda: palpate.LayeredSpringLaw('liver'), "LayeredSpringLaw(): tissue = 'liver': must be Tissue"),
     (lambda: palpate.Indentation(1.0, 2.0, [3.0], 4.0), 'Indentation(): depth = [3.0]: must be float')])
 def test_wrong_arguments_are_answered_in_one_line(call, words):

@@ -281,8 +281,8 @@ std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place&
   CellGrid::Place in_cell;
   for (std::size_t axis = 0; axis < 3; ++axis) in_cell.within[axis] = static_cast<double>(place.within[axis]);
   std::array<float, CellGrid::kNodesOfCell> weights{};
-  std::ranges::transform(CellGrid::weights(in_cell), weights.begin(),
-                         [](double w) { return static_cast<float>(w); });
+  const auto exact = CellGrid::weights(in_cell);
+  std::transform(exact.begin(), exact.end(), weights.begin(), [](double w) { return static_cast<float>(w); });
   return weights;
 }
 

@@ -111,5 +111,60 @@ TEST(OutputFile, IsWrittenWholeThroughALinkAndStraightToADevice) {
                   EndsWith("--csv /dev/full: cannot be written: No space left on device")));
 }
 
+std::string content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// Who holds the old file open, or sees it while the new one is written, has all of it.
+TEST(ReplaceFile, KeepsTheOldFileUntilTheNewOneIsWhole) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("a", "old");
+  std::ifstream held(file);
+  replace_file(file, [&](const fs::path& made) {
+    std::ofstream(made) << "new";
+    EXPECT_NE(made, file);
+    EXPECT_EQ(made.parent_path(), file.parent_path());  // one file system, so that rename() is atomic
+    EXPECT_EQ(content(file), "old");
+  });
+  EXPECT_EQ(content(file), "new");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(held), {}), "old");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(ReplaceFile, KeepsTheOldFileAndNothingElseWhenTheWriteFails) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("a", "old");
+  const auto fail = [](const fs::path& made) {
+    std::ofstream(made) << "half";
+    throw InputError("full");
+  };
+  EXPECT_THAT([&] { replace_file(file, fail); }, testing::ThrowsMessage<InputError>("full"));
+  EXPECT_EQ(content(file), "old");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(ReplaceFile, ReplacesALinkAndNotWhatItLeadsTo) {
+  const TemporaryFolder folder;
+  const fs::path target = folder.write("target", "old");
+  fs::create_symlink("target", folder / "link");
+  replace_file(folder / "link", [](const fs::path& made) { std::ofstream(made) << "new"; });
+  EXPECT_FALSE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(content(folder / "link"), "new");
+  EXPECT_EQ(content(target), "old");
+}
+
+TEST(ReplaceFile, NamesAFileThatCannotBeReplaced) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "a");
+  (void)folder.write("a/inside", "");
+  const auto write = [](const fs::path& made) { std::ofstream(made) << "new"; };
+  EXPECT_THAT([&] { replace_file(folder / "a", write); },
+              testing::ThrowsMessage<InputError>(HasSubstr("/a: cannot be written: ")));
+  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_THAT([&] { replace_file(folder / "none" / "a", write); },
+              testing::ThrowsMessage<InputError>(HasSubstr("/none/a: cannot be written: ")));
+}
+
 }  // namespace
 }  // namespace palpate
