@@ -1,7 +1,7 @@
 #include "io/scene/support_reader.h"
 
-#include <charconv>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include <fmt/core.h>
@@ -32,11 +32,10 @@ std::vector<double> numbers_of(const std::string& flag, std::string_view text) {
   while (true) {
     const std::size_t comma = text.find(',');
     const std::string_view word = text.substr(0, comma);
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+    const std::optional<double> value = parse_number(word);
+    if (!value || !std::isfinite(*value))
       throw InputError(fmt::format("--organ-support = \"{}\": {}", flag, kForms));
-    numbers.push_back(value);
+    numbers.push_back(*value);
     if (comma == std::string_view::npos) return numbers;
     text.remove_prefix(comma + 1);
   }
