@@ -186,11 +186,7 @@ void Window::draw_picture() {
   }
   if (reach_changed_ && !ImGui::IsAnyItemActive()) make_renderer();
   if (!camera_set_) {
-    const contact::ToolResult& result = shown_.results[0];
-    camera_.look_as(search_ != nullptr
-                        ? tilted(render::frame_from_above(subject(), shown_, aspect()))
-                        : render::frame_contact(subject(), shown_, result.nearest_W, result.normal_W, false),
-                    aspect());
+    look_as_at_start(camera_, subject(), shown_, search_ != nullptr, aspect());
     camera_set_ = true;
     camera_controller_.forget();
     take_newest();  // choosing the view of a large organ takes time

@@ -17,20 +17,6 @@
 namespace palpate::c_interface {
 namespace {
 
-scene::Overrides request_of(const palpate_options& options) {
-  scene::Overrides request;
-  if (options.scene_file != nullptr && options.scene_text != nullptr) {
-    throw UseError("palpate_options: scene_file and scene_text are both given, must be at most one");
-  }
-  if (options.scene_file != nullptr) request.scene = to_path(options.scene_file);
-  if (options.scene_text != nullptr) {
-    request.scene_text = {options.scene_text,
-                          to_path(options.scene_folder == nullptr ? "" : options.scene_folder)};
-  }
-  if (options.task != nullptr) request.task = options.task;
-  return request;
-}
-
 contact::Preparation preparation_of(const palpate_options& options) {
   contact::Preparation how;
   if (options.no_cache == 0) scene::use_organ_cache(how);
@@ -55,14 +41,28 @@ std::unique_ptr<haptics::Device> scripted_device(const scene::Scene& scene, std:
 
 }  // namespace
 
-Loaded load(const palpate_options& options) {
+scene::Overrides request_of(const palpate_options& options) {
+  scene::Overrides request;
+  if (options.scene_file != nullptr && options.scene_text != nullptr) {
+    throw UseError("palpate_options: scene_file and scene_text are both given, must be at most one");
+  }
+  if (options.scene_file != nullptr) request.scene = to_path(options.scene_file);
+  if (options.scene_text != nullptr) {
+    request.scene_text = {options.scene_text,
+                          to_path(options.scene_folder == nullptr ? "" : options.scene_folder)};
+  }
+  if (options.task != nullptr) request.task = options.task;
+  return request;
+}
+
+Loaded load(const palpate_options& options, const scene::Overrides& request) {
   if (!(options.surface_edge >= 0.0) || options.surface_edge > 1.0) {
     throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at most 1 m");
   }
   if (options.surface_edge > 0.0 && options.surface_edge < 1e-4) {
     throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at least 1e-4 m");
   }
-  return load(scene::load(request_of(options)), preparation_of(options), options.no_hand != 0);
+  return load(scene::load(request), preparation_of(options), options.no_hand != 0);
 }
 
 Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand) {

@@ -67,7 +67,9 @@ palpate_status palpate_open(const palpate_options* options, palpate_simulation**
     require_given(options, "options");
     require_size(*options, "palpate_options");
     const palpate_options whole = taken(options);
-    *simulation = std::make_unique<palpate_simulation>(palpate::c_interface::load(whole), whole).release();
+    *simulation = std::make_unique<palpate_simulation>(
+                      palpate::c_interface::load(whole, palpate::c_interface::request_of(whole)), whole)
+                      .release();
   });
 }
 

@@ -28,8 +28,11 @@ struct Loaded {
   haptics::SimulationWorld world;
 };
 
-/// [setup] Reads the scene and prepares the organ. @throws InputError, UseError
-[[nodiscard]] Loaded load(const palpate_options& options);
+/// [setup] The scene that the options ask for. @throws UseError
+[[nodiscard]] scene::Overrides request_of(const palpate_options& options);
+
+/// [setup] Reads the scene and prepares the organ. @throws InputError
+[[nodiscard]] Loaded load(const palpate_options& options, const scene::Overrides& request);
 
 /// [setup] Prepares a scene that has been read. @param no_hand as palpate_options.no_hand
 [[nodiscard]] Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand);
@@ -80,6 +83,7 @@ struct palpate_simulation {
   [[nodiscard]] std::size_t hands() const noexcept { return world_.hands(); }
   [[nodiscard]] bool recording() const noexcept { return recorder_ != nullptr; }
   [[nodiscard]] const palpate::scene::Scene& scene() const noexcept { return scene_; }
+  [[nodiscard]] const palpate::haptics::SimulationWorld& world() const noexcept { return world_; }
   /// [picture] Vertices of the last update_surface().
   [[nodiscard]] const std::vector<palpate::Vec3>& vertices() const noexcept { return vertices_; }
   [[nodiscard]] const palpate::geometry::TriangleMesh& rest_surface() const noexcept {

@@ -28,6 +28,16 @@ export interface OpenOptions {
   scene?: string;
   /** Replaces the scene's task. */
   task?: 'press' | 'pull' | 'palpate';
+  /** Replaces the scene's organ: a built-in name, or a name in `files`. */
+  organ?: string;
+  /** Unit of an organ's file. */
+  organUnit?: 'mm' | 'cm' | 'm' | 'in';
+  /** Replaces the scene's tissue: a built-in name, or a name in `files`. */
+  tissue?: string;
+  /** Replaces the scene's device: a kind such as 'haply', in a scene of one hand. */
+  device?: string;
+  /** Replaces the scene's seed, of touch noise and hidden lumps. */
+  seed?: number | bigint | string;
   /** Files that the scene names (meshes, tissues, paths), by their relative path. */
   files?: Record<string, Uint8Array | string>;
   /**
@@ -130,6 +140,32 @@ export interface Info {
   triangles: number;
 }
 
+/** What a simulation's scene is about. */
+export interface SceneDescription {
+  task: 'press' | 'pull' | 'palpate';
+  /** Built-in names, or names of files. */
+  organ: string;
+  tissue: string;
+  /** One per hand. */
+  tools: string[];
+  /** A tool has jaws. */
+  jaws: boolean;
+  /** Number of hidden inclusions. */
+  lumps: number;
+  /** m: a mark within it finds a lump. */
+  tolerance: number;
+}
+
+/** A scene that comes with the module, as in `palpate list scenes`. */
+export interface BuiltinScene {
+  name: string;
+  title: string;
+  /** What the user does in it. */
+  line: string;
+  /** For OpenOptions.scene. */
+  toml: string;
+}
+
 /** A sphere in the organ of another stiffness. */
 export interface Inclusion {
   name: string;
@@ -174,6 +210,7 @@ export interface Surface {
 export interface Simulation {
   readonly info: Info;
   readonly name: string;
+  readonly scene: Readonly<SceneDescription>;
   /** Repairs of the mesh and warnings about the scene, one line each. */
   readonly remarks: string[];
 
@@ -187,6 +224,8 @@ export interface Simulation {
   scriptedSample(hand: number, tick: number): Sample;
   /** A hand that follows a pointer: see Follower. It starts where the scripted motion starts. */
   follower(hand: number): Follower;
+  /** A tool that rides on the organ under a pointer: see Rider. It starts where the scripted motion starts. */
+  rider(hand: number): Rider;
   /** Clears the latched faults of some hands at the next tick. @param handBits bit 0 is the first hand */
   resetFault(handBits: number): void;
   /** Back to the state before tick 0; inclusions, tissue and noise as the scene states. Not while recording. */
@@ -238,6 +277,40 @@ export interface Follower {
   withinReach(target: Vector): Vector;
 }
 
+/** A line of sight in the world frame. */
+export interface Ray {
+  origin: Vector;
+  /** Unit. */
+  direction: Vector;
+}
+
+/**
+ * Holds a tool under a pointer, as `palpate run --device mouse` does in its window: it rides on the organ's rest
+ * surface at the first point on the line of sight, at a set height or depth along the surface's normal, and goes around
+ * the organ without touching before a press. A Follower's filter smooths the hand.
+ */
+export interface Rider {
+  /** The pointer's line of sight (View.ray); null: it is elsewhere, and the tool stays. */
+  pointAt(ray: Ray | null): void;
+  /** Changes the set depth [m]; positive presses. In a drag it moves the tool along the surface's normal. */
+  press(deeper: number): void;
+  /** Lifts the tool 30 mm off the organ, or brings it back under the pointer. */
+  park(parked: boolean): void;
+  readonly parked: boolean;
+  /** Set depth under the surface [m], -0.03 to 0.03; negative: height above it. It begins at -0.005. */
+  readonly depth: number;
+  /**
+   * Moves the target on; call it some times in each of a screen's pictures, or once. @param seconds since the last call,
+   * at most 0.05 count @param how dragging: the jaws hold tissue, and the tool follows the pointer in a plane that faces
+   * the viewer (default: false); pace: factor of the speed, 0 to 1 (default: 1)
+   */
+  move(seconds: number, how?: {dragging?: boolean; pace?: number}): void;
+  /** One tick of the hand towards the target. @return the sample for Simulation.tick() */
+  advance(gripper: number): Sample;
+  /** Frees the rider before its simulation is closed. */
+  close(): void;
+}
+
 /** Answer of a force law. */
 export interface Response {
   /** m */
@@ -266,6 +339,15 @@ export interface Camera {
   up: Vector;
   verticalViewDeg: number;
 }
+
+/** Shapes over a picture, from its upper left corner. Colours are names: the caller has the colours. */
+export interface PictureMarks {
+  lines: {from: [number, number]; to: [number, number]; width: number; colour: MarkColour}[];
+  triangles: {corners: [number, number][]; colour: MarkColour}[];
+  /** at: the upper left corner of the text */
+  words: {at: [number, number]; colour: MarkColour; text: string}[];
+}
+export type MarkColour = 'text' | 'force' | 'x' | 'y' | 'z';
 
 export interface Mark {
   /** m, organ frame */
@@ -315,8 +397,15 @@ export interface View {
   pan(right: number, up: number): void;
   /** Multiplies the distance to the target; below 1: nearer. */
   zoom(factor: number): void;
-  /** Frames the contact of the last drawn state (closeUp), or the whole organ, for the canvas's aspect ratio. */
+  /** Frames the contact of the last drawn state (closeUp), or takes the first view of the program's window. */
   frame(closeUp: boolean): void;
+  /** Moves back a little if a tool or a contact of the last drawn state is outside the picture. @return whether it moved */
+  keepInFrame(): boolean;
+  /**
+   * The marks that the program's window draws over its picture, for the last drawn state: force arrows, a scale bar (true at
+   * the view's centre), the world's axes. @param size of the picture and of its letters, in any unit; a small picture has none
+   */
+  marks(size: {width: number; height: number; letters: number; force?: boolean; scale?: boolean; axes?: boolean}): PictureMarks;
   /**
    * Motion of a pointer as motion of a tool: the displacement [m, world frame] across the tool's axis for a
    * motion by these fractions of the picture's height.
@@ -349,6 +438,10 @@ export interface Palpate {
   readonly version: string;
   /** Names of the numbers of a tissue, as in tissue files: 'k1_N_per_m', 'contact.friction', ... */
   readonly tissueFields: readonly string[];
+  /** Names of the built-in tissues. */
+  readonly tissueNames: readonly string[];
+  /** The built-in scenes, in the order of `palpate list scenes`. */
+  readonly scenes: readonly Readonly<BuiltinScene>[];
   /** Bits of Result.status by their names in palpate.h: {STARTED_INSIDE: 1, ...}. */
   readonly status: Readonly<Record<string, number>>;
   open(options?: OpenOptions): Simulation;

@@ -5,6 +5,7 @@ import createCore from './palpate_core.js';
 const KINDS = ['', 'use', 'input', 'other'];
 const QUALITIES = ['full', 'balanced', 'fast'];
 const MARKS = ['found', 'false', 'lump'];
+const MARK_COLOURS = ['text', 'force', 'x', 'y', 'z'];
 const STATUS = Object.freeze({
   STARTED_INSIDE: 1, CONTACTS_FULL: 2, GRIP_RELEASED: 4, JUMP: 8, EXTRAPOLATED: 16, FORCE_CLAMPED: 0x100,
   FORCE_SLEWED: 0x200, TORQUE_CLAMPED: 0x400, TORQUE_SLEWED: 0x800, ENERGY_DAMPED: 0x1000, DUTY_HIGH: 0x2000, DUTY_LIMITED: 0x4000,
@@ -229,6 +230,8 @@ class Palpate {
     const fields = [];
     for (let at; (at = core._palpate_tissue_field(fields.length)) !== 0;) fields.push(core.UTF8ToString(at));
     this.tissueFields = Object.freeze(fields);
+    this.tissueNames = Object.freeze(JSON.parse(core.UTF8ToString(core._palpate_web_tissues())));
+    this.scenes = Object.freeze(JSON.parse(core.UTF8ToString(core._palpate_web_scenes())));
   }
 
   open(options = {}) {
@@ -347,6 +350,7 @@ class Simulation {
       this.remarks.push(memory.core.UTF8ToString(memory.core._palpate_remark(this.#handle, i)));
     }
     delete this.info.remarks;
+    this.scene = Object.freeze(JSON.parse(memory.core.UTF8ToString(memory.core._palpate_web_describe(this.#handle))));
     this.#samples = memory.structs('sample', this.info.hands);
     this.#results = memory.structs('result', this.info.hands);
   }
@@ -385,7 +389,12 @@ class Simulation {
       set('noCache', 1);
       if (progress) set('progress', progress);
       memory.setNumbers(at + memory.offset('options', 'surfaceEdge'), [options.surfaceEdge ?? 0]);
-      const status = core._palpate_open(at, out);
+      const given = ['organ', 'organUnit', 'tissue', 'device', 'seed'].map((flag) => {
+        const value = options[flag];
+        if (value === undefined) return 0;
+        return keep(options.files && Object.hasOwn(options.files, value) ? `${this.#folder}/${value}` : value);
+      });
+      const status = core._palpate_web_open(at, ...given, out);
       const handle = core.HEAPU32[out >> 2];
       if (failure !== null) {
         core._palpate_close(handle);
@@ -463,6 +472,12 @@ class Simulation {
     const follower = new Follower(this.#memory, this.#opened, hand);
     this.#followers.push(follower);
     return follower;
+  }
+
+  rider(hand) {
+    const rider = new Rider(this.#memory, this.#opened, hand);
+    this.#followers.push(rider);
+    return rider;
   }
 
   resetFault(handBits) { this.#memory.check(this.#memory.core._palpate_reset_fault(this.#opened, handBits)); }
@@ -627,6 +642,63 @@ class Follower {
   }
 }
 
+class Rider {
+  #memory;
+  #handle;
+  #ray;
+  #sample;
+
+  constructor(memory, simulation, hand) {
+    this.#memory = memory;
+    const {core} = memory;
+    this.#handle = memory.borrow(4, (out) => {
+      memory.check(core._palpate_web_rider_open(simulation, hand, out));
+      return core.HEAPU32[out >> 2];
+    });
+    this.#ray = memory.allocate(48);
+    this.#sample = memory.structs('sample');
+    this.parked = false;
+  }
+
+  get #rider() {
+    if (this.#handle === 0) refuse('the rider, or its simulation, is closed');
+    return this.#handle;
+  }
+
+  pointAt(ray) {
+    const rider = this.#rider;
+    if (ray !== null) this.#memory.setNumbers(this.#ray, [...vector(ray.origin, 'ray.origin'), ...vector(ray.direction, 'ray.direction')]);
+    this.#memory.core._palpate_web_rider_point_at(rider, ray === null ? 0 : this.#ray);
+  }
+
+  press(deeper) { this.#memory.core._palpate_web_rider_press(this.#rider, deeper); }
+  park(parked) {
+    this.#memory.core._palpate_web_rider_park(this.#rider, parked ? 1 : 0);
+    this.parked = Boolean(parked);
+  }
+  get depth() { return this.#memory.core._palpate_web_rider_depth(this.#rider); }
+  move(seconds, {dragging = false, pace = 1} = {}) {
+    this.#memory.core._palpate_web_rider_move(this.#rider, seconds, dragging ? 1 : 0, pace);
+  }
+
+  advance(gripper) {
+    this.#memory.check(this.#memory.core._palpate_web_rider_advance(this.#rider, gripper, this.#sample));
+    return this.#memory.read('sample', this.#sample);
+  }
+
+  close() { this.free(); }
+
+  /** For Simulation.close(). */
+  free() {
+    if (this.#handle === 0) return;
+    const {core} = this.#memory;
+    core._palpate_web_rider_close(this.#handle);
+    core._free(this.#ray);
+    core._free(this.#sample);
+    this.#handle = 0;
+  }
+}
+
 class View {
   #memory;
   #canvas;
@@ -711,6 +783,20 @@ class View {
   pan(right, up) { this.#memory.core._palpate_web_view_pan(this.#view, right, up); }
   zoom(factor) { this.#memory.core._palpate_web_view_zoom(this.#view, factor); }
   frame(closeUp) { this.#memory.check(this.#memory.core._palpate_web_view_frame(this.#view, closeUp ? 1 : 0)); }
+
+  keepInFrame() { return this.#memory.core._palpate_web_view_keep_in_frame(this.#view) !== 0; }
+
+  marks({width, height, letters, force = true, scale = true, axes = true}) {
+    const which = (force ? 1 : 0) | (scale ? 2 : 0) | (axes ? 4 : 0);
+    const {core} = this.#memory;
+    const {lines, triangles, words} = JSON.parse(core.UTF8ToString(
+        core._palpate_web_view_marks(this.#view, width, height, letters, which)));
+    return {
+      lines: lines.map(([x1, y1, x2, y2, wide, colour]) => ({from: [x1, y1], to: [x2, y2], width: wide, colour: MARK_COLOURS[colour]})),
+      triangles: triangles.map(([x1, y1, x2, y2, x3, y3, colour]) => ({corners: [[x1, y1], [x2, y2], [x3, y3]], colour: MARK_COLOURS[colour]})),
+      words: words.map(([x, y, colour, text]) => ({at: [x, y], colour: MARK_COLOURS[colour], text})),
+    };
+  }
 
   steer(hand, right, up) {
     this.#memory.check(this.#memory.core._palpate_web_view_steer(this.#view, hand, right, up, this.#numbers));

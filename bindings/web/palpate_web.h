@@ -1,5 +1,5 @@
 #pragma once
-// What palpate.js calls besides palpate.h: reading structs, snapshots, a hand that follows a pointer, and
+// What palpate.js calls besides palpate.h: reading structs, snapshots, hands that follow a pointer, and
 // pictures by WebGL2. Conventions as in palpate.h. Vectors are x y z [m], in the world frame.
 #include "bindings/c/palpate.h"
 
@@ -8,6 +8,22 @@ extern "C" {
 /// The structs of palpate.h that palpate.js reads and writes, as JSON: {"palpate_sample": {"size": 96,
 /// "fields": [["position", "f64", OFFSET, COUNT], ...]}, ...}. Valid forever.
 const char* palpate_web_layout(void);
+
+/// The built-in scenes as JSON: [{"name": "press", "title": "Press", "line": "...", "toml": "..."}, ...].
+/// Valid forever.
+const char* palpate_web_scenes(void);
+
+/// The names of the built-in tissues as JSON. Valid forever.
+const char* palpate_web_tissues(void);
+
+/// As palpate_open(), with what the flags --organ, --organ-unit, --tissue, --device and --seed of `palpate
+/// run` replace. Each may be null.
+palpate_status palpate_web_open(const palpate_options* options, const char* organ, const char* organ_unit,
+                                const char* tissue, const char* device, const char* seed,
+                                palpate_simulation** simulation);
+/// The loaded scene as JSON: {"task": "press", "organ": "gallbladder", "tissue": "gallbladder", "tools":
+/// ["curved-forceps"], "jaws": true, "lumps": 0, "tolerance": 0.01}. Valid until the next call.
+const char* palpate_web_describe(const palpate_simulation* simulation);
 
 /// Number of bytes of a snapshot.
 size_t palpate_web_snapshot_size(void);
@@ -30,6 +46,27 @@ palpate_status palpate_web_follower_advance(palpate_web_follower* follower, cons
 /// Moves a target to the nearest point that the hand can reach.
 void palpate_web_follower_reach(const palpate_web_follower* follower, double target[3]);
 
+/// A hand under a pointer: a tool that rides on the organ (run/devices/surface_rider.h), followed by a hand
+/// as above. The simulation outlives it.
+struct palpate_web_rider;
+palpate_status palpate_web_rider_open(palpate_simulation* simulation, uint32_t hand,
+                                      palpate_web_rider** rider);
+void palpate_web_rider_close(palpate_web_rider* rider);
+/// The pointer's line of sight: origin and unit direction. @param ray null: the pointer is elsewhere, and the
+/// tool stays
+void palpate_web_rider_point_at(palpate_web_rider* rider, const double ray[6]);
+/// Changes the set depth [m]; positive presses.
+void palpate_web_rider_press(palpate_web_rider* rider, double deeper);
+/// 1: lifts the tool off the organ; 0: brings it back.
+void palpate_web_rider_park(palpate_web_rider* rider, int32_t parked);
+/// Set depth under the surface [m]; negative: height above it.
+double palpate_web_rider_depth(const palpate_web_rider* rider);
+/// Moves on. @param seconds since the last call @param dragging 1: the jaws hold tissue @param pace factor of
+/// the speed, 0 to 1
+void palpate_web_rider_move(palpate_web_rider* rider, double seconds, int32_t dragging, double pace);
+/// One tick of the hand towards the rider's target.
+palpate_status palpate_web_rider_advance(palpate_web_rider* rider, double gripper, palpate_sample* sample);
+
 /// Pictures of a simulation. At every call the canvas's WebGL2 context is current; the simulation outlives
 /// the view.
 struct palpate_web_view;
@@ -50,8 +87,17 @@ palpate_status palpate_web_view_set_camera(palpate_web_view* view, const double 
 void palpate_web_view_orbit(palpate_web_view* view, double right, double up);
 void palpate_web_view_pan(palpate_web_view* view, double right, double up);
 void palpate_web_view_zoom(palpate_web_view* view, double factor);
-/// Frames the whole organ, or the contact of the first hand in the last drawn state.
+/// Frames the contact of the first hand in the last drawn state, or takes the view of the window's start.
 palpate_status palpate_web_view_frame(palpate_web_view* view, int32_t close_up);
+/// Moves back a little if a tool or a contact of the last drawn state is outside the picture. @return 1:
+/// moved
+int32_t palpate_web_view_keep_in_frame(palpate_web_view* view);
+/// Marks over the picture (app/window/mark_shapes.h) as JSON: {"lines": [[x1, y1, x2, y2, width, colour],
+/// ...], "triangles": [[x1, y1, x2, y2, x3, y3, colour], ...], "words": [[x, y, colour, "1.25 N"], ...]}.
+/// Colours: 0 text, 1 force, 2 to 4 x to z. @param which 1 force, 2 scale, 4 axes @param letters size of
+/// letters, in the unit of width and height. Valid until the next call.
+const char* palpate_web_view_marks(const palpate_web_view* view, double width, double height, double letters,
+                                   uint32_t which);
 /// Motion of a hand's tool across its axis for a motion by fractions of the picture's height.
 palpate_status palpate_web_view_steer(const palpate_web_view* view, uint32_t hand, double right, double up,
                                       double way[3]);

@@ -1,19 +1,24 @@
 // Functions of palpate_web.h for a simulation.
+#include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 
+#include <fmt/core.h>
 #include <malloc.h>
 
-#include "core/haptics/workspace.h"
-#include "run/devices/target_follower.h"
+#include "io/scene/builtin_scenes.h"
+#include "palpate/tissue.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/simulation.h"
 #include "bindings/web/palpate_web.h"
 
-using palpate::Vec3;
 using palpate::c_interface::guarded;
 using palpate::c_interface::require_given;
 using palpate::c_interface::UseError;
@@ -100,20 +105,62 @@ std::string response_text() {
 
 #undef PALPATE_FIELD
 
+/// A text as JSON has it.
+std::string json_text(std::string_view text) {
+  std::string all = "\"";
+  for (const char one : text) {
+    if (one == '"' || one == '\\') {
+      all += '\\';
+      all += one;
+    } else if (static_cast<unsigned char>(one) < 0x20) {
+      all += fmt::format("\\u{:04x}", static_cast<unsigned>(one));
+    } else {
+      all += one;
+    }
+  }
+  return all + '"';
+}
+
+std::string scenes_text() {
+  std::string all = "[";
+  for (const palpate::scene::BuiltinScene& one : palpate::scene::builtin_scenes()) {
+    if (all.size() > 1) all += ',';
+    all += fmt::format(R"({{"name":{},"title":{},"line":{},"toml":{}}})", json_text(one.name),
+                       json_text(one.title), json_text(one.line), json_text(one.toml));
+  }
+  return all + "]";
+}
+
+std::string description_of(const palpate::scene::Scene& scene) {
+  std::string tools;
+  bool jaws = false;
+  for (const palpate::geometry::Tool& tool : scene.tools) {
+    tools += (tools.empty() ? "" : ",") + json_text(tool.name);
+    for (const palpate::geometry::ToolPart& part : tool.parts) jaws = jaws || part.is_jaw;
+  }
+  const auto lumps = std::count_if(scene.inclusions.begin(), scene.inclusions.end(),
+                                   [](const palpate::scene::InclusionSetup& one) { return !one.visible; });
+  return fmt::format(
+      R"({{"task":"{}","organ":{},"tissue":{},"tools":[{}],"jaws":{},"lumps":{},"tolerance":{}}})",
+      palpate::scene::to_string(scene.task), json_text(scene.organ_name), json_text(scene.tissue.name), tools,
+      jaws, lumps, scene.search.tolerance);
+}
+
+std::optional<std::string> given(const char* text) {
+  return text == nullptr ? std::nullopt : std::optional<std::string>(text);
+}
+
+std::optional<std::uint64_t> seed_of(const char* text) {
+  if (text == nullptr) return std::nullopt;
+  std::uint64_t seed = 0;
+  const char* end = text + std::strlen(text);
+  if (const auto [last, error] = std::from_chars(text, end, seed); error != std::errc{} || last != end) {
+    throw palpate::InputError(fmt::format("seed = {}: must be a whole number >= 0", text));
+  }
+  return seed;
+}
+
 }  // namespace
-
-struct palpate_web_follower {
-  palpate_web_follower(const palpate::scene::DeviceSetup& device, const palpate::scene::PathRow& start,
-                       double period)
-      : base(device.base), scale(device.workspace_scale), hand(start, period) {}
-
-  [[nodiscard]] Vec3 to_device(const Vec3& point_W) const { return base.inverse() * point_W / scale; }
-  [[nodiscard]] Vec3 to_world(const Vec3& point_D) const { return base * Vec3(scale * point_D); }
-
-  palpate::Pose base;
-  double scale;
-  palpate::devices::TargetFollower hand;
-};
 
 extern "C" {
 
@@ -124,6 +171,44 @@ const char* palpate_web_layout(void) {
     all.back() = '}';
     return all;
   }();
+  return text.c_str();
+}
+
+const char* palpate_web_scenes(void) {
+  static const std::string text = scenes_text();
+  return text.c_str();
+}
+
+const char* palpate_web_tissues(void) {
+  static const std::string text = [] {
+    std::string all;
+    for (const char* name : palpate::model::tissue_preset_names())
+      all += (all.empty() ? "[" : ",") + json_text(name);
+    return all + "]";
+  }();
+  return text.c_str();
+}
+
+palpate_status palpate_web_open(const palpate_options* options, const char* organ, const char* organ_unit,
+                                const char* tissue, const char* device, const char* seed,
+                                palpate_simulation** simulation) {
+  return guarded([&] {
+    *simulation = nullptr;
+    palpate::scene::Overrides request = palpate::c_interface::request_of(*options);
+    request.organ = given(organ);
+    request.organ_unit = given(organ_unit);
+    request.tissue = given(tissue);
+    request.device = given(device);
+    request.seed = seed_of(seed);
+    *simulation =
+        std::make_unique<palpate_simulation>(palpate::c_interface::load(*options, request), *options)
+            .release();
+  });
+}
+
+const char* palpate_web_describe(const palpate_simulation* simulation) {
+  static std::string text;
+  text = description_of(simulation->scene());
   return text.c_str();
 }
 
@@ -142,65 +227,6 @@ palpate_status palpate_web_snapshot(palpate_simulation* simulation, void* bytes,
 
 palpate_status palpate_web_flush_recording(palpate_simulation* simulation) {
   return guarded([&] { simulation->flush_recording(); });
-}
-
-palpate_status palpate_web_follower_open(palpate_simulation* simulation, uint32_t hand,
-                                         palpate_web_follower** follower) {
-  return guarded([&] {
-    require_given(simulation, "simulation");
-    require_given(follower, "follower");
-    *follower = nullptr;
-    if (hand >= simulation->hands()) throw UseError("hand: must be less than info.hands");
-    palpate_sample first{};
-    simulation->scripted_sample(hand, 0, first);
-    palpate::scene::PathRow start;
-    start.position = Vec3(first.position);
-    start.orientation =
-        palpate::Quat(first.orientation[0], first.orientation[1], first.orientation[2], first.orientation[3]);
-    start.gripper = first.gripper;
-    const palpate::scene::Scene& scene = simulation->scene();
-    *follower =
-        std::make_unique<palpate_web_follower>(scene.devices[hand], start, 1.0 / scene.rate_Hz).release();
-  });
-}
-
-void palpate_web_follower_close(palpate_web_follower* follower) {
-  std::unique_ptr<palpate_web_follower>{follower}.reset();
-}
-
-void palpate_web_follower_start(const palpate_web_follower* follower, double start[7]) {
-  const Vec3 position = follower->to_world(follower->hand.start());
-  const Vec3 axis = follower->base.rotation * follower->hand.orientation() * Vec3::UnitZ();
-  for (int i = 0; i < 3; ++i) {
-    start[i] = position[i];
-    start[3 + i] = axis[i];
-  }
-  start[6] = follower->hand.gripper();
-}
-
-palpate_status palpate_web_follower_advance(palpate_web_follower* follower, const double target[3],
-                                            double gripper, palpate_sample* sample) {
-  return guarded([&] {
-    follower->hand.advance(follower->to_device(Vec3(target)), gripper);
-    const palpate::haptics::DeviceState state = follower->hand.state();
-    for (int i = 0; i < 3; ++i) {
-      sample->position[i] = state.position_D[i];
-      sample->velocity[i] = state.velocity_D[i];
-    }
-    sample->orientation[0] = state.orientation_D.w();
-    sample->orientation[1] = state.orientation_D.x();
-    sample->orientation[2] = state.orientation_D.y();
-    sample->orientation[3] = state.orientation_D.z();
-    sample->gripper = state.gripper;
-    sample->age = 0.0;
-    sample->buttons = 0;
-    sample->fault = 0;
-  });
-}
-
-void palpate_web_follower_reach(const palpate_web_follower* follower, double target[3]) {
-  const Vec3 reached = follower->to_world(follower->hand.within_reach(follower->to_device(Vec3(target))));
-  for (int i = 0; i < 3; ++i) target[i] = reached[i];
 }
 
 size_t palpate_web_memory_in_use(void) { return static_cast<std::size_t>(mallinfo().uordblks); }

@@ -10,8 +10,11 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "palpate/offscreen.h"
 
+#include "app/window/mark_shapes.h"
 #include "app/window/orbit_camera.h"
 #include "app/window/resolution_choice.h"
 #include "bindings/c/errors.h"
@@ -141,6 +144,31 @@ double distance_to(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) 
   return distance > 0.0 ? distance : kNone;
 }
 
+/// Shapes as palpate_web_view_marks() gives them.
+std::string marks_text(const palpate::app::MarkShapes& shapes) {
+  std::string text = "{\"lines\":[";
+  const char* comma = "";
+  for (const auto& [from, to, colour, width] : shapes.lines) {
+    text += fmt::format("{}[{},{},{},{},{},{}]", comma, from.x, from.y, to.x, to.y, width,
+                        static_cast<int>(colour));
+    comma = ",";
+  }
+  text += "],\"triangles\":[";
+  comma = "";
+  for (const auto& [tip, left, right, colour] : shapes.triangles) {
+    text += fmt::format("{}[{},{},{},{},{},{},{}]", comma, tip.x, tip.y, left.x, left.y, right.x, right.y,
+                        static_cast<int>(colour));
+    comma = ",";
+  }
+  text += "],\"words\":[";
+  comma = "";
+  for (const auto& [at, colour, words] : shapes.words) {  // numbers and letters, which need no escapes
+    text += fmt::format("{}[{},{},{},\"{}\"]", comma, at.x, at.y, static_cast<int>(colour), words);
+    comma = ",";
+  }
+  return text + "]}";
+}
+
 }  // namespace
 
 /// The renderer, its camera, and the choice of quality and resolution as in the program's window.
@@ -162,16 +190,16 @@ struct palpate_web_view {
   void frame(bool close_up) {
     const palpate::render::Subject subject = subject_of(simulation.scene());
     const palpate::contact::ToolResult& result = shown.results[0];
-    const bool contact = result.view_count > 0;
-    if (!close_up && simulation.scene().task == palpate::scene::Task::kPalpate) {
-      camera.look_as(palpate::app::tilted(palpate::render::frame_from_above(subject, shown, aspect())),
-                     aspect());
-    } else {
-      camera.look_as(
-          palpate::render::frame_contact(subject, shown, contact ? result.contact_W : result.nearest_W,
-                                         contact ? result.normal_W : result.away_W, close_up),
-          aspect());
+    if (!close_up) {
+      palpate::app::look_as_at_start(camera, subject, shown,
+                                     simulation.scene().task == palpate::scene::Task::kPalpate, aspect());
+      return;
     }
+    const bool contact = result.view_count > 0;
+    camera.look_as(
+        palpate::render::frame_contact(subject, shown, contact ? result.contact_W : result.nearest_W,
+                                       contact ? result.normal_W : result.away_W, true),
+        aspect());
   }
 
   void draw() {
@@ -288,6 +316,23 @@ void palpate_web_view_zoom(palpate_web_view* view, double factor) { view->camera
 
 palpate_status palpate_web_view_frame(palpate_web_view* view, int32_t close_up) {
   return guarded([&] { view->frame(close_up != 0); });
+}
+
+int32_t palpate_web_view_keep_in_frame(palpate_web_view* view) {
+  constexpr double kFarther = 1.02;  // a frame
+  if (palpate::app::contacts_in_frame(view->shown, view->camera.camera(), view->aspect())) return 0;
+  view->camera.zoom(kFarther);
+  return 1;
+}
+
+const char* palpate_web_view_marks(const palpate_web_view* view, double width, double height, double letters,
+                                   uint32_t which) {
+  static std::string text;
+  const palpate::app::PictureMarks marks{(which & 1U) != 0, (which & 2U) != 0, (which & 4U) != 0};
+  const palpate::app::PictureSize size{static_cast<float>(width), static_cast<float>(height),
+                                       static_cast<float>(letters)};
+  text = marks_text(palpate::app::shapes_of(marks, size, view->camera, view->shown));
+  return text.c_str();
 }
 
 palpate_status palpate_web_view_steer(const palpate_web_view* view, uint32_t hand, double right, double up,

@@ -1,15 +1,21 @@
 // The panel and the words on the picture.
-import {TISSUE_SLIDERS, EXERCISES} from './scenes.js';
+import {EXERCISES, TISSUE_SLIDERS} from './scenes.js';
+import {TissueHistory} from './tissue_history.js';
 
 export const byId = id => document.getElementById(id);
 
+// The words of the program's window, and those for fingers.
 const HINTS = {
-  demo: 'Demonstration. Touch the picture to take the tool.',
-  press: 'Drag moves the tool; the wheel or the lever presses.',
-  pull: 'Press until the jaws touch, close them, then lift.',
-  palpate: 'Drag moves the ball; the wheel or the lever presses. Mark what feels hard.',
+  demo: ['Demonstration. Click the picture to take the tool.', 'Demonstration. Touch the picture to take the tool.'],
+  replay: ['Recording. Click the picture to take the tool.', 'Recording. Touch the picture to take the tool.'],
+  haply: ['The Inverse3 holds the tool.', 'The Inverse3 holds the tool.'],
+  move: ['Move: mouse.\u2003Press: wheel.', 'Move: one finger.\u2003Press: lever.'],
+  jaws: ['\u2003Grip: hold left.', '\u2003Grip: Close the jaws.'],
+  search: ['\u2003Mark: left button.', '\u2003Mark: button below.'],
+  pull: ['Hold left and drag to pull.', 'Close the jaws, then drag to pull.'],
 };
-const HAPLY_HINT = 'The Inverse3 holds the tool.';
+const NOTE_TIME = 4000;  // ms that a message stays in place of the hint
+const MARKS = ['force', 'scale', 'axes'];
 
 /** Shows a slider's value. */
 function showValue(input) {
@@ -18,10 +24,13 @@ function showValue(input) {
 }
 
 export class Controls {
-  /** @param page functions that the controls call: send, take, jaws, mark, finish, open, restart, view, map, record; steering */
+  /** @param page functions that the controls call: send, take, jaws, mark, finish, openScene, restart, view, map, marks, record, link, files */
   constructor(page) {
     this.page = page;
+    this.touch = matchMedia('(pointer: coarse)').matches;
+    this.history = new TissueHistory();
     this.#buttons();
+    this.#dialogs();
     this.#tissue();
     this.#noise();
     this.#lever();
@@ -29,7 +38,7 @@ export class Controls {
 
   #buttons() {
     const {page} = this, click = (id, act) => { byId(id).onclick = act; };
-    for (const input of document.querySelectorAll('[name=task]')) input.onchange = () => page.open(input.value);
+    for (const input of document.querySelectorAll('[name=task]')) input.onchange = () => page.openScene(EXERCISES[input.value].scene);
     click('jaws', page.jaws);
     click('mark', page.mark);
     click('finish', page.finish);
@@ -41,10 +50,15 @@ export class Controls {
     click('record', page.record);
     click('sheet', () => byId('sheet').setAttribute('aria-expanded', byId('sheet').getAttribute('aria-expanded') !== 'true'));
     click('connect', () => page.send('haply', {address: this.linked ? null : byId('address').value.trim()}));
+    click('link', page.link);
+    click('undo', () => this.undo());
+    click('redo', () => this.redo());
+    click('preset_again', () => this.#change({...this.history.now, values: {}}));
     byId('map').onchange = event => {
-      byId('legend').hidden = !event.target.checked;
+      byId('legend').classList.toggle('shown', event.target.checked);
       page.map(event.target.checked);
     };
+    for (const mark of MARKS) byId(`show_${mark}`).onchange = () => page.marks();
   }
 
   #tissue() {
@@ -59,11 +73,80 @@ export class Controls {
       byId('tissue').append(row);
       input.oninput = () => {
         showValue(input);
-        byId('preset').value = '';
+        const {now} = this.history;
+        this.history.change({...now, values: {...now.values, [field]: Number(input.value)}}, field);
         this.page.send('tissueValue', {field, value: Number(input.value)});
+        this.#tissueState();
       };
     }
-    byId('preset').onchange = event => this.page.send('tissue', {name: event.target.value});
+    byId('preset').onchange = event => this.#change({name: event.target.value === this.own ? null : event.target.value, values: {}});
+  }
+
+  undo() { this.#show(this.history.undo()); }
+  redo() { this.#show(this.history.redo()); }
+  #change(state) {
+    this.history.change(state);
+    this.#show(state);
+  }
+  #show(state) {
+    if (state) this.page.send('tissue', {name: state.name, values: Object.entries(state.values)});
+  }
+  #tissueState() {
+    const {now, canUndo, canRedo} = this.history, changed = Object.keys(now.values).length > 0;
+    const name = now.name ?? this.own;
+    byId('preset').value = name;
+    byId('preset').selectedOptions[0].textContent = changed ? `${name}, changed` : name;
+    for (const option of byId('preset').options) if (!option.selected) option.textContent = option.value;
+    [byId('undo').disabled, byId('redo').disabled, byId('preset_again').disabled] = [!canUndo, !canRedo, !changed];
+  }
+
+  #dialogs() {
+    const {page} = this;
+    for (const link of document.querySelectorAll('a.about')) {
+      link.onclick = event => {
+        event.preventDefault();
+        byId('about').showModal();
+      };
+    }
+    byId('more').onclick = () => {
+      this.#cards();
+      byId('gallery').showModal();
+    };
+    byId('browse').onclick = () => byId('file').click();
+    byId('file').onchange = event => {
+      page.files(event.target.files);
+      event.target.value = '';
+    };
+    document.addEventListener('dragover', event => event.preventDefault());
+    document.addEventListener('drop', event => {
+      event.preventDefault();
+      if (event.dataTransfer?.files.length) page.files(event.dataTransfer.files);
+    });
+  }
+  /** The gallery, when it is opened first. */
+  #cards() {
+    if (byId('cards').childElementCount || !this.scenes) return;
+    byId('cards').append(...this.scenes.map(({name, title, line}) => {
+      const card = document.createElement('button'), picture = document.createElement('img');
+      Object.assign(picture, {src: `scenes/${name}.png`, alt: '', loading: 'lazy', width: 240, height: 160});
+      const [head, text] = ['b', 'span'].map(tag => document.createElement(tag));
+      [head.textContent, text.textContent] = [title, line];
+      card.dataset.scene = name;
+      card.append(picture, head, text);
+      card.onclick = () => {
+        byId('gallery').close();
+        this.page.openScene(name);
+      };
+      return card;
+    }));
+  }
+  /** Asks for the unit of a mesh. @return promise of its name; '': cancelled */
+  unitOf(file) {
+    const dialog = byId('unit');
+    byId('unit_of').textContent = `${file}: which unit do its coordinates have?`;
+    dialog.returnValue = '';
+    dialog.showModal();
+    return new Promise(done => { dialog.addEventListener('close', () => done(dialog.returnValue), {once: true}); });
   }
 
   #noise() {
@@ -81,9 +164,18 @@ export class Controls {
 
   #lever() {
     byId('depth').oninput = event => {
-      if (this.page.take()) this.page.steering.depth = 1e-3 * event.target.value;
+      const value = 1e-3 * event.target.value;
+      if (this.page.take(true)) this.page.send('press', {deeper: value - this.lever});
+      this.#showLever(value);
     };
   }
+  #showLever(value) {
+    this.lever = value;
+    byId('set').textContent = `${(1e3 * value).toFixed(1)}`;
+  }
+
+  /** Which marks are drawn over the picture. */
+  get marksShown() { return Object.fromEntries(MARKS.map(mark => [mark, byId(`show_${mark}`).checked])); }
 
   /** Colours of the plots, as the style sheet has them. */
   colours() {
@@ -92,30 +184,52 @@ export class Controls {
     return Object.fromEntries(names.map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
   }
 
-  /** Shows the controls of an exercise. */
-  exercise(task) {
-    document.querySelector(`[name=task][value=${task}]`).checked = true;
-    byId('name').textContent = EXERCISES[task].name;
-    byId('depth_name').textContent = task === 'pull' ? 'Depth, or stretch' : 'Depth';
-    byId('jaws').hidden = task !== 'pull';
-    byId('mark').hidden = byId('search').hidden = task !== 'palpate';
-    for (const row of document.querySelectorAll('[data-task]')) row.hidden = row.dataset.task !== task;
-    byId('score').hidden = true;
+  /** Shows that a scene is being opened. */
+  opening() {
+    byId('answer').hidden = true;
+    byId('score').replaceChildren();
     byId('mark').disabled = false;
     byId('finish').textContent = 'End the search';
     byId('marks').textContent = '0';
     byId('fault').hidden = true;
-    byId('depth').disabled = true;  // until lever()
+    byId('depth').disabled = true;  // until begun()
+    byId('hint').hidden = true;
     delete document.body.dataset.ready;
-    this.#hint('demo');
-  }
-  #hint(mode, task) {
-    byId('hint').textContent = mode === 'demo' ? HINTS.demo : mode === 'haply' ? HAPLY_HINT : HINTS[task];
-    byId('lever').hidden = mode === 'haply';
-    byId('demonstrate').disabled = mode !== 'pointer';
   }
 
-  opened({task, rate, maxForce, record, noise}) {
+  /** Shows the controls of a scene. @param line what the user does in it; '': a scene of the user's */
+  exercise({task, jaws, lumps}, name, line, builtin) {
+    Object.assign(this, {task, jawed: jaws && task !== 'palpate'});
+    for (const input of document.querySelectorAll('[name=task]')) input.checked = EXERCISES[input.value].scene === builtin;
+    byId('name').textContent = line || name;
+    byId('depth_name').textContent = task === 'pull' ? 'Depth, or stretch' : 'Depth';
+    byId('jaws').hidden = task !== 'pull';
+    byId('mark').hidden = byId('search').hidden = task !== 'palpate' || lumps === 0;
+    for (const row of document.querySelectorAll('[data-task]')) row.hidden = row.dataset.task !== task;
+  }
+
+  /** One line over the picture: what to do until the first contact; in a pull until the first pull. */
+  hint(mode, touched, pulled) {
+    if (performance.now() < (this.noteUntil ?? 0)) return;
+    const words = which => HINTS[which][this.touch ? 1 : 0];
+    let text = '';
+    if (mode !== 'pointer') text = words(mode);
+    else if (!touched) text = words('move') + (this.task === 'palpate' ? words('search') : this.task === 'pull' ? words('jaws') : '');
+    else if (this.task === 'pull' && !pulled) text = words('pull');
+    byId('hint').textContent = text;
+    byId('hint').hidden = !text;
+    byId('lever').hidden = mode === 'haply';
+    byId('demonstrate').disabled = mode === 'demo' || mode === 'haply';
+  }
+  /** A message in place of the hint, for some seconds. */
+  note(words) {
+    this.noteUntil = performance.now() + NOTE_TIME;
+    byId('hint').textContent = words;
+    byId('hint').hidden = false;
+  }
+  fileNote(words) { byId('file_note').textContent = words; }
+
+  opened({scene, hands, rate, maxForce, record, noise}, fresh) {
     byId('loop').textContent = `${rate} Hz, at most ${maxForce} N`;
     byId('record').classList.toggle('recording', record);
     byId('record').textContent = record ? 'Stop and save CSV' : 'Record';
@@ -123,42 +237,54 @@ export class Controls {
     byId('sigma').value = 1e3 * noise.gain / noise.threshold;
     byId('reach').value = 1e3 * noise.threshold;
     for (const id of ['sigma', 'reach']) showValue(byId(id));
-    this.task = task;
+    if (!fresh) return;
+    this.history.begin();
+    this.own = scene.tissue;
+    const names = [...new Set([scene.tissue, ...this.page.tissueNames()])].sort();
+    byId('preset').replaceChildren(...names.map(name => new Option(name, name)));
+    byId('hands').hidden = hands < 2;
+    byId('hands').replaceChildren(...Array.from({length: hands}, (_, which) => {
+      const button = document.createElement('button');
+      [button.type, button.textContent, button.title] = ['button', `Hand ${which + 1}`, `${which + 1}`];
+      button.onclick = () => this.page.hand(which);
+      return button;
+    }));
+    this.hand(0);
   }
-  begun(mode) {
-    this.#hint(mode, this.task);
-    byId('depth').disabled = true;
+  hand(which) {
+    [...byId('hands').children].forEach((button, i) => button.setAttribute('aria-pressed', i === which));
+  }
+  begun(task) {
+    byId('depth').disabled = false;
+    this.#showLever(-5e-3);
+    document.body.dataset.ready = task;
   }
 
-  tissue({name, values}) {
-    byId('preset').value = name ?? '';
-    byId('curves').hidden = !name;
+  tissue({curve, values}) {
+    byId('curves').hidden = !curve;
     for (const [field, value] of values) {
       byId(field).value = value;
       showValue(byId(field));
     }
+    this.#tissueState();
   }
 
-  /** Sets the lever's ends from the distance between tool and organ at the start [m]. */
-  lever(distance) {
-    const input = byId('depth');
-    [input.min, input.max, input.value, input.disabled] = [-15, Math.ceil(1e3 * Math.max(0, distance) + 20), 0, false];
-    document.body.dataset.ready = this.task;
-  }
-
-  frame({mode, result, felt, fault}, task) {
+  frame({mode, result, felt, fault, lever, parked}, task) {
     const mm = metres => `${(1e3 * metres).toFixed(1)} mm`;
     const {phase, depth, distance, deviceForce, engagement} = result;
     const words = phase === 1 ? `Pressing, ${mm(depth)} deep` : phase === 2 ? `Pulling, stretched ${mm(depth)}`
       : distance < 0 ? 'Inside the organ: move out first' : `${mm(distance)} from the tissue`;
     const ramp = mode === 'haply' && engagement < 1 ? `. Force at ${Math.round(100 * engagement)} %: keep still outside the tissue` : '';
-    byId('state').textContent = words + ramp;
+    byId('state').textContent = words + ramp + (parked ? '. Parked: F brings the tool back' : '');
     byId('force_now').textContent = `${Math.hypot(...deviceForce).toFixed(2)} N`;
     byId('depth_now').textContent = phase === 0 ? '' : mm(depth);
-    if (task === 'palpate') byId('ratio').textContent = felt === null ? 'press deeper than 1 mm' : `${felt.toFixed(2)} times the uniform tissue`;
+    if (task === 'palpate') byId('ratio').textContent = phase === 0 ? 'not in contact' : felt === null ? 'press deeper than 1 mm' : `${felt.toFixed(2)} times the uniform`;
     byId('fault').hidden = !fault;
     if (fault) byId('fault').firstElementChild.textContent = `Zero force: ${fault}.`;
-    if (document.activeElement !== byId('depth')) byId('depth').value = 1e3 * this.page.steering.depth;
+    if (mode === 'pointer' && !byId('depth').matches(':active')) {
+      byId('depth').value = 1e3 * lever;
+      this.#showLever(lever);
+    }
   }
 
   pace({share, tickMicroseconds}, slowShare) {
@@ -185,7 +311,9 @@ export class Controls {
       [dt.textContent, dd.textContent] = [name, value];
       return [dt, dd];
     }));
-    byId('score').hidden = false;
+    const lumps = found === 1 && missed === 0 ? 'lump' : 'lumps', marks = wrong === 1 ? 'mark' : 'marks';
+    byId('answer').textContent = `${found} of ${found + missed} ${lumps} found${wrong ? `, ${wrong} false ${marks}` : ''}. Rings: the lumps. Dots and crosses: right and false marks.`;
+    byId('answer').hidden = false;
     byId('mark').disabled = true;
     byId('finish').textContent = 'Hide other lumps';
   }
@@ -198,8 +326,8 @@ export class Controls {
       : this.linked ? `Connecting to ${address}` : '');
   }
   trouble({of, words}) {
-    const place = of === 'haply' ? byId('haply') : byId('hint');
-    place.textContent = words;
-    if (of === 'haply') place.classList.add('bad');
+    if (of !== 'haply') return this.note(words);
+    byId('haply').textContent = words;
+    byId('haply').classList.add('bad');
   }
 }

@@ -1,58 +1,67 @@
 // The page: the worker ticks, a second instance of the module draws, and plots show the last seconds.
 import {loadPalpate} from './palpate/palpate.js';
 import {Controls, byId} from './controls.js';
+import {builtinRequest, linkTo, requestOf, requestOfFiles} from './load.js';
+import {drawMarks} from './marks.js';
 import {drawForceOverDepth, drawStrip, History} from './plots.js';
-import {listen, Steering} from './pointer.js';
-import {EXERCISES, sceneText, TOLERANCE} from './scenes.js';
+import {listen} from './pointer.js';
+import {readRecording} from './recording.js';
+import {EXERCISES, optionsOf, organIn, textOf} from './scenes.js';
 import {scoreOf, surfacePoint} from './search.js';
 import {clamp, rotatedBack, sub} from './vectors.js';
 
-const PULL_ROOM = 1.2;         // factor of the distance, for the tissue that a pull lifts
 const MAP_RANGE = 10e-3;       // m
 const PLOT_PERIOD = 40;        // ms
 const WORDS_PERIOD = 100;      // ms, of numbers that people read
 const SLOW_SHARE = 0.95;       // of real time
 const LONGEST_RECORDING = 120; // s
+const MOST_MARKS = 16;
+const FIRST_SEED = 7;          // of the built-in search
 const NO_WEBGL = 'This page draws with WebGL 2, which this browser does not offer. Switch on hardware acceleration in the ' +
   'browser\u2019s settings, or open the page in a current Chrome, Edge, Firefox or Safari.';
 const LOST = 'The graphics driver was reset. Load the page again.';
 const state = {
   palpate: null, sim: null, view: null, canvas: null, organ: null, snapshot: null, result: null,
-  task: 'press', seed: 7, text: '', mode: 'demo', opened: false, asked: false, stale: true, replot: true,
-  inclusions: [], marks: [], ended: false, law: null, recording: false,
+  request: null, scene: null, shownRequest: null, mode: 'demo', opened: false, asked: false, stale: true, replot: true,
+  inclusions: [], marks: [], ended: false, law: null, recording: false, closed: false,
+  touched: false, pulled: false, viewUsed: false,  // since the beginning: the tissue was touched, pulled; the user moved the view
   shown: 0, since: 0, plotted: 0, told: 0,
 };
-const history = new History(), steering = new Steering();
+const history = new History();
 const worker = new Worker('worker.js', {type: 'module'});
 const send = (what, fields = {}) => worker.postMessage({do: what, ...fields});
 const stage = byId('stage'), picture = byId('picture');
+const task = () => state.scene?.task;
 
 const controls = new Controls({
-  send, steering,
-  take,
+  send, take, mark, finish, record,
   jaws() {
-    if (state.task !== 'pull' || !take()) return;
-    steering.closed = !steering.closed;
-    controls.jaws(steering.closed);
+    if (!controls.jawed || !take(true)) return;
+    state.closed = !state.closed;
+    send('latch', {on: state.closed});
+    controls.jaws(state.closed);
   },
-  mark, finish,
-  open: task => open(task, state.seed),
-    restart: () => send('restart'),
-  view(closeUp) { firstView(closeUp); },
+  openScene: name => attempt(async () => open(await builtinRequest((await loaded).scenes, name, new URL('scenes/', location)))),
+  restart: () => send('restart'),
+  view: firstView,
   map(on) {
     state.view?.showDisplacement(on ? MAP_RANGE : 0);
     state.stale = true;
   },
-  record,
+  marks() { state.stale = true; },
+  hand: which => send('hand', {which}),
+  tissueNames: () => state.palpate?.tissueNames ?? [],
+  link: copyLink,
+  files: openFiles,
 });
 
-/** The pointer takes the tool from the demonstration. @return whether the pointer moves the tool */
-function take() {
+/** Whether the pointer holds the tool. @param fromDemonstration takes it from demonstration or recording */
+function take(fromDemonstration) {
   if (!state.opened || state.mode === 'haply') return false;
-  if (state.mode === 'demo') {
-    state.mode = 'pointer';
-    send('take');
-  }
+  if (state.mode === 'pointer') return true;
+  if (!fromDemonstration) return false;
+  state.mode = 'pointer';
+  send('take');
   return true;
 }
 
@@ -61,25 +70,50 @@ function say(words) {
   byId('message').textContent = words;
 }
 
+/** Runs what opens something; an error stays in words over the picture, or on it if something is open. */
+async function attempt(act) {
+  try {
+    controls.fileNote('');
+    await act();
+  } catch (error) {
+    failed(error.message);
+  }
+}
+
+function failed(words) {
+  controls.fileNote(words);
+  if (state.view && state.request) {
+    say('');
+    controls.note(words);
+  } else {
+    say(words);
+  }
+}
+
 // ---- Scenes
 
-function open(task, seed, demo = true) {
-  Object.assign(state, {task, seed, opened: false, marks: [], ended: false});
-  say(`Preparing the ${EXERCISES[task].organ}`);
-  controls.exercise(task);
-  send('open', {task, seed, demo});
-  setTimeout(() => show(sceneText(task, seed, null)), 30);  // after the message is on the screen
+let serial = 0;  // of requests
+
+/** @param request as load.js makes it */
+function open(request, demo = true) {
+  request = {...request, serial: ++serial};
+  Object.assign(state, {opened: false, marks: [], ended: false, wanted: request});
+  const {scenes} = state.palpate ?? {};
+  say(`Preparing the ${request.organ ?? (scenes ? organIn(textOf(scenes, request)) : EXERCISES.press.organ)} \u2026`);
+  controls.opening();
+  send('open', {request, demo});
 }
 
 /** Opens the scene in the page's own instance, which only draws. */
-function show(text) {
-  if (text === state.text || !state.palpate) return;
+function show(request) {
+  if (request === state.shownRequest || !state.palpate) return;
   state.view?.close();
   state.sim?.close();
   state.canvas?.remove();
-  state.text = text;
-  state.sim = state.palpate.open({scene: text, noHand: true});
-  state.sim.tick([state.sim.scriptedSample(0, 0)]);  // the tool beside the organ until the first snapshot
+  [state.view, state.sim, state.shownRequest] = [null, null, request];
+  state.sim = state.palpate.open({...optionsOf(state.palpate.scenes, request, null), noHand: true});
+  // The tools beside the organ until the first snapshot.
+  state.sim.tick(Array.from({length: state.sim.info.hands}, (_, hand) => state.sim.scriptedSample(hand, 0)));
   const {positions, picture: pose} = state.sim.surface();
   state.organ = {positions, position: pose.organPosition, orientation: pose.organOrientation};
   const canvas = state.canvas = document.createElement('canvas');
@@ -88,21 +122,23 @@ function show(text) {
   resize();
   state.view = state.palpate.view(canvas, state.sim);
   if (byId('map').checked) state.view.showDisplacement(MAP_RANGE);
-  state.snapshot = null;
+  Object.assign(state, {snapshot: null, scene: state.sim.scene});
+  const builtin = state.palpate.scenes.find(({name}) => name === request.builtin);
+  controls.exercise(state.scene, state.sim.name, request.organ || request.tissue ? '' : builtin?.line, request.builtin);
   firstView(false);
   draw();
   say('');
   requestAnimationFrame(() => performance.mark('first picture'));
 }
 
+/** The view of the window's start, or nearer. */
 function firstView(closeUp) {
   if (!state.view) return;
   state.view.frame(closeUp);
   // From above the view already fits the picture's width, and moves back once more for a narrow picture.
   const narrow = picture.clientWidth / picture.clientHeight / (4 / 3);
-  if (!closeUp && state.task === 'palpate' && narrow < 1) state.view.zoom(1.3 * narrow);
-  if (!closeUp && state.task === 'pull') state.view.zoom(PULL_ROOM);
-  state.stale = true;
+  if (!closeUp && task() === 'palpate' && narrow < 1) state.view.zoom(1.3 * narrow);
+  Object.assign(state, {stale: true, viewUsed: closeUp});
 }
 
 function resize() {
@@ -115,14 +151,41 @@ function resize() {
 
 function draw() {
   if (state.snapshot) state.view.draw(state.snapshot); else state.view.draw();
-  state.stale = false;
+  drawMarks(byId('overlay'), state.view, controls.marksShown);
+  // A tool under the pointer is inside the picture.
+  state.stale = state.mode !== 'pointer' && !state.viewUsed && state.view.keepInFrame();
+}
+
+// ---- Files and links
+
+function openFiles(files) {
+  attempt(async () => {
+    const {request, recording} = await requestOfFiles(files, state.request, name => controls.unitOf(name));
+    if (request) open(request);
+    if (!recording) return;
+    send('replay', {recording: readRecording(recording)});
+    controls.fileNote(`${files[0].name} plays in the open scene.`);
+  });
+}
+
+async function copyLink() {
+  const link = linkTo(location.href, state.request, state.request.seed);
+  if (!link) return controls.fileNote('A file of this computer has no address: put it on a server, and open it by ?scene=, ?organ= or ?tissue=.');
+  try {
+    await navigator.clipboard.writeText(link);
+    controls.fileNote(`Copied: ${link}`);
+  } catch {
+    controls.fileNote(link);  // the browser does not let the page copy
+  }
 }
 
 // ---- The search
 
 function mark() {
-  if (state.task !== 'palpate' || state.ended || !state.result || state.marks.length >= 16) return;
+  if (task() !== 'palpate' || state.ended || !state.result || state.marks.length >= MOST_MARKS) return;
+  if (state.result.phase === 0) return controls.note('Nothing is marked: the tool does not touch the tissue.');
   state.marks.push(rotatedBack(state.organ.orientation, sub(state.result.contact, state.organ.position)));
+  send('mark');
   showMarks(state.marks.map(position => ({position, kind: 'found'})));  // no mark shows whether it is right
 }
 
@@ -133,10 +196,13 @@ function showMarks(marks) {
 }
 
 function finish() {
-  if (state.ended) return open('palpate', state.seed + 1, false);
+  if (state.ended) {
+    const seed = Number(state.request.seed ?? FIRST_SEED) + 1;
+    return open({...state.request, seed}, false);
+  }
   const hidden = state.inclusions.filter(inclusion => !inclusion.visible);
   const lumps = hidden.map(inclusion => surfacePoint(state.organ.positions, inclusion.position));
-  const score = scoreOf(lumps, state.marks, TOLERANCE);
+  const score = scoreOf(lumps, state.marks, state.scene.tolerance);
   state.ended = true;
   state.view.showInclusions(hidden);
   showMarks([...state.marks.map((position, i) => ({position, kind: score.kinds[i]})),
@@ -164,17 +230,24 @@ function save(text) {
 // ---- Messages of the worker
 
 const hear = {
-  opened(message) {
-    Object.assign(state, {opened: true, mode: message.mode, inclusions: message.inclusions, recording: message.record});
-    show(message.text);
-    controls.opened(message);
+  async opened(message) {
+    await loaded;
+    if (message.request.serial !== state.wanted.serial) return;  // another scene was chosen meanwhile
+    const fresh = state.wanted !== state.request;
+    try {
+      show(state.wanted);
+    } catch (error) {
+      return failed(error.message);
+    }
+    Object.assign(state, {opened: true, request: state.wanted, mode: message.mode, inclusions: message.inclusions, recording: message.record});
+    controls.opened(message, fresh);
   },
   begun(message) {
-    Object.assign(state, {mode: message.mode, result: null, freshLever: true});
+    Object.assign(state, {mode: message.mode, result: null, closed: false, touched: false, pulled: false});
     history.clear();
-    steering.take(message);
     controls.jaws(false);
-    controls.begun(message.mode);
+    controls.begun(task());
+    controls.hint(state.mode, false, false);
     state.replot = true;
   },
   tissue(message) {
@@ -186,27 +259,40 @@ const hear = {
     if (!message.result || !state.opened) return;  // of the scene before
     history.add(message.rows);
     Object.assign(state, {snapshot: message.snapshot, result: message.result, stale: true, replot: true});
-    if (state.freshLever) {
-      state.freshLever = false;
-      controls.lever(message.result.distance);
-    }
-    // Pseudo-haptics, as in the program's window: over stiff places the pointer moves the tool less (docs/lumps.md).
-    steering.gain = state.task === 'palpate' && message.felt ? clamp(message.felt ** -3, 0.25, 1) : 1;
+    state.touched ||= message.result.phase !== 0;
+    state.pulled ||= message.result.phase === 2;
     const now = performance.now();
     if (message.fault || now - state.told >= WORDS_PERIOD) {
       state.told = now;
-      controls.frame(message, state.task);
+      controls.frame(message, task());
+      controls.hint(state.mode, state.touched, state.pulled);
     }
     if (message.pace) controls.pace(message.pace, SLOW_SHARE);
     if (state.recording && message.result.time > LONGEST_RECORDING) record();
   },
+  hand({hand}) {
+    history.clear();
+    controls.hand(hand);
+  },
   csv: message => save(message.text),
   haply: message => controls.haply(message),
+  differs({time, recorded, here}) {
+    const mm = metres => (1e3 * metres).toFixed(1);
+    controls.fileNote(`The recording is of another scene than the open one: at ${time.toFixed(2)} s the tool was ${mm(recorded)} mm from the tissue, here it is ${mm(here)} mm.`);
+  },
   error(message) {
-    if (!state.opened) say(message.words); else controls.trouble(message);
+    if (message.of === 'haply') return controls.trouble(message);
+    if (message.of === 'open') {
+      // The scene before is still open.
+      Object.assign(state, {wanted: state.request, opened: state.request !== null});
+      if (state.opened) document.body.dataset.ready = task();
+    }
+    failed(message.words);
   },
 };
-worker.onmessage = ({data}) => hear[data.is](data);
+// One message after another, also while one waits for the module.
+let heard = Promise.resolve();
+worker.onmessage = ({data}) => { heard = heard.then(() => hear[data.is](data)).catch(error => reportError(error)); };
 worker.onerror = event => say(`The simulation stopped: ${event.message}. Load the page again.`);
 
 // ---- Pictures
@@ -222,7 +308,7 @@ function animate(now) {
   requestAnimationFrame(animate);
   if (state.opened && !state.asked) {
     state.asked = true;
-    send('frame', steering.input);
+    send('frame');
   }
   if (!state.view) return;
   count(now);
@@ -239,23 +325,51 @@ function plot(now) {
   if (byId('felt').clientWidth) drawForceOverDepth(byId('felt_plot'), history, state.law, colours);
 }
 
+const loaded = document.createElement('canvas').getContext('webgl2') ? loadPalpate() : new Promise(() => say(NO_WEBGL));
+
 async function begin() {
-  if (!document.createElement('canvas').getContext('webgl2')) return say(NO_WEBGL);
-  open('press', state.seed);
+  const first = {builtin: 'press', text: null, link: {scene: 'press'}};
+  // Without a wish in the address the worker opens the first scene while the page loads its own instance.
+  if (!location.search) open(first);
   try {
-    state.palpate = await loadPalpate();
-    show(sceneText(state.task, state.seed, null));
+    state.palpate = await loaded;
+    controls.scenes = state.palpate.scenes;
     requestAnimationFrame(animate);
+    if (location.search) {
+      say('Loading \u2026');
+      await requestOf(location.search, state.palpate.scenes, location.href).then(request => open(request ?? first));
+    }
+    show(state.wanted);
   } catch (error) {
-    say(error.message);
+    failed(error.message);
+    if (!state.request && !state.wanted) byId('message').append(document.createElement('br'), firstLink());
   }
 }
 
+/** A link to the page without its wishes, for a wrong address. */
+function firstLink() {
+  const link = document.createElement('a');
+  [link.href, link.textContent] = [location.pathname, 'Open the first scene'];
+  return link;
+}
+
+const toggled = id => () => { byId(id).click(); };
 listen(stage, picture, {
-  view: () => state.view, steering, take,
-  moved: () => { state.stale = true; },
-  commands: {' ': () => controls.page.jaws(), m: mark, r: () => send('resetFault'), n: () => controls.toggleNoise(),
-    Home: () => firstView(false), Enter: () => send('restart')},
+  view: () => state.view, send, take,
+  tip: () => state.result?.contact ?? state.sim.surface().picture.organPosition,
+  moved: () => Object.assign(state, {stale: true, viewUsed: true}),
+  primary(down) {
+    if (task() !== 'palpate') send('grip', {on: down}); else if (down) mark();
+  },
+  touched() { controls.touch = true; },
+  commands: {
+    ' ': () => controls.page.jaws(), g: () => { if (controls.jawed && take(true)) send('rest'); }, f: () => { if (take(true)) send('park'); },
+    m: mark, r: () => send('resetFault'), n: () => controls.toggleNoise(),
+    a: toggled('show_force'), b: toggled('show_scale'), x: toggled('show_axes'),
+    ...Object.fromEntries([1, 2, 3, 4].map(number => [number, () => send('hand', {which: number - 1})])),
+    'Ctrl+z': () => controls.undo(), 'Ctrl+y': () => controls.redo(), 'Ctrl+Shift+z': () => controls.redo(),
+    Home: () => firstView(false), Enter: () => send('restart'),
+  },
 });
 addEventListener('resize', () => { state.replot = true; });
 document.addEventListener('visibilitychange', () => send('pause', {on: document.hidden}));

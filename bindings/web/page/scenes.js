@@ -1,12 +1,13 @@
-// The exercises of the page as scenes (TOML, docs/file-formats.md).
+// What the page opens: a built-in scene, a file of this computer, or an address.
 
+/** The three exercises of the header, by the task of their scenes. */
 export const EXERCISES = {
-  press: {organ: 'gallbladder', tool: 'curved-forceps', direction: 'press', name: 'Gallbladder pressed with curved forceps'},
-  pull: {organ: 'heart', tool: 'straight-forceps', direction: 'pull', name: 'Heart pulled with straight forceps'},
-  palpate: {organ: 'liver', tool: 'sphere:5', direction: 'press', name: 'Liver palpated with a 5 mm ball'},
+  press: {scene: 'press', organ: 'gallbladder'},
+  pull: {scene: 'pull', organ: 'heart'},
+  palpate: {scene: 'find-the-lump', organ: 'liver'},
 };
 
-/** Tissue numbers with sliders, by their keys in tissue files. The same ranges suit all four organs. */
+/** Tissue numbers with sliders, by their keys in tissue files. The same ranges suit all built-in organs. */
 export const TISSUE_SLIDERS = [
   {field: 'k1_N_per_m', label: 'Stiffness of the surface', unit: 'N/m', low: 5, high: 80, step: 0.5, decimals: 1,
     meaning: 'k\u2081, spring constant of the first layer'},
@@ -18,23 +19,27 @@ export const TISSUE_SLIDERS = [
     meaning: 'pull force at which the jaws lose the tissue', task: 'pull'},
 ];
 
-export const NOISE = {enabled: true, gain: 5e-5, threshold: 5e-3};  // N m, m
+/** The text of a request's scene. @param scenes Palpate.scenes */
+export function textOf(scenes, {builtin, text}) {
+  return builtin ? scenes.find(({name}) => name === builtin).toml : text;
+}
 
-const LUMPS = 3;
-export const TOLERANCE = 10e-3;  // m: a mark within it of the point above a lump finds the lump
+/** The organ that a scene names, for messages. */
+export function organIn(text) {
+  return /^\[organ\][^[]*?^mesh\s*=\s*"([^"]+)"/m.exec(text)?.[1] ?? 'organ';
+}
 
-/** Text of a scene. @param seed hides the lumps elsewhere @param haply {grip}: an Inverse3 holds the tool */
-export function sceneText(task, seed, haply) {
-  const {organ, tool, name} = EXERCISES[task];
-  const lines = ['[scene]', `name = "${name}"`, `task = "${task}"`, `seed = ${seed}`,
-    '[noise]', `enabled = ${NOISE.enabled}`, `gain_N_m = ${NOISE.gain}`, `threshold_mm = ${1e3 * NOISE.threshold}`,
-    '[organ]', `mesh = "${organ}"`, '[tool]', `mesh = "${tool}"`];
+/**
+ * What Palpate.open() needs for a request.
+ * @param request {builtin: name or null, text: TOML or null, files, organ, organUnit, tissue, seed}
+ * @param haply null, or {grip}: an Inverse3 holds the tool
+ */
+export function optionsOf(scenes, request, haply) {
+  const {files = {}, organ, organUnit, tissue, seed} = request;
+  let scene = textOf(scenes, request);
   // Without a grip the handle's orientation is the identity, and the instrument would point up.
-  if (haply && !haply.grip) lines.push('mount = { rotation_deg = [180, 0, 0] }');
-  if (haply) lines.push('[device]', 'kind = "haply"');
-  if (task === 'palpate') {
-    lines.push('[search]', `lumps = ${LUMPS}`, 'preset = "nodule"', 'radius_mm = 6', 'depth_mm = 9',
-      `tolerance_mm = ${1e3 * TOLERANCE}`);
+  if (haply && !haply.grip && !/^mount\s*=/m.test(scene)) {
+    scene = scene.replace(/^\[tool\]$/m, '[tool]\nmount = { rotation_deg = [180, 0, 0] }');
   }
-  return lines.join('\n') + '\n';
+  return {scene, files, organ, organUnit, tissue, seed, device: haply ? 'haply' : undefined};
 }

@@ -1,14 +1,19 @@
 // Runs the simulation beside the page: ticks at the scene's rate of wall-clock time, in small batches.
 //
 // The page asks for a frame per picture; the answer carries the snapshot of the newest tick and the rows since the last
-// frame. The tool follows the scripted path ('demo'), the page's pointer ('pointer') or an Inverse3 ('haply').
+// frame. The tool follows the scripted path ('demo'), rides on the organ under the page's pointer ('pointer'), repeats a
+// recording ('replay') or follows an Inverse3 ('haply'). The riders are here, so that they move on with the ticks and not
+// with the pictures.
 import {HaplyError, HaplyLink} from './haply.js';
 import {loadPalpate} from './palpate/palpate.js';
-import {EXERCISES, NOISE, sceneText, TISSUE_SLIDERS} from './scenes.js';
-import {add, norm, sub} from './vectors.js';
+import {Playback, RecordingError} from './recording.js';
+import {optionsOf, TISSUE_SLIDERS} from './scenes.js';
+import {add, clamp, norm, sub} from './vectors.js';
 
 const BATCH = 4;            // ms between batches; browsers allow no shorter timer
 const LONGEST_BATCH = 25;   // ms of simulated time; time beyond it is dropped and reported
+const RIDE = 4;             // ticks between two steps of the riders
+const CLICK = 40;           // ticks that a click closes the jaws or holds the marking button at least
 const STALLED = 20;         // ms without a tick after which a device gets zero force (palpate.h)
 const REST = 0.5;           // s between the end of the scripted path and its next beginning
 const FAULT_STALLED_LOOP = 4;
@@ -16,13 +21,18 @@ const ROW = 6;              // numbers of a row: time, phase, depth, force at th
 const CAPACITY = 4096;      // rows between two frames
 const REPORT = 1000;        // ms between reports of the pace
 const LEAST_DEPTH = 1e-3;   // m, of a felt stiffness
+const SLOWEST = 0.25;       // least pace of the tool over stiff places
 const FRESH = 3e-3, LATE = 8e-3;  // s, ages of an Inverse3's sample; over 5 ms is a fault
+const ANOTHER = 2e-4;       // m: distances of a replay that differ by more are of another scene
+const PULL = 2;             // phase of a result
 const ZERO = [0, 0, 0];
 
-let palpate, sim, law, follower, results, scene, settings, link;
+let palpate, sim, law, results, request, settings, link, recording;
+let record = false;
+let riders = [], hands = [], hand = 0;  // per hand: rider; {rest, held, latched, least: ticks}. The pointer holds `hand`
+let ray = null, lever = 0, dragging = false, marking = 0;
 let anchor = ZERO;  // m, from the Inverse3 to the tool: the arm is at the path's start when the scene begins
-let mode = 'demo', target = ZERO, gripper = 0, buttons = 0;
-let clock = 0, lastBatch = 0, tick = 0, epoch = 0, paused = false;
+let mode = 'demo', clock = 0, lastBatch = 0, tick = 0, paused = false, differs = false;
 // Of the Inverse3: a sample came since the beginning; the last force was not zero; a sample is overdue.
 let fresh = false, sentForce = false, late = false;
 let count = 0;
@@ -30,38 +40,85 @@ const rows = new Float64Array(ROW * CAPACITY);
 let simulated = 0, dropped = 0, busy = 0;  // ms since the last report
 
 const handlers = {
-  open({task, seed, demo}) {
-    if (demo && mode !== 'haply') mode = 'demo';
-    settings = {tissue: EXERCISES[task].organ, values: new Map(), noise: NOISE};
-    openScene({task, seed, record: false});
+  open(message) {
+    if (message.demo && mode !== 'haply') mode = 'demo';
+    const before = settings;
+    settings = {tissue: null, values: new Map(), noise: null};
+    try {
+      openScene(message.request, false);
+    } catch (error) {
+      settings = before;
+      throw error;
+    }
   },
-  frame(input) {
-    // Input for an earlier beginning does not count.
-    if (input.epoch === epoch) [target, gripper, buttons] = [input.target, input.gripper, input.buttons];
+  frame() {
     if (mode !== 'haply') advance();
     postFrame();
   },
-  /** The pointer takes over from the script, from the start of the path. */
-  take() { if (mode === 'demo') begin('pointer'); },
-  demonstrate() { if (mode === 'pointer') begin('demo'); },
+  /** The pointer takes over from script or recording, from the start of the path. */
+  take() { if (mode === 'demo' || mode === 'replay') begin('pointer'); },
+  demonstrate() { if (mode === 'pointer' || mode === 'replay') begin('demo'); },
   restart() { begin(mode); },
-  record({on}) { openScene({...scene, record: on}); },
+  /** The pointer's line of sight; null: it is elsewhere. */
+  point(message) {
+    ray = message.ray;
+    riders[hand]?.pointAt(ray);
+  },
+  press({deeper}) {
+    riders[hand]?.press(deeper);
+    if (dragging) lever += deeper;
+  },
+  park() {
+    const rider = riders[hand];
+    rider?.park(!rider.parked);
+  },
+  grip({on}) {
+    if (on) hands[hand].least = CLICK;
+    hands[hand].held = on;
+  },
+  latch({on}) { hands[hand].latched = on; },
+  rest() { hands[hand].rest = 1 - hands[hand].rest; },
+  mark() { marking = CLICK; },
+  hand({which}) {
+    if (which >= hands.length) return;
+    riders[hand]?.pointAt(null);
+    hands[hand].held = false;
+    hand = which;
+    count = 0;
+    postMessage({is: 'hand', hand});
+  },
+  replay({recording: read}) {
+    if (read.hands !== sim.info.hands) {
+      throw new RecordingError(`The recording has ${read.hands} hands, the open scene ${sim.info.hands}: open the scene it was made in first.`);
+    }
+    if (Math.abs(read.rate - sim.info.rate) > 0.01 * sim.info.rate) {
+      throw new RecordingError(`The recording has ${read.rate.toFixed(0)} ticks a second, the open scene ${sim.info.rate}.`);
+    }
+    recording = new Playback(read);
+    if (mode === 'haply') throw new RecordingError('The Inverse3 holds the tool: disconnect it first.');
+    begin('replay');
+  },
+  record({on}) { openScene(request, on); },
   csv: () => postMessage({is: 'csv', text: sim.recordingCsv()}),
-  tissue({name}) {
-    Object.assign(settings, {tissue: name, values: new Map()});
-    sim.setTissue(name);
-    setLaw(name);
+  /** @param name of a built-in tissue; null: the scene's own @param values of numbers that differ */
+  tissue({name, values}) {
+    const own = name === null && settings.tissue !== null;
+    Object.assign(settings, {tissue: name, values: new Map(values)});
+    if (own) return begin(mode);
+    if (name !== null) sim.setTissue(name);
+    for (const [field, value] of values) sim.setTissueValue(field, value);
+    setLaw();
   },
   tissueValue({field, value}) {
     settings.values.set(field, value);
     sim.setTissueValue(field, value);
-    if (law) setLaw(null);
+    if (law) setLaw();
   },
   noise({noise}) {
     settings.noise = noise;
     sim.setNoise(noise);
   },
-  resetFault() { sim.resetFault(1); },
+  resetFault() { sim.resetFault((1 << sim.info.hands) - 1); },
   pause({on}) {
     paused = on && mode !== 'haply';  // a held device has no pause
     if (!on) clock = performance.now();
@@ -70,12 +127,12 @@ const handlers = {
     link?.close();
     link = null;
     postMessage({is: 'haply', address: ''});
-    if (mode === 'haply') openScene(scene);
+    if (mode === 'haply') openScene(request, record);
     if (!address) return;
     link = new HaplyLink(address, {
       onReady: at => guarded('haply', () => {
         postHaply(at);
-        if (mode !== 'haply') openScene(scene); else at.send(ZERO);
+        if (mode !== 'haply') openScene(request, record); else at.send(ZERO);
       }),
       onSample: exchange,
       onTrouble(at) {
@@ -92,7 +149,7 @@ function guarded(what, act) {
     act();
   } catch (error) {
     postMessage({is: 'error', of: what, words: error.message});
-    if (!(error.name === 'PalpateError' || error instanceof HaplyError)) throw error;
+    if (!(error.name === 'PalpateError' || error instanceof HaplyError || error instanceof RecordingError)) throw error;
   }
 }
 
@@ -106,56 +163,69 @@ onmessage = async ({data}) => {
   guarded(data.do, () => handlers[data.do](data));
 };
 
-function openScene({task, seed, record}) {
+function openScene(wanted, records) {
   const haply = link?.connected ? link : null;
-  const text = sceneText(task, seed, haply);
-  const opened = palpate.open({scene: text, noHand: !haply, record: Boolean(record)});
+  const opened = palpate.open({...optionsOf(palpate.scenes, wanted, haply), noHand: !haply, record: records});
+  closeRiders();
   if (sim) sim.close();
-  sim = opened;
-  scene = {task, seed, record: Boolean(record)};
-  tick = 0;
+  [sim, request, record, tick, hand] = [opened, wanted, records, 0, 0];
   applySettings();
-  setLaw(settings.values.size ? null : settings.tissue);
   if (haply) mode = 'haply';
-  else if (mode === 'haply') mode = 'pointer';
-  postMessage({is: 'opened', text, ...scene, mode, name: sim.name, rate: sim.info.rate, maxForce: sim.info.maxForce,
-    remarks: sim.remarks, inclusions: sim.inclusions(), noise: settings.noise});
+  else if (mode === 'haply' || mode === 'replay') mode = 'pointer';
+  postMessage({is: 'opened', request, record, mode, name: sim.name, scene: sim.scene, hands: sim.info.hands, rate: sim.info.rate,
+    maxForce: sim.info.maxForce, remarks: sim.remarks, inclusions: sim.inclusions(), noise: sim.noise()});
+  setLaw();
   begin(mode);
+}
+
+function closeRiders() {
+  for (const rider of riders) rider.close();
+  riders = [];
 }
 
 /** Starts again at tick 0. */
 function begin(next) {
   mode = next;
-  if (tick > 0 && scene.record) return openScene(scene);  // a recording begins with its simulation
+  if (tick > 0 && record) return openScene(request, record);  // a recording begins with its simulation
   if (tick > 0) {
     sim.restart();
     applySettings();
   }
-  follower = sim.follower(0);
-  [target, gripper, buttons] = [follower.start, follower.gripper, 0];
-  [tick, count, results] = [0, 0, undefined];
+  closeRiders();
+  const rest = sim.scene.task === 'pull' ? 1 : 0;
+  hands = Array.from({length: sim.info.hands}, () => ({rest, held: false, latched: false, least: 0}));
+  if (mode === 'pointer') {
+    riders = hands.map((_, i) => sim.rider(i));
+    riders[hand].pointAt(ray);
+    lever = riders[hand].depth;
+  }
+  [tick, count, results, dragging, marking, differs] = [0, 0, undefined, false, 0, false];
   clock = lastBatch = performance.now();
   if (mode === 'haply') {
     fresh = sentForce = false;
     link.send(ZERO);  // asks for a sample
   }
-  postMessage({is: 'begun', mode, epoch: ++epoch, start: follower.start, axis: follower.axis, gripper: follower.gripper});
+  postMessage({is: 'begun', mode});
 }
 
 /** Tissue and noise outlast a new beginning of the scene. */
 function applySettings() {
-  if (settings.tissue !== EXERCISES[scene.task].organ) sim.setTissue(settings.tissue);
+  if (settings.tissue !== null) sim.setTissue(settings.tissue);
   for (const [field, value] of settings.values) sim.setTissueValue(field, value);
-  if (settings.noise !== NOISE) sim.setNoise(settings.noise);
+  if (settings.noise) sim.setNoise(settings.noise);
 }
 
-/** Law of a built-in tissue, for the felt stiffness and the plot; null: the tissue has changed numbers. */
-function setLaw(name) {
+/** Law for the felt stiffness and the plot; null: the tissue is not built in, or has changed numbers. */
+function setLaw() {
+  const name = settings.tissue ?? sim.scene.tissue;
   law?.close();
-  law = name && palpate.law(name, EXERCISES[scene.task].direction, sim.info.rate);
+  law = null;
+  if (!settings.values.size && palpate.tissueNames.includes(name)) {
+    law = palpate.law(name, sim.scene.task === 'pull' ? 'pull' : 'press', sim.info.rate);
+  }
   const curve = law && Array.from({length: 81}, (_, i) => [i / 4, law.forceAt(i / 4000).force]);
   const values = TISSUE_SLIDERS.map(({field}) => [field, sim.tissueValue(field)]);
-  postMessage({is: 'tissue', name, curve, values});
+  postMessage({is: 'tissue', name, own: settings.tissue === null, changed: settings.values.size > 0, curve, values});
 }
 
 function loop() {
@@ -178,6 +248,7 @@ function advance() {
   if (due > 0) lastBatch = now;
   for (let i = 0; i < due; i++) {
     clock += period;
+    if (i % RIDE === 0) ride(Math.min(RIDE, due - i) * period / 1000);
     if (!tickOnce(stalled && i === 0)) return;
   }
   simulated += due * period;
@@ -185,27 +256,60 @@ function advance() {
   if (mode === 'haply' && due > 0) passForce();
 }
 
+/** Moves the riders on. Over stiff places the tool goes more slowly: pseudo-haptics, as in the program's window (docs/lumps.md). */
+function ride(seconds) {
+  riders.forEach((rider, i) => {
+    const result = results?.[i], closed = isClosed(hands[i]);
+    const drags = closed && result?.phase === PULL;
+    const felt = result && sim.scene.task === 'palpate' ? feltStiffness(result) : null;
+    rider.move(seconds, {dragging: drags, pace: felt === null ? 1 : clamp(felt ** -3, SLOWEST, 1)});
+    if (i !== hand) return;
+    dragging = drags;
+    if (!drags) lever = rider.depth;
+  });
+}
+
+const isClosed = ({held, latched, least}) => held || latched || least > 0;
+
 /** @return false when the demonstration began again */
 function tickOnce(stalled) {
   const {rate, scriptedTicks} = sim.info;
-  if (mode === 'demo' && tick >= scriptedTicks + REST * rate && !scene.record) {
-    begin('demo');
+  const end = mode === 'replay' ? recording.ticks : scriptedTicks;
+  if ((mode === 'demo' || mode === 'replay') && tick >= end + REST * rate && !record) {
+    begin(mode);
     return false;
   }
-  results = sim.tick([sampleOfMode(stalled)], results);
+  results = sim.tick(hands.map((_, i) => sampleOfMode(i, stalled)), results);
+  if (mode === 'replay') compare();
   tick++;
+  for (const one of hands) one.least = Math.max(0, one.least - 1);
+  marking = Math.max(0, marking - 1);
   if (count === CAPACITY) return true;
-  const {time, phase, depth, deviceForce, tissueForce, noiseForce} = results[0];
+  const {time, phase, depth, deviceForce, tissueForce, noiseForce} = results[hand];
   rows.set([time, phase, depth, norm(deviceForce), tissueForce, noiseForce], ROW * count++);
   return true;
 }
 
-function sampleOfMode(stalled) {
-  if (mode === 'demo') return sim.scriptedSample(0, Math.min(tick, sim.info.scriptedTicks - 1));
-  if (mode === 'pointer') return {...follower.advance(target, gripper), buttons};
+function sampleOfMode(i, stalled) {
+  if (mode === 'demo') return sim.scriptedSample(i, Math.min(tick, sim.info.scriptedTicks - 1));
+  if (mode === 'replay') return recording.sample(i, Math.min(tick, recording.ticks - 1));
+  if (mode === 'pointer') {
+    const closed = isClosed(hands[i]);
+    const sample = riders[i].advance(closed ? 0 : hands[i].rest);
+    return {...sample, buttons: closed || (i === hand && marking > 0) ? 1 : 0};
+  }
   const sample = link.sample();
   sample.position = add(sample.position, anchor);
   return stalled && !sample.fault ? {...sample, fault: FAULT_STALLED_LOOP} : sample;
+}
+
+/** Says once that a recording is not of the open scene. */
+function compare() {
+  if (differs || tick >= recording.ticks) return;
+  const recorded = recording.distance(0, tick), here = results[0].distance;
+  if (!(Math.abs(recorded - here) > ANOTHER)) return;
+  differs = true;
+  postMessage({is: 'differs', time: results[0].time, recorded, here});
 }
 
 /** Sends the newest force to the Inverse3: one command a reply, but zero force at once. */
@@ -221,7 +325,7 @@ function exchange() {
   if (mode !== 'haply') return;
   if (!fresh) {
     fresh = true;
-    anchor = sub(follower.start, link.newest.position);
+    anchor = sub(sim.scriptedSample(0, 0).position, link.newest.position);
     clock = lastBatch = performance.now();
   }
   late = false;
@@ -254,14 +358,14 @@ function feltStiffness({phase, depth, tissueForce, friction}) {
 
 function postFrame() {
   if (!results) return postMessage({is: 'frame', rows: new Float64Array(0)});
-  const snapshot = sim.snapshot(), sent = rows.slice(0, ROW * count), result = results[0];
+  const snapshot = sim.snapshot(), sent = rows.slice(0, ROW * count), result = results[hand];
   count = 0;
   let pace = null;
   if (simulated + dropped >= REPORT) {
     pace = {share: simulated / (simulated + dropped), tickMicroseconds: 1000 * busy * 1000 / sim.info.rate / simulated};
     [simulated, dropped, busy] = [0, 0, 0];
   }
-  const words = result.fault ? palpate.describeFault(result.fault) : '';
-  postMessage({is: 'frame', mode, snapshot, rows: sent, result, felt: feltStiffness(result), pace,
+  const fault = results.find(one => one.fault)?.fault, words = fault ? palpate.describeFault(fault) : '';
+  postMessage({is: 'frame', mode, snapshot, rows: sent, result, felt: feltStiffness(result), pace, lever, parked: Boolean(riders[hand]?.parked),
     fault: words && link?.trouble ? `${words} (${link.trouble})` : words}, [snapshot.buffer, sent.buffer]);
 }

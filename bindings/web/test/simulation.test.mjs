@@ -207,6 +207,7 @@ test('closing a simulation frees its memory', () => {
   const use = () => {
     const simulation = palpate.open({noHand: true, record: true, progress: () => {}});
     simulation.follower(0);
+    simulation.rider(0);
     play(simulation, 300);
     simulation.snapshot();
     simulation.surface();
@@ -248,6 +249,58 @@ test('a follower approaches its target no faster than a hand', () => {
   const far = follower.withinReach(follower.start.map((x, i) => x - follower.axis[i]));
   assert.ok(Math.abs(Math.hypot(...far.map((x, i) => x - follower.start[i])) - 0.15) < 1e-12);
   simulation.close();
+});
+
+test('a rider keeps its set depth while its pointer moves over the organ', () => {
+  const simulation = palpate.open({noHand: true});
+  const rider = simulation.rider(0);
+  assert.ok(Math.abs(rider.depth + 0.005) < 1e-12);
+  const depths = [];
+  let results;
+  for (let step = 0; step < 1500; ++step) {
+    // From above the gallbladder's middle, up to 20 mm to both sides.
+    rider.pointAt({origin: [0.02 * Math.sin(step / 200), 0, 0.3], direction: [0, 0, -1]});
+    if (step === 400) rider.press(0.010);
+    rider.move(0.004);
+    for (let tick = 0; tick < 4; ++tick) results = simulation.tick([rider.advance(0)], results);
+    if (step < 400) assert.equal(results[0].phase, 0, 'a touch before the press');
+    if (step > 550) depths.push(1e3 * results[0].depth);
+  }
+  assert.ok(Math.min(...depths) > 4.7 && Math.max(...depths) < 5.3, `${Math.min(...depths)} to ${Math.max(...depths)} mm`);
+  rider.pointAt(null);
+  rider.park(true);
+  for (let step = 0; step < 400; ++step) {
+    rider.move(0.004);
+    for (let tick = 0; tick < 4; ++tick) results = simulation.tick([rider.advance(0)], results);
+  }
+  assert.ok(rider.parked && results[0].distance > 0.02, `${results[0].distance} m`);
+  rider.close();
+  assert.match(errorOf(() => rider.move(0.004)).message, /closed/);
+  simulation.close();
+});
+
+test('the built-in scenes open, and say what they are about', () => {
+  assert.deepEqual(palpate.scenes.map(({name}) => name).slice(0, 3), ['press', 'pull', 'find-the-lump']);
+  assert.ok(palpate.tissueNames.includes('heart-muscle'));
+  const files = {'held-tool.csv': readFileSync(path.join(root, 'examples/held-tool.csv'))};
+  const about = Object.fromEntries(palpate.scenes.map(({name, toml}) => {
+    const simulation = palpate.open({scene: toml, files, noHand: true});
+    const {scene, info} = simulation;
+    simulation.close();
+    return [name, {...scene, hands: info.hands}];
+  }));
+  assert.deepEqual([about.pull.task, about.pull.organ, about.pull.jaws], ['pull', 'heart', true]);
+  assert.deepEqual([about['find-the-lump'].lumps, about['find-the-lump'].tolerance], [3, 0.01]);
+  assert.equal(about.bimanual.hands, 2);
+});
+
+test('organ, tissue and seed replace those of a scene', () => {
+  const [press] = palpate.scenes;
+  const simulation = palpate.open({scene: press.toml, organ: 'kidney', tissue: 'heart', seed: 12, noHand: true});
+  assert.deepEqual([simulation.scene.organ, simulation.scene.tissue, simulation.info.seed], ['kidney', 'heart', 12n]);
+  simulation.close();
+  assert.match(errorOf(() => palpate.open({scene: press.toml, seed: '-1', noHand: true})).message, /seed = -1: must be a whole number/);
+  assert.match(errorOf(() => palpate.open({scene: press.toml, organ: 'kidnee', noHand: true})).message, /did you mean kidney/);
 });
 
 test('the force law of the gallbladder and its inverse agree', () => {

@@ -280,8 +280,8 @@ std::array<std::uint32_t, CellGrid::kNodesOfCell> ResponseField::nodes_of(const 
 std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place& place) noexcept {
   CellGrid::Place in_cell;
   for (std::size_t axis = 0; axis < 3; ++axis) in_cell.within[axis] = static_cast<double>(place.within[axis]);
-  std::array<float, CellGrid::kNodesOfCell> weights{};
   const auto exact = CellGrid::weights(in_cell);
+  std::array<float, CellGrid::kNodesOfCell> weights{};
   std::transform(exact.begin(), exact.end(), weights.begin(), [](double w) { return static_cast<float>(w); });
   return weights;
 }

@@ -38,11 +38,32 @@ after(async () => {
   server?.close();
 });
 
+/** Notes what worker and page say to each other: rows of ticks, results, and lines of sight of the pointer. */
+function note() {
+  window.noted = {rows: [], results: [], rays: []};
+  const {Worker} = window;
+  window.Worker = class extends Worker {
+    constructor(...all) {
+      super(...all);
+      this.addEventListener('message', ({data}) => {
+        if (data.is !== 'frame' || !data.result) return;
+        for (let i = 0; i < data.rows.length; i += 6) window.noted.rows.push(Array.from(data.rows.slice(i, i + 3)));
+        window.noted.results.push({contact: data.result.contact, phase: data.result.phase, rays: window.noted.rays.length});
+      });
+    }
+    postMessage(message) {
+      if (message.do === 'point' && message.ray) window.noted.rays.push(message.ray);
+      super.postMessage(message);
+    }
+  };
+}
+
 /** Opens the page, until the end of the test. @param pictures at most so many a second */
-async function opened(context, {width = 840, height = 540, touch = false, pictures = 60} = {}) {
+async function opened(context, {width = 840, height = 540, touch = false, pictures = 60, search = '', ready = 'press'} = {}) {
   const page = await browser.newPage({viewport: {width, height}, hasTouch: touch, colorScheme: 'dark', acceptDownloads: true});
   context.after(() => page.close());
   page.setDefaultTimeout(LONG);
+  await page.addInitScript(note);
   if (pictures < 60) {
     await page.addInitScript(rate => { window.requestAnimationFrame = act => setTimeout(() => act(performance.now()), 1000 / rate); }, pictures);
   }
@@ -51,9 +72,10 @@ async function opened(context, {width = 840, height = 540, touch = false, pictur
   });
   page.on('console', message => { if (message.type() === 'error') errors.push(message.text()); });
   page.on('pageerror', error => errors.push(error.message));
-  await page.goto(url);
+  await page.goto(url + search);
+  if (!ready) return page;
   await page.locator('#message').waitFor({state: 'hidden'});
-  await page.locator('body[data-ready=press]').waitFor();
+  await page.locator(`body[data-ready=${ready}]`).waitFor();
   return page;
 }
 
@@ -69,14 +91,25 @@ async function choose(page, task) {
   await page.locator('#message').waitFor({state: 'hidden'});
 }
 
-/** Takes the tool, and lowers it by the lever until it presses. */
-async function press(page) {
-  await page.locator('#picture').click({position: {x: 60, y: 100}});
-  await until(page, () => /^Drag|^Press until/.test(document.getElementById('hint').textContent));
-  await page.locator('#depth:enabled').waitFor();  // the first distance sets its ends
-  const depth = await page.evaluate(() => document.getElementById('depth').max - 14);
+/** Takes the tool, points at a place of the organ (shares of the picture), and lowers the tool by the lever [mm]. */
+async function press(page, depth = 5, x = 0.45, y = 0.55) {
+  const box = await page.locator('#picture').boundingBox();
+  await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+  await until(page, () => /^Move/.test(document.getElementById('hint').textContent));
+  await page.locator('#depth:enabled').waitFor();
   await page.locator('#depth').fill(String(depth));
   await pressing(page);
+}
+
+/** Moves the mouse slowly over the picture, between places given as its shares. @param steps of some 50 ms */
+async function sweep(page, from, to, steps = 40) {
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  for (let i = 0; i <= steps; i++) {
+    const [right, down] = [0, 1].map(k => from[k] + (to[k] - from[k]) * i / steps);
+    await page.mouse.move(x + right * width, y + down * height);
+    await page.waitForTimeout(50);
+  }
+  await page.waitForTimeout(1200);
 }
 
 /** Turns the wheel by notches of 1 mm; positive presses. */
@@ -122,32 +155,111 @@ test('the first picture shows the tool above the organ', async context => {
   assert.ok(range[0] > 40 && range[1] < 25, `${range}: not the shaft above and the background below`);
 });
 
-test('a drag and the lever press the gallbladder, and the plot shows the force', async context => {
+test('the tool rides under the pointer at its set depth, and touches nothing before a press', async context => {
+  const page = await opened(context);
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.mouse.click(x + 0.4 * width, y + 0.55 * height);
+  await until(page, () => /^Move: mouse/.test(document.getElementById('hint').textContent));
+  await page.evaluate(() => window.noted.rows.splice(0));
+  await sweep(page, [0.4, 0.55], [0.6, 0.6]);
+  await sweep(page, [0.6, 0.6], [0.95, 0.2], 15);  // beside the organ
+  await sweep(page, [0.95, 0.2], [0.35, 0.55], 15);
+  const before = await page.evaluate(() => window.noted.rows.splice(0));
+  assert.ok(before.length > 2000 && before.every(([, phase]) => phase === 0), 'touched before a press');
+  await wheel(page, 10);  // from 5 mm above to 5 mm deep
+  await until(page, () => /^Pressing, 5\.0 mm/.test(document.getElementById('state').textContent));
+  await page.waitForTimeout(500);
+  await page.evaluate(() => { for (const all of Object.values(window.noted)) all.splice(0); });
+  await sweep(page, [0.35, 0.55], [0.6, 0.6]);
+  const {rows, results, rays} = await page.evaluate(() => window.noted);
+  const depths = rows.map(([, , depth]) => 1e3 * depth);
+  context.diagnostic(`${rows.length} ticks at ${Math.min(...depths).toFixed(2)} to ${Math.max(...depths).toFixed(2)} mm, ${rays.length} places`);
+  assert.ok(rows.length > 2000 && rows.every(([, phase]) => phase === 1));
+  assert.ok(depths.every(depth => Math.abs(depth - 5) < 0.3), `${Math.min(...depths)} to ${Math.max(...depths)} mm`);
+  // The contact is on the way of the pointer over the picture, and at last under it.
+  const off = ({origin, direction}, point) => {
+    const way = point.map((v, i) => v - origin[i]), along = way.reduce((sum, v, i) => sum + v * direction[i], 0);
+    return 1e3 * Math.hypot(...way.map((v, i) => v - along * direction[i]));
+  };
+  for (const {contact, rays: sent} of results.filter(one => one.rays > 0)) {
+    assert.ok(Math.min(...rays.slice(0, sent).map(ray => off(ray, contact))) < 6, 'away from all places of the pointer');
+  }
+  assert.ok(off(rays.at(-1), results.at(-1).contact) < 3, `${off(rays.at(-1), results.at(-1).contact)} mm from the pointer`);
+});
+
+test('the tool stays when the pointer leaves the picture, turns the view, and is parked by F', async context => {
+  const page = await opened(context);
+  await press(page);
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  const contact = () => page.evaluate(() => window.noted.results.at(-1).contact);
+  const first = await contact();
+  const moved = async () => 1e3 * Math.hypot(...(await contact()).map((v, i) => v - first[i]));
+  await page.mouse.move(x + width + 100, y + 200);  // the panel
+  await page.waitForTimeout(600);
+  assert.ok(await moved() < 0.5, `${await moved()} mm beside the picture`);
+  await page.mouse.move(x + 0.45 * width, y + 0.55 * height);
+  await page.waitForTimeout(600);
+  await page.mouse.down({button: 'right'});
+  await page.mouse.move(x + 0.6 * width, y + 0.5 * height, {steps: 5});
+  await page.waitForTimeout(600);
+  assert.ok(await moved() < 0.5, `${await moved()} mm while the view turns`);
+  await page.mouse.up({button: 'right'});
+  await page.mouse.move(x + width + 100, y + 200);
+  await page.keyboard.press('f');
+  await until(page, () => /^2\d\.\d mm from the tissue\. Parked|^3\d\.\d mm from the tissue\. Parked/.test(document.getElementById('state').textContent));
+});
+
+test('a hint says what to do until the first contact', async context => {
+  const page = await opened(context);
+  assert.match(await text(page, '#hint'), /^Demonstration\. Click/);
+  await press(page);
+  assert.equal(await page.locator('#hint').isVisible(), false);
+  assert.ok(await page.locator('#overlay').evaluate(canvas => canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some(v => v > 0)), 'no marks');
+  await page.keyboard.press('a');
+  await page.keyboard.press('b');
+  await page.keyboard.press('x');
+  await until(page, () => {
+    const canvas = document.getElementById('overlay');
+    return !canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some(v => v > 0);
+  });
+});
+
+test('the wheel presses deeper, and the plot shows the force', async context => {
   const page = await opened(context);
   await press(page);
   await page.waitForTimeout(500);
   const before = await curvePixels(page, 'force_plot', '--force');
   assert.ok(before > 10, `${before} pixels of the force`);
-  const {x, y, width, height} = await page.locator('#picture').boundingBox();
-  await page.mouse.move(x + width / 2, y + height / 2);
   const depth = parseFloat(await text(page, '#depth_now'));
   await wheel(page, 3);  // away from the user: 3 mm deeper
   await until(page, least => parseFloat(document.getElementById('depth_now').textContent) > least, depth + 2);
-  await page.mouse.down();
-  await page.mouse.move(x + width / 2 - 30, y + height / 2, {steps: 5});
-  await page.mouse.up();
   await wheel(page, -40);
   await until(page, () => /from the tissue/.test(document.getElementById('state').textContent));
 });
 
-test('closed jaws pull the heart', async context => {
+test('the held left button grips the heart, and a drag pulls it', async context => {
+  const page = await opened(context);
+  await choose(page, 'pull');
+  await press(page);
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.mouse.move(x + 0.45 * width, y + 0.55 * height);
+  await page.mouse.down();
+  await page.waitForTimeout(800);
+  await page.mouse.move(x + 0.45 * width, y + 0.3 * height, {steps: 8});
+  await until(page, () => /^Pulling, stretched ([3-9]|\d\d)\./.test(document.getElementById('state').textContent));
+  assert.ok(parseFloat(await text(page, '#force_now')) > 0.05);
+  await page.mouse.up();
+  await until(page, () => !/^Pulling/.test(document.getElementById('state').textContent));
+});
+
+test('closed jaws pull the heart by the wheel', async context => {
   const page = await opened(context);
   await choose(page, 'pull');
   await press(page);
   await page.locator('#jaws').click();
   assert.equal(await page.locator('#jaws').getAttribute('aria-pressed'), 'true');
   await page.waitForTimeout(600);
-  await page.locator('#picture').hover({position: {x: 60, y: 100}});
+  await page.locator('#picture').hover({position: {x: 200, y: 150}});
   await wheel(page, -16);
   await until(page, () => /^Pulling, stretched ([3-9]|\d\d)\./.test(document.getElementById('state').textContent));
   assert.ok(parseFloat(await text(page, '#force_now')) > 0.05);
@@ -199,7 +311,7 @@ test('tissue and noise follow their sliders', async context => {
     input.dispatchEvent(new Event('input'));
   });
   await until(page, limit => parseFloat(document.getElementById('force_now').textContent) > limit, 2 * soft);
-  assert.equal(await page.locator('#preset').inputValue(), '');
+  assert.match(await page.locator('#preset').evaluate(list => list.selectedOptions[0].textContent), /, changed$/);
 });
 
 test('a phone shows everything without overflow, and a finger presses', async context => {

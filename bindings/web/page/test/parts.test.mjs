@@ -3,7 +3,6 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {checkedAddress, forceCommand, HaplyError, inventoryOf, sampleOf} from '../haply.js';
 import {History, roundEnd, roundStep} from '../plots.js';
-import {Steering} from '../pointer.js';
 import {scoreOf, surfacePoint} from '../search.js';
 import {rotatedBack} from '../vectors.js';
 
@@ -69,20 +68,6 @@ test('a point goes into the frame of a turned organ', () => {
   const quarter = [Math.SQRT1_2, 0, 0, Math.SQRT1_2];  // about z: x of the organ is y of the world
   const [x, y, z] = rotatedBack(quarter, [0, 1, 0]);
   assert.ok(Math.abs(x - 1) < 1e-12 && Math.abs(y) < 1e-12 && z === 0);
-});
-
-test('the target stays within reach, and a gain slows only presses', () => {
-  const steering = new Steering();
-  steering.take({start: [0, 0, 0.1], axis: [0, 0, -1], gripper: 1});
-  steering.gain = 0.5;
-  steering.press(0.01);
-  assert.ok(Math.abs(steering.depth - 0.005) < 1e-12);
-  steering.press(-0.01);
-  assert.ok(Math.abs(steering.depth + 0.005) < 1e-12);
-  steering.move([1, 0, 0]);
-  assert.ok(Math.abs(Math.hypot(...steering.target.map((v, i) => v - [0, 0, 0.1][i])) - 0.15) < 1e-12);
-  steering.closed = true;
-  assert.deepEqual([steering.input.gripper, steering.input.buttons], [0, 1]);
 });
 
 test('axes end and step at round numbers', () => {
