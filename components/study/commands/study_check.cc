@@ -118,6 +118,9 @@ CheckedStudy check(const std::string& file) {
   CheckedStudy made;
   made.study = study::load_study(file);
   check_keys(made.study);
+  for (std::uint32_t i = 1; i < study::task_orders(made.study).size(); ++i) {
+    static_cast<void>(study::plan_sessions(made.study, i));
+  }
   made.sessions = study::plan_sessions(made.study);
   made.scene = scene::load(study::scene_of(made.study));
   for (const StudyTask& task : made.study.tasks) check_task(task, made);
@@ -138,7 +141,7 @@ double minutes_of(const CheckedStudy& made) {
 
 std::string part_text(const Study& study, const study::PlannedPart& part) {
   const std::string& name = study.tasks[part.task].name;
-  if (part.repeat) return fmt::format("{} again {}", name, part.trials);
+  if (part.run != study::kFirstRun) return fmt::format("{} again {}", name, part.trials);
   return fmt::format("{} {}-{}", name, part.first_trial + 1, part.first_trial + part.trials);
 }
 
@@ -162,6 +165,11 @@ void print_text(const CheckedStudy& made) {
     for (const study::PlannedPart& part : made.sessions[i].parts) parts.push_back(part_text(study, part));
     std::cout << fmt::format("session {}  {:>5.1f} min  {}\n", i + 1, made.sessions[i].minutes,
                              joined(parts));
+  }
+  if (const std::size_t orders = study::task_orders(study).size(); orders > 1) {
+    std::cout << fmt::format(
+        "task order: {} of a Williams square, in turn; the sessions above are those of the first\n",
+        counted(orders, "row", "rows"));
   }
   const CheckedTask& most = strongest(made);
   std::cout << fmt::format("\nlargest force {} N, of task {}; limit {} N{}\n", brief(most.force.sum(), 3),
@@ -198,7 +206,7 @@ void print_json(const CheckedStudy& made) {
     added["minutes"] = session.minutes;
     for (const study::PlannedPart& part : session.parts) {
       added["parts"].push_back({{"task", made.study.tasks[part.task].name},
-                                {"repeat", part.repeat},
+                                {"repeat", part.run != study::kFirstRun},
                                 {"first_trial", part.first_trial + 1},
                                 {"trials", part.trials}});
     }

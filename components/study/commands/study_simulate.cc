@@ -53,7 +53,7 @@ void require_empty(const study::StudyFolder& study) {
 std::uint32_t run_rendered(const study::StudyFolder& study, study::SealedKey key, const std::string& id,
                            const std::string& observer, const contact::Preparation& preparation,
                            const std::function<void(double, const std::string&)>& progress) {
-  const std::size_t sessions = study::plan_sessions(study.study).size();
+  const std::size_t sessions = study::plan_sessions(study.study, study.number_of(id)).size();
   for (std::size_t session = 0; session < sessions; ++session) {
     study::SessionOptions options;
     options.participant = id;

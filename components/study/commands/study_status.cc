@@ -34,7 +34,8 @@ struct StudyFolderFlags {
 struct ParticipantStatus {
   std::string id;
   std::size_t sessions = 0;  // completed
-  int trials = 0;            // that count, without practice
+  std::size_t planned = 0;
+  int trials = 0;  // that count, without practice
   int spoiled = 0;
   bool withdrawn = false;
   std::string last;           // time of the last line
@@ -52,6 +53,7 @@ ParticipantStatus status_of(const study::StudyFolder& study, const std::string& 
   const study::ParticipantLog log = study.read(id);
   ParticipantStatus status;
   status.id = id;
+  status.planned = study::plan_sessions(study.study, study.number_of(id)).size();
   for (const study::EventRecord& event : log.events) {
     if (event.event == "session-end") ++status.sessions;
     status.last = std::max(status.last, event.time);
@@ -74,14 +76,14 @@ int planned_trials(const std::vector<study::PlannedSession>& sessions) {
 }
 
 void print_status(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people,
-                  std::size_t sessions, int trials) {
+                  std::size_t /*sessions*/, int trials) {
   std::cout << fmt::format("study {}, {}{}\n\n", study.study.name, study.unblinded() ? "unblinded" : "blind",
                            study.simulated ? ", simulated participants" : "");
   std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}\n", "id", "sessions", "trials", "spoiled", "cut",
                            "last entry (UTC)");
   for (const ParticipantStatus& one : people) {
     std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}{}\n", one.id,
-                             fmt::format("{}/{}", one.sessions, sessions),
+                             fmt::format("{}/{}", one.sessions, one.planned),
                              fmt::format("{}/{}", one.trials, trials), one.spoiled, one.cut_lines,
                              one.last.empty() ? "-" : one.last, one.withdrawn ? "  withdrawn" : "");
   }

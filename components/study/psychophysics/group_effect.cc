@@ -88,7 +88,8 @@ class Profile {
   Profile(const Tables& tables, const Minimum& best)
       : tables_(tables), rest_(best.at.begin() + 1, best.at.end()), best_(best.value) {}
 
-  // Square root of twice the decrease of the logarithm of the likelihood.
+  // Student's t of the effect: for changes that are known exactly, twice the decrease of the logarithm of the
+  // likelihood of N people is N ln(1 + t^2/(N - 1)).
   double distance(double effect) {
     const Minimum found = minimize(
         [&](const std::vector<double>& x) {
@@ -96,7 +97,8 @@ class Profile {
         },
         rest_, {0.05, 0.05, 0.05}, 1e-5);
     rest_ = found.at;
-    return std::sqrt(2.0 * std::max(0.0, found.value - best_));
+    const auto people = static_cast<double>(tables_.people.size());
+    return std::sqrt((people - 1.0) * std::expm1(2.0 * std::max(0.0, found.value - best_) / people));
   }
 
  private:
@@ -104,6 +106,16 @@ class Profile {
   std::vector<double> rest_;
   double best_;
 };
+
+// Least and largest ln s without noise. Thresholds of a detection may lie beyond its stimuli.
+std::pair<double, double> range_of(const QuestPlusGrid& grid) {
+  if (grid.function.shape == PsychometricFunction::Shape::kNormal) {
+    return {std::log(grid.spread.values.front()), std::log(grid.spread.values.back())};
+  }
+  constexpr double kLn10 = 2.30258509299404568402;
+  constexpr double kBeyond = 1.2;  // ln of a factor of 3.3
+  return {kLn10 * grid.levels.front() - kBeyond, kLn10 * grid.levels.back() + kBeyond};
+}
 
 // The effect below (side -1) or above (side 1) the best one whose distance is `limit`, or the end of the
 // range.
@@ -133,39 +145,48 @@ double find_end(Profile profile, double best, double side, double limit) {
 
 }  // namespace
 
-GroupModel::GroupModel(const QuestPlusGrid& grid) : levels_(grid.levels.size()) {
-  if (grid.function.shape != PsychometricFunction::Shape::kNormal) {
-    throw ParameterError("shape", 0.0, "the normal function of a comparison");
-  }
+GroupModel::GroupModel(const QuestPlusGrid& grid) : function_(grid.function), levels_(grid.levels.size()) {
   const QuestPlus checked(grid);
-  const auto weight = [](const GridAxis& axis, std::size_t i) {
-    return axis.weights.empty() ? 1.0 : axis.weights[i];
-  };
-  for (std::size_t j = 0; j < grid.location.values.size(); ++j) {
+  const bool comparison = function_.shape == PsychometricFunction::Shape::kNormal;
+  if (!comparison && function_.guess != 0.5) throw ParameterError("guess", function_.guess, "0.5");
+  if (!comparison && function_.decades_per_unit != 1.0) {
+    throw ParameterError("decades_per_unit", function_.decades_per_unit, "1");
+  }
+  slopes_ = comparison ? GridAxis{{1.0}} : grid.spread;
+  const GridAxis biases = comparison ? grid.location : GridAxis{{0.0}};
+  for (std::size_t j = 0; j < biases.values.size(); ++j) {
     for (std::size_t k = 0; k < grid.lapse.values.size(); ++k) {
-      pair_weights_.push_back(weight(grid.location, j) * weight(grid.lapse, k));
+      shared_.push_back({biases.values[j], grid.lapse.values[k]});
+      shared_weights_.push_back(biases.weight(j) * grid.lapse.weight(k));
     }
   }
-  first_base_ = std::log(grid.spread.values.front());
-  const double range = std::log(grid.spread.values.back()) - first_base_;
-  bases_ = static_cast<std::size_t>(std::ceil(range / (kStep * kBaseSteps))) + 1;
+  const auto [first, last] = range_of(grid);
+  first_base_ = first;
+  bases_ = static_cast<std::size_t>(std::ceil((last - first) / (kStep * kBaseSteps))) + 1;
   spreads_ = (bases_ - 1) * kBaseSteps + kChanges;
   constexpr double kLeastProbability = 1e-12;
   for (std::size_t i = 0; i < spreads_; ++i) {
-    const double steps = static_cast<double>(i) - static_cast<double>(kHalf);
-    const double spread = std::exp(first_base_ + kStep * steps);
-    for (const double bias : grid.location.values) {
-      std::vector<double> shares;  // without lapses
-      for (const double level : grid.levels) shares.push_back(normal_cdf((level - bias) / spread));
-      for (const double lapse : grid.lapse.values) {
-        for (const double share : shares) {
-          const double second = 0.5 * lapse + (1.0 - lapse) * share;
-          log_second_.push_back(std::log(std::max(second, kLeastProbability)));
-          log_first_.push_back(std::log(std::max(1.0 - second, kLeastProbability)));
+    const double ln_s = first_base_ + kStep * (static_cast<double>(i) - static_cast<double>(kHalf));
+    for (const Shared& shared : shared_) {
+      for (const double slope : slopes_.values) {
+        const Parameters at = parameters_at(ln_s, shared, slope);
+        for (const double level : grid.levels) {
+          const double counted = function_(level, at);
+          log_counted_.push_back(std::log(std::max(counted, kLeastProbability)));
+          log_other_.push_back(std::log(std::max(1.0 - counted, kLeastProbability)));
         }
       }
     }
   }
+}
+
+Parameters GroupModel::parameters_at(double ln_s, const Shared& shared, double slope) const {
+  if (function_.shape == PsychometricFunction::Shape::kNormal) {
+    return {shared.bias, std::exp(ln_s), shared.lapse};
+  }
+  constexpr double kLn10 = 2.30258509299404568402;
+  const double of_zero = threshold_of({0.0, slope, shared.lapse});
+  return {ln_s / kLn10 - of_zero, slope, shared.lapse};
 }
 
 std::vector<double> GroupModel::likelihood_of(const std::vector<Count>& counts) const {
@@ -179,29 +200,33 @@ std::vector<double> GroupModel::likelihood_of(const std::vector<Count>& counts) 
     }
     if (counts[i].trials > 0) used.push_back(i);
   }
-  std::vector<double> result;
-  for (std::size_t cell = 0; cell < spreads_ * pair_weights_.size(); ++cell) {
+  const std::size_t slopes = slopes_.values.size();
+  std::vector<double> logarithms;
+  for (std::size_t cell = 0; cell < spreads_ * shared_.size() * slopes; ++cell) {
     double sum = 0.0;
     for (const std::size_t i : used) {
-      sum += counts[i].counted * log_second_[cell * levels_ + i] +
-             (counts[i].trials - counts[i].counted) * log_first_[cell * levels_ + i];
+      sum += counts[i].counted * log_counted_[cell * levels_ + i] +
+             (counts[i].trials - counts[i].counted) * log_other_[cell * levels_ + i];
     }
-    result.push_back(sum);
+    logarithms.push_back(sum);
   }
-  const double largest = *std::max_element(result.begin(), result.end());
-  for (double& one : result) one = std::exp(one - largest);
+  const double largest = *std::max_element(logarithms.begin(), logarithms.end());
+  std::vector<double> result(spreads_ * shared_.size());
+  for (std::size_t cell = 0; cell < logarithms.size(); ++cell) {
+    result[cell / slopes] += slopes_.weight(cell % slopes) * std::exp(logarithms[cell] - largest);
+  }
   return result;
 }
 
 std::vector<double> GroupModel::table_of(const PairedCounts& person) const {
   const std::vector<double> off = likelihood_of(person.off);
   const std::vector<double> with = likelihood_of(person.with);
-  const std::size_t pairs = pair_weights_.size();
+  const std::size_t pairs = shared_weights_.size();
   std::vector<double> table;
   std::vector<double> weighted(pairs);
   for (std::size_t base = 0; base < bases_; ++base) {
     for (std::size_t k = 0; k < pairs; ++k) {
-      weighted[k] = pair_weights_[k] * off[(base * kBaseSteps + kHalf) * pairs + k];
+      weighted[k] = shared_weights_[k] * off[(base * kBaseSteps + kHalf) * pairs + k];
     }
     for (std::size_t change = 0; change < kChanges; ++change) {
       const double* row = &with[(base * kBaseSteps + change) * pairs];

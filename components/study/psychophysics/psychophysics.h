@@ -34,6 +34,9 @@ struct PsychometricFunction {
 struct GridAxis {
   std::vector<double> values;
   std::vector<double> weights = {};
+
+  /// [any] Prior weight of a value.
+  [[nodiscard]] double weight(std::size_t i) const { return weights.empty() ? 1.0 : weights[i]; }
 };
 
 /// An adaptive method's stimuli and grid of parameters.

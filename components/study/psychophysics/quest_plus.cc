@@ -128,8 +128,6 @@ void check_grid(const QuestPlusGrid& grid) {
   if (grid.most_repeats < 0) throw ParameterError("most_repeats", grid.most_repeats, ">= 0");
 }
 
-double weight_of(const GridAxis& axis, std::size_t i) { return axis.weights.empty() ? 1.0 : axis.weights[i]; }
-
 void normalize(std::vector<double>& probabilities) {
   double sum = 0.0;
   for (const double one : probabilities) sum += one;
@@ -143,8 +141,7 @@ QuestPlus::QuestPlus(QuestPlusGrid grid) : grid_(std::move(grid)) {
   for (std::size_t i = 0; i < grid_.location.values.size(); ++i) {
     for (std::size_t j = 0; j < grid_.spread.values.size(); ++j) {
       for (std::size_t k = 0; k < grid_.lapse.values.size(); ++k) {
-        prior_.push_back(weight_of(grid_.location, i) * weight_of(grid_.spread, j) *
-                         weight_of(grid_.lapse, k));
+        prior_.push_back(grid_.location.weight(i) * grid_.spread.weight(j) * grid_.lapse.weight(k));
       }
     }
   }

@@ -9,14 +9,38 @@ namespace {
 // Index of the next level: a catch trial or QUEST+'s choice.
 std::size_t next_level(const QuestPlus& quest, double catch_share, Random& random) {
   if (catch_share > 0.0 && random.uniform() < catch_share) {
-    return random.uniform() < 0.5 ? 0 : quest.grid().levels.size() - 1;
+    const bool comparison = quest.grid().function.shape == PsychometricFunction::Shape::kNormal;
+    return comparison && random.uniform() < 0.5 ? 0 : quest.grid().levels.size() - 1;
   }
   return quest.next();
 }
 
-// The answers of a person at each level. @param spread s of each of the two conditions
-PairedCounts simulate_person(QuestPlus& quest, const double (&spread)[2], double bias, double lapse,
-                             const SimulatedGroup& group, Random& random) {
+// A person's functions without and with noise.
+struct TwoFunctions {
+  Parameters off, with;
+};
+
+TwoFunctions draw_comparison(const SimulatedGroup& group, Random& random) {
+  const double ln_spread = random_ln_spread(random);
+  const double change = std::log(group.ratio) + group.heterogeneity * random.normal();
+  const double bias = 0.05 * random.normal();
+  const double lapse = 0.04 * random.uniform();
+  return {{bias, std::exp(ln_spread), lapse}, {bias, std::exp(ln_spread + change), lapse}};
+}
+
+TwoFunctions draw_detection(const SimulatedGroup& group, Random& random) {
+  constexpr double kSlope = 2.5;
+  constexpr double kSd = 0.12;  // decades
+  const double threshold = group.mean_threshold + kSd * random.normal();
+  const double change = std::log10(group.ratio) + std::log10(std::exp(group.heterogeneity)) * random.normal();
+  const double lapse = 0.04 * random.uniform();
+  const double location = threshold - threshold_of({0.0, kSlope, 0.0});
+  return {{location, kSlope, lapse}, {location + change, kSlope, lapse}};
+}
+
+// The answers of a person at each level.
+PairedCounts simulate_person(QuestPlus& quest, const TwoFunctions& person, const SimulatedGroup& group,
+                             Random& random) {
   PairedCounts counts;
   for (int condition = 0; condition < 2; ++condition) {
     quest.reset();
@@ -24,9 +48,9 @@ PairedCounts simulate_person(QuestPlus& quest, const double (&spread)[2], double
     of.resize(quest.grid().levels.size());
     for (int trial = 0; trial < group.trials; ++trial) {
       const std::size_t level = next_level(quest, group.catch_share, random);
-      const double second =
-          quest.grid().function(quest.grid().levels[level], {bias, spread[condition], lapse});
-      const bool answer = random.uniform() < second;
+      const double probability =
+          quest.grid().function(quest.grid().levels[level], condition == 0 ? person.off : person.with);
+      const bool answer = random.uniform() < probability;
       quest.update(level, answer);
       ++of[level].trials;
       of[level].counted += answer ? 1 : 0;
@@ -45,14 +69,11 @@ double random_ln_spread(Random& random) {
 std::vector<PairedCounts> simulate_group(QuestPlus& quest, const SimulatedGroup& group,
                                          std::uint32_t number) {
   Random random(group.seed, number, static_cast<std::uint32_t>(group.people));
+  const bool comparison = quest.grid().function.shape == PsychometricFunction::Shape::kNormal;
   std::vector<PairedCounts> people;
   for (int person = 0; person < group.people; ++person) {
-    const double ln_spread = random_ln_spread(random);
-    const double change = std::log(group.ratio) + group.heterogeneity * random.normal();
-    const double bias = 0.05 * random.normal();
-    const double lapse = 0.04 * random.uniform();
-    people.push_back(simulate_person(quest, {std::exp(ln_spread), std::exp(ln_spread + change)}, bias, lapse,
-                                     group, random));
+    const TwoFunctions drawn = comparison ? draw_comparison(group, random) : draw_detection(group, random);
+    people.push_back(simulate_person(quest, drawn, group, random));
   }
   return people;
 }

@@ -58,6 +58,8 @@ void write_result(Page& page, const StudyFolder& study, const StudyAnalysis& ana
     smallest.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(smallest.front())));
     page.paragraph(escaped(smallest) +
                    (contrast.kept->open ? "." : ". It follows from the width of the interval."));
+    const std::string missing = missing_text(analysis, contrast, *contrast.kept);
+    if (!missing.empty()) page.paragraph("In this contrast, " + escaped(missing) + ".");
   }
   for (const study::Curve& curve : analysis.curves) {
     if (!curve.inverted_u) continue;
@@ -114,6 +116,23 @@ TableRows effect_rows(const Study& study, const StudyAnalysis& analysis) {
   return rows;
 }
 
+// Who is left out of each contrast, and by which arm.
+void write_missing(Page& page, const Study& study, const StudyAnalysis& analysis) {
+  TableRows rows{{"task", "conditions", "left out, and thresholds at the edge of the stimuli"}};
+  for (const Contrast& contrast : analysis.contrasts) {
+    if (!contrast.kept) continue;
+    const std::string missing = missing_text(analysis, contrast, *contrast.kept);
+    if (missing.empty()) continue;
+    rows.push_back({escaped(study.tasks[contrast.task].name), unbroken(contrast_name(analysis, contrast)),
+                    escaped(missing)});
+  }
+  if (rows.size() == 1) return;
+  page.table(rows);
+  page.paragraph(
+      "Worst case: the mean effect if all who are left out had the lowest or the highest effect, of a JND or "
+      "threshold a factor of 4.5, else that of the others.");
+}
+
 void write_effects(Page& page, const Study& study, const StudyAnalysis& analysis, const fs::path& folder) {
   page.section("effects", "Effects in the group");
   if (analysis.contrasts.empty()) {
@@ -121,9 +140,10 @@ void write_effects(Page& page, const Study& study, const StudyAnalysis& analysis
     return;
   }
   page.paragraph(
-      "JND: hierarchical likelihood of all people's answers; the JND is measured as a logarithm of the "
-      "stiffness ratio. Thresholds, d' and force control: paired t test of the people's values. Exploratory "
-      "p values are adjusted by Holm within each task.");
+      "JND and thresholds: hierarchical likelihood of all people's answers; the JND is measured as a "
+      "logarithm of the stiffness ratio. A person whose threshold lies outside the stimuli is not left out: "
+      "the answers say that it is at least, or at most, so large. d' and force control: paired t test of the "
+      "people's values. Exploratory p values are adjusted by Holm within each task.");
   bool ratios = false;
   bool differences = false;
   for (const Contrast& contrast : analysis.contrasts) {
@@ -134,6 +154,7 @@ void write_effects(Page& page, const Study& study, const StudyAnalysis& analysis
   if (differences) figures.push_back(draw_effects(study, analysis, false, folder / "differences.svg"));
   page.figures("one", figures);
   page.table(effect_rows(study, analysis));
+  write_missing(page, study, analysis);
 }
 
 void write_curves(Page& page, const Study& study, const StudyAnalysis& analysis, const fs::path& folder) {

@@ -167,32 +167,38 @@ void write_people_tables(Page& page, const Study& study, const StudyAnalysis& an
 }
 
 void write_flags(Page& page, const StudyAnalysis& analysis) {
-  TableRows rows{{"person", "flags", "excluded from the main analysis"}};
+  TableRows rows{{"person", "flags", "excluded from the main analysis", "left out of, with too few trials"}};
   std::size_t without = 0;
   for (const PersonResult& person : analysis.people) {
     if (person.withdrawn) continue;
-    if (person.flags.empty() && person.exclusions.empty()) {
+    if (person.flags.empty() && person.exclusions.empty() && person.left_out.empty()) {
       ++without;
       continue;
     }
     std::string flags;
     for (const std::string& flag : person.flags) flags += (flags.empty() ? "" : "<br>") + escaped(flag);
     rows.push_back({escaped(person.id), flags.empty() ? "-" : flags,
-                    person.exclusions.empty() ? "no" : escaped(joined(person.exclusions, "; "))});
+                    person.exclusions.empty() ? "no" : escaped(joined(person.exclusions, "; ")),
+                    person.left_out.empty() ? "-" : escaped(joined(person.left_out, "; "))});
   }
   if (rows.size() > 1) page.table(rows);
-  page.paragraph(counted(without, "person has", "people have") +
-                 " no flag. A flag excludes nobody; only the rules that were fixed before do.");
+  page.paragraph(
+      counted(without, "person has", "people have") +
+      " no flag. A flag excludes nobody; only the rules that were fixed before do, and too few trials.");
 }
 
 void write_shares(Page& page, const Study& study, const StudyAnalysis& analysis) {
   if (!study.threshold_task()) return;
   page.section("shares", "Share of the noise threshold that was reached");
   page.paragraph(
-      "The noise is set from the first measurement of a person's threshold, which has an error. The best "
-      "estimate uses all trials, those of the repetition too. The shares below are those that were reached "
-      "if this estimate is right, with 95 % intervals.");
-  TableRows rows{{"person", "reached / meant"}};
+      "The noise is set from the measurement of a person's threshold in the first session, or at the start "
+      "of "
+      "each one, which has an error. The best estimate uses all trials of the first session or of all, those "
+      "of "
+      "the repetition too. The shares below are those that were reached if this estimate is right, with 95 % "
+      "intervals. \"range too small\": the threshold lies at the edge of the stimuli, and the noise of that "
+      "session is no share of it.");
+  TableRows rows{{"person"}};
   std::vector<double> different;
   for (const study::TaskResult& task : analysis.tasks) {
     for (const double share : task.shares) {
@@ -202,10 +208,31 @@ void write_shares(Page& page, const Study& study, const StudyAnalysis& analysis)
     }
   }
   std::sort(different.begin(), different.end());
+  const std::size_t setter = *study.threshold_task();
+  std::vector<int> sessions;
+  for (const PersonResult& person : analysis.people) {
+    if (person.withdrawn) continue;
+    for (const study::SessionThreshold& one : person.tasks[setter].thresholds) {
+      if (std::find(sessions.begin(), sessions.end(), one.session) == sessions.end()) {
+        sessions.push_back(one.session);
+      }
+    }
+  }
+  std::sort(sessions.begin(), sessions.end());
+  for (const int session : sessions) rows[0].push_back(fmt::format("threshold, session {}", session));
+  rows[0].emplace_back("reached / meant");
   for (const double share : different) rows[0].push_back("meant " + brief(share));
   for (const PersonResult& person : analysis.people) {
     if (person.withdrawn) continue;
-    rows.push_back({escaped(person.id), person.reached ? factor_text(*person.reached) : "-"});
+    rows.push_back({escaped(person.id)});
+    for (const int session : sessions) {
+      const auto& all = person.tasks[setter].thresholds;
+      const auto found =
+          std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.session == session; });
+      rows.back().push_back(found == all.end() ? "-"
+                                               : unbroken(estimate_text(study.tasks[setter], found->fit)));
+    }
+    rows.back().push_back(person.reached ? factor_text(*person.reached) : "-");
     for (const double share : different) {
       rows.back().push_back(person.reached ? factor_text(*person.reached, share) : "-");
     }

@@ -68,8 +68,15 @@ struct Trend {
   double z = 0.0;  // change over its standard error
 };
 
+/// The noise threshold that the noise of a session follows from.
+struct SessionThreshold {
+  int session = 1;
+  ThresholdFit fit;
+};
+
 struct PersonTask {
-  std::vector<ArmResult> arms;  // as TaskResult::arms
+  std::vector<ArmResult> arms;               // as TaskResult::arms
+  std::vector<SessionThreshold> thresholds;  // of the task that sets the threshold, by session
   std::vector<CueWeight> cues;
   std::optional<Trend> trend;
 };
@@ -93,8 +100,23 @@ struct PersonResult {
   std::optional<psychophysics::Estimate> reached;
   std::vector<std::string> flags;
   std::vector<std::string> exclusions;  // reasons; empty: the person is in the main analysis
+  std::vector<std::string> left_out;    // tasks and conditions with too few trials for the group's effects
 
   [[nodiscard]] bool kept() const noexcept { return !withdrawn && exclusions.empty(); }
+};
+
+/// People whom a contrast lacks, and those whose thresholds the stimuli do not reach.
+struct Missing {
+  int people = 0;  // left out, with fewer than 10 trials in one of the two arms
+  int in_condition = 0;
+  int in_reference = 0;
+  // In the analysis, whose likelihood says that the threshold is at least or at most so large
+  int outside_condition = 0;
+  int outside_reference = 0;
+  // Mean effect if all who are left out had the lowest, or the highest, effect: of a ratio that of the
+  // model's range, a factor of 4.5, else of the others
+  double low = 0.0;
+  double high = 0.0;
 };
 
 /// A group's mean effect.
@@ -106,6 +128,7 @@ struct Effect {
   double p_value = 1.0;          // of the stated alternative
   bool open = false;             // an end of the interval is the end of the model's range: it is wider
   double smallest_effect = 0.0;  // that this study finds with a power of 0.8, see analyse()
+  Missing missing = {};
 };
 
 /// Comparison of two arms.

@@ -21,7 +21,21 @@ Json json_of(const psychophysics::PairedTest& test) {
           {"p_greater", test.greater}};
 }
 
-Json json_of(const std::optional<Effect>& effect) {
+// Counts by arm are shown after unblinding alone.
+Json json_of(const Missing& missing, bool unblinded) {
+  Json json = {{"people", missing.people},
+               {"lowest_effect", missing.low},
+               {"highest_effect", missing.high},
+               {"thresholds_at_the_edge", missing.outside_condition + missing.outside_reference}};
+  if (!unblinded) return json;
+  json.update({{"in_condition", missing.in_condition},
+               {"in_reference", missing.in_reference},
+               {"at_the_edge_in_condition", missing.outside_condition},
+               {"at_the_edge_in_reference", missing.outside_reference}});
+  return json;
+}
+
+Json json_of(const std::optional<Effect>& effect, bool unblinded) {
   if (!effect) return nullptr;
   return {{"people", effect->people},
           {"effect", effect->effect},
@@ -29,7 +43,8 @@ Json json_of(const std::optional<Effect>& effect) {
           {"high", effect->high},
           {"p_value", effect->p_value},
           {"interval_is_wider", effect->open},
-          {"smallest_effect", effect->open ? Json(nullptr) : Json(effect->smallest_effect)}};
+          {"smallest_effect", effect->open ? Json(nullptr) : Json(effect->smallest_effect)},
+          {"left_out", json_of(effect->missing, unblinded)}};
 }
 
 Json json_of(const StudyTask& task, const std::optional<ThresholdFit>& fit) {
@@ -90,7 +105,8 @@ Json json_of(const Study& study, const StudyAnalysis& analysis, const PersonResu
                {"catch_correct", person.catch_trials.counted},
                {"lapses_often", person.lapses_often},
                {"flags", person.flags},
-               {"exclusions", person.exclusions}});
+               {"exclusions", person.exclusions},
+               {"left_out", person.left_out}});
   if (person.audible)
     json["audible"] = {{"trials", person.audible->trials}, {"correct", person.audible->counted}};
   if (person.reached) json["log10_share_reached"] = json_of(*person.reached);
@@ -104,6 +120,11 @@ Json json_of(const Study& study, const StudyAnalysis& analysis, const PersonResu
     for (const CueWeight& cue : of.cues) {
       task["cues"].push_back(
           {{"cue", cue.cue}, {"correlation", cue.correlation}, {"low", cue.low}, {"high", cue.high}});
+    }
+    for (const SessionThreshold& one : of.thresholds) {
+      Json threshold = json_of(study.tasks[i], std::optional<ThresholdFit>(one.fit));
+      threshold["session"] = one.session;
+      task["thresholds"].push_back(std::move(threshold));
     }
     if (of.trend) task["trend"] = {{"log_odds", of.trend->change}, {"z", of.trend->z}};
     json["tasks"].push_back(task);
@@ -119,8 +140,8 @@ Json contrasts_json(const Study& study, const StudyAnalysis& analysis) {
                  {"measure", contrast.measure},
                  {"alternative", contrast.alternative},
                  {"primary", contrast.primary},
-                 {"main_analysis", json_of(contrast.kept)},
-                 {"with_excluded_people", json_of(contrast.everybody)}};
+                 {"main_analysis", json_of(contrast.kept, analysis.unblinded)},
+                 {"with_excluded_people", json_of(contrast.everybody, analysis.unblinded)}};
     json["p_holm"] = contrast.holm ? Json(*contrast.holm) : Json(nullptr);
     all.push_back(json);
   }

@@ -17,6 +17,9 @@ std::string contrast_line(const Study& study, const StudyAnalysis& analysis, con
   if (!contrast.kept) return line + "fewer than two people with 10 trials in both conditions\n";
   line += effect_text(contrast, *contrast.kept);
   if (contrast.holm) line += ", Holm " + p_text(*contrast.holm);
+  if (const std::string missing = missing_text(analysis, contrast, *contrast.kept); !missing.empty()) {
+    line += "\n    " + missing;
+  }
   if (contrast.everybody && contrast.everybody->people != contrast.kept->people) {
     line += "\n    with excluded people: " + effect_text(contrast, *contrast.everybody);
   }
@@ -63,6 +66,7 @@ std::string people_text(const StudyAnalysis& analysis) {
                         person.spoiled > 0 ? fmt::format(", {} spoiled", person.spoiled) : "");
     for (const std::string& flag : person.flags) text += "    " + flag + '\n';
     for (const std::string& reason : person.exclusions) text += "    excluded: " + reason + '\n';
+    for (const std::string& where : person.left_out) text += "    left out of " + where + '\n';
   }
   return text.empty() ? "" : "People\n" + text;
 }
@@ -105,6 +109,29 @@ std::string effect_text(const Contrast& contrast, const Effect& effect) {
                      interval_text(contrast.measure, effect),
                      counted(static_cast<std::size_t>(effect.people), "person", "people"),
                      p_text(effect.p_value), side);
+}
+
+std::string missing_text(const StudyAnalysis& analysis, const Contrast& contrast, const Effect& effect) {
+  const Missing& missing = effect.missing;
+  const std::vector<std::string>& arms = analysis.tasks[contrast.task].arms;
+  const auto by_arm = [&](int condition, int reference) {
+    return analysis.unblinded ? fmt::format(" ({} {}, {} {})", arms[contrast.condition], condition,
+                                            arms[contrast.reference], reference)
+                              : std::string();
+  };
+  std::string text;
+  if (missing.people > 0) {
+    text = fmt::format("left out with too few trials: {}{}; worst case {} to {}",
+                       counted(static_cast<std::size_t>(missing.people), "person", "people"),
+                       by_arm(missing.in_condition, missing.in_reference),
+                       effect_value(contrast.measure, missing.low),
+                       effect_value(contrast.measure, missing.high));
+  }
+  const int outside = missing.outside_condition + missing.outside_reference;
+  if (outside == 0) return text;
+  return text + fmt::format("{}thresholds at the edge of the stimuli: {}{}; their answers count",
+                            text.empty() ? "" : "; ", outside,
+                            by_arm(missing.outside_condition, missing.outside_reference));
 }
 
 std::string smallest_effect_text(const Contrast& contrast, const Effect& effect) {

@@ -17,6 +17,10 @@ namespace palpate::study {
 [[nodiscard]] std::string interval_text(const std::string& measure, const Effect& effect);
 /// [setup] An effect with its 95 % interval, its people and its p value.
 [[nodiscard]] std::string effect_text(const Contrast& contrast, const Effect& effect);
+/// [setup] How many people an effect lacks, by arm after unblinding, with the worst case, and how many
+/// thresholds lie outside the stimuli; "" for none of both.
+[[nodiscard]] std::string missing_text(const StudyAnalysis& analysis, const Contrast& contrast,
+                                       const Effect& effect);
 /// [setup] The smallest effect that the study finds with a power of 0.8.
 [[nodiscard]] std::string smallest_effect_text(const Contrast& contrast, const Effect& effect);
 /// [setup] A person's estimate with its 95 % interval and unit, or the reason for its absence.

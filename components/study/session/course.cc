@@ -23,8 +23,14 @@ enum Part : std::uint32_t {
   kPracticePart = 0x6000'0000
 };
 
-std::uint32_t part_of(Part kind, std::size_t task, bool repeat, std::uint32_t number) {
-  return kind + (static_cast<std::uint32_t>(task * 2 + (repeat ? 1 : 0)) << 20U) + number;
+// Runs at the start of a session have numbers of another key, see key_of().
+std::uint32_t part_of(Part kind, std::size_t task, int run, std::uint32_t number) {
+  return kind + (static_cast<std::uint32_t>(task * 2 + (run == kRunAtEnd ? 1 : 0)) << 20U) + number;
+}
+
+std::uint64_t mixed(std::uint64_t key, int run) {
+  constexpr std::uint64_t kOdd = 0x9e37'79b9'7f4a'7c15U;
+  return run <= kRunAtEnd ? key : key + static_cast<std::uint64_t>(run) * kOdd;
 }
 
 double log10_of(double value) { return std::log10(value); }
@@ -53,7 +59,7 @@ TrialRecord record_of(const Study& study, const Trial& trial, int session, int b
   record.session = session;
   record.block = block;
   record.task = study.tasks[trial.task].name;
-  record.repeat = trial.repeat;
+  record.repeat = trial.run != kFirstRun;
   record.practice = trial.practice;
   record.catch_trial = trial.catch_trial;
   record.number = trial.number;
@@ -130,7 +136,7 @@ class Course::Levels final {
 };
 
 Course::Course(const Study& study, SealedKey key, std::uint32_t participant)
-    : study_(study), key_(key), participant_(participant), plan_(plan_sessions(study)) {
+    : study_(study), key_(key), participant_(participant), plan_(plan_sessions(study, participant)) {
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     arms_of_code_.push_back(arms_of_codes(key, participant, task, study.tasks[task].arms.size()));
   }
@@ -138,11 +144,14 @@ Course::Course(const Study& study, SealedKey key, std::uint32_t participant)
 
 Course::~Course() = default;
 
-Course::Levels& Course::levels_of(std::size_t task, bool repeat, std::size_t arm) const {
-  std::unique_ptr<Levels>& levels = levels_[{task, repeat, arm}];
+SealedKey Course::key_of(int run) const noexcept { return mixed(key_, run); }
+std::uint64_t Course::seed_of(int run) const noexcept { return mixed(study_.seed, run); }
+
+Course::Levels& Course::levels_of(std::size_t task, int run, std::size_t arm) const {
+  std::unique_ptr<Levels>& levels = levels_[{task, run, arm}];
   if (!levels) {
-    const auto part = part_of(kLevelPart, task, repeat, static_cast<std::uint32_t>(arm) << 16U);
-    levels = std::make_unique<Levels>(study_.tasks[task], key_, participant_, part);
+    const auto part = part_of(kLevelPart, task, run, static_cast<std::uint32_t>(arm) << 16U);
+    levels = std::make_unique<Levels>(study_.tasks[task], key_of(run), participant_, part);
   }
   return *levels;
 }
@@ -165,7 +174,7 @@ void Course::require_measured(std::size_t session) const {
     const bool here =
         std::any_of(parts.begin(), parts.end(), [&](const PlannedPart& part) { return part.task == source; });
     const StudyTask& of = study_.tasks[source];
-    const int answers = levels_of(source, false, 0).answers();
+    const int answers = levels_of(source, kFirstRun, 0).answers();
     if (here || 2 * answers >= of.trials) return;
     throw InputError("session " + std::to_string(session) + ": task " + task.name + " follows from task " +
                      of.name + ", of which " + std::to_string(answers) + " of " + std::to_string(of.trials) +
@@ -185,11 +194,16 @@ void Course::begin_part() {
   done_ = 0;
   practice_left_ = 0;
   practice_done_ = 0;
+  training_ = false;
+  practised_.clear();
   const std::vector<PlannedPart>& parts = plan_[session_ - 1].parts;
   if (part_ >= parts.size()) return;
   const PlannedPart& part = parts[part_];
   for (int i = 0; i < part.trials; ++i) waiting_.push_back({part.first_trial + i, 1});
-  if (part.first_trial == 0 && !part.repeat) practice_left_ = task_of(part).practice;
+  if (part.first_trial != 0 || part.run != kFirstRun) return;
+  practice_left_ = task_of(part).practice;
+  training_ = task_of(part).practice_until.has_value();
+  if (training_) practice_left_ = std::max(practice_left_, task_of(part).practice_until->of);
 }
 
 void Course::resume() {
@@ -207,14 +221,15 @@ std::size_t Course::arm_of(const PlannedPart& part, int number) const {
     // The key deals the rows to each group of people, and names the arm behind each number of the square.
     const auto people = static_cast<std::uint32_t>(rows.size());
     const auto dealt =
-        Random(key_, participant_ / people, part_of(kArmsPart, part.task, true, 0)).permutation(people);
+        Random(key_, participant_ / people, part_of(kArmsPart, part.task, kRunAtEnd, 0)).permutation(people);
     const std::vector<int>& row = rows[dealt[participant_ % people]];
-    const auto names = Random(key_, 0xffff'ffffU, part_of(kArmsPart, part.task, false, 0)).permutation(arms);
+    const auto names =
+        Random(key_, 0xffff'ffffU, part_of(kArmsPart, part.task, kFirstRun, 0)).permutation(arms);
     return names[static_cast<std::size_t>(row[static_cast<std::size_t>(number / task.trials)])];
   }
   const auto round = static_cast<std::uint32_t>(static_cast<std::size_t>(number) / arms);
-  const auto order =
-      Random(key_, participant_, part_of(kArmsPart, part.task, part.repeat, round)).permutation(arms);
+  const auto order = Random(key_of(part.run), participant_, part_of(kArmsPart, part.task, part.run, round))
+                         .permutation(arms);
   return order[static_cast<std::size_t>(number) % arms];
 }
 
@@ -222,23 +237,62 @@ double Course::signal_level(const StudyTask& task) const {
   const std::size_t source = study_.find_task(task.signal->task).value();
   const double correct = task.signal->correct;
   const double from_location = log10_of(-std::log(2.0 * (1.0 - correct)));
-  return levels_of(source, false, 0)
+  return levels_of(source, kFirstRun, 0)
       .quest()
       .estimate([&](const psychophysics::Parameters& at) { return at.location + from_location / at.spread; })
       .mean;
 }
 
-std::optional<psychophysics::Estimate> Course::log10_threshold() const {
+// Above the level of about 65 %, and at most the largest force of the task that the level comes from.
+double Course::easy_signal(const StudyTask& task) const {
+  const StudyTask& source = study_.tasks[study_.find_task(task.signal->task).value()];
+  return std::min(signal_level(task) + log10_of(3.0), std::max(signal_level(task), log10_of(source.largest)));
+}
+
+std::optional<Course::Threshold> Course::threshold() const {
+  constexpr double kEdge = 0.01;  // of the probability at an end of the range
   const auto task = study_.threshold_task();
-  if (!task || !levels_.contains({*task, false, 0})) return std::nullopt;
-  return levels_of(*task, false, 0).quest().estimate(psychophysics::threshold_of);
+  if (!task) return std::nullopt;
+  int run = study_.tasks[*task].each_session ? static_cast<int>(session_) : kFirstRun;
+  if (run <= kRunAtEnd || !levels_.contains({*task, run, 0})) run = kFirstRun;
+  const auto found = levels_.find({*task, run, 0});
+  if (found == levels_.end() || found->second->answers() == 0) return std::nullopt;
+  const psychophysics::QuestPlus& quest = found->second->quest();
+  Threshold threshold;
+  threshold.log10 = quest.estimate(psychophysics::threshold_of);
+  threshold.session = std::max(1, run);
+  threshold.at_edge = quest.edge_probability() > kEdge;
+  const std::vector<double>& levels = quest.grid().levels;
+  threshold.above = threshold.log10.mean > 0.5 * (levels.front() + levels.back());
+  return threshold;
+}
+
+bool Course::uses_threshold() const {
+  const std::optional<Trial> trial = next();
+  if (!trial || study_.tasks[trial->task].stimulus() == Stimulus::kNoise) return false;
+  return study_.tasks[trial->task].has_noise();
+}
+
+Course::Practice Course::practice() const {
+  Practice practice;
+  if (session_ == 0 || part_ >= plan_[session_ - 1].parts.size()) return practice;
+  const std::optional<PracticeCriterion>& until = task_of(plan_[session_ - 1].parts[part_]).practice_until;
+  practice.trials = static_cast<int>(practised_.size());
+  if (!until) return practice;
+  const auto last = std::min(practised_.size(), static_cast<std::size_t>(until->of));
+  practice.correct = static_cast<int>(
+      std::count(practised_.end() - static_cast<std::ptrdiff_t>(last), practised_.end(), true));
+  practice.met = practice.trials >= until->of && practice.correct >= until->correct;
+  return practice;
 }
 
 void Course::fill_in(Trial& trial) const {
   const StudyTask& task = study_.tasks[trial.task];
   const auto code = std::find(arms_of_code_[trial.task].begin(), arms_of_code_[trial.task].end(), trial.arm);
   trial.code = "c" + std::to_string(code - arms_of_code_[trial.task].begin() + 1);
-  trial.draw = static_cast<std::uint32_t>(trial.task * 2 + (trial.repeat ? 1 : 0)) << 20U |
+  const auto session = static_cast<std::uint32_t>(trial.run <= kRunAtEnd ? 0 : trial.run);
+  trial.draw = session << 27U |
+               static_cast<std::uint32_t>(trial.task * 2 + (trial.run == kRunAtEnd ? 1 : 0)) << 20U |
                (trial.practice ? 4U + resumed_ % 4U : static_cast<std::uint32_t>(trial.attempt)) << 16U |
                (static_cast<std::uint32_t>(trial.number) & 0xffffU);
   if (task.stimulus() == Stimulus::kNoise) {
@@ -247,28 +301,29 @@ void Course::fill_in(Trial& trial) const {
   }
   const double share = task.arms[trial.arm].share;
   if (share == 0.0) return;
-  const auto threshold = log10_threshold();
-  if (threshold) trial.noise = std::min(share * std::pow(10.0, threshold->mean), study_.max_noise);
+  const std::optional<Threshold> own = threshold();
+  if (own) trial.noise = std::min(share * std::pow(10.0, own->log10.mean), study_.max_noise);
 }
 
 Trial Course::practice_trial() const {
   const PlannedPart& part = plan_[session_ - 1].parts[part_];
   const StudyTask& task = task_of(part);
-  Random random(key_, participant_,
-                part_of(kPracticePart, part.task, part.repeat, static_cast<std::uint32_t>(practice_done_)));
+  Random random(key_of(part.run), participant_,
+                part_of(kPracticePart, part.task, part.run, static_cast<std::uint32_t>(practice_done_)));
   Trial trial;
   trial.task = part.task;
-  trial.repeat = part.repeat;
+  trial.run = part.run;
   trial.practice = true;
+  trial.example = practice_done_ < task.examples;
   trial.number = practice_done_;
   trial.arm = random.below(task.arms.size());
   trial.second = random.uniform() < 0.5;
   if (!task.two_intervals()) {
     trial.level = task.targets[random.below(task.targets.size())];
   } else if (task.signal) {
-    trial.level = signal_level(task) + log10_of(3.0);
+    trial.level = easy_signal(task);
   } else {
-    const std::vector<double>& levels = levels_of(part.task, part.repeat, trial.arm).levels();
+    const std::vector<double>& levels = levels_of(part.task, part.run, trial.arm).levels();
     const bool low = task.comparison() && random.uniform() < 0.5;
     trial.level = low ? levels.front() : levels.back();
   }
@@ -282,25 +337,27 @@ Trial Course::trial_of(const Slot& slot) const {
   const auto number = static_cast<std::uint32_t>(slot.number);
   Trial trial;
   trial.task = part.task;
-  trial.repeat = part.repeat;
+  trial.run = part.run;
   trial.number = slot.number;
   trial.attempt = slot.attempt;
   trial.arm = arm_of(part, slot.number);
   trial.second =
-      Random(study_.seed, participant_, part_of(kIntervalPart, part.task, part.repeat, number)).uniform() <
+      Random(seed_of(part.run), participant_, part_of(kIntervalPart, part.task, part.run, number)).uniform() <
       0.5;
   if (!task.two_intervals()) {
     const std::size_t targets = task.targets.size();
     const auto round = number / static_cast<std::uint32_t>(targets);
-    const auto order =
-        Random(study_.seed, participant_, part_of(kLevelPart, part.task, false, round)).permutation(targets);
+    const auto order = Random(study_.seed, participant_, part_of(kLevelPart, part.task, kFirstRun, round))
+                           .permutation(targets);
     trial.level = task.targets[order[number % targets]];
   } else if (task.signal) {
-    trial.level = signal_level(task);
-  } else {
-    Random random(study_.seed, participant_, part_of(kCatchPart, part.task, part.repeat, number));
+    Random random(study_.seed, participant_, part_of(kCatchPart, part.task, part.run, number));
     trial.catch_trial = random.uniform() < task.catch_share;
-    const Levels& levels = levels_of(part.task, part.repeat, trial.arm);
+    trial.level = trial.catch_trial ? easy_signal(task) : signal_level(task);
+  } else {
+    Random random(seed_of(part.run), participant_, part_of(kCatchPart, part.task, part.run, number));
+    trial.catch_trial = random.uniform() < task.catch_share;
+    const Levels& levels = levels_of(part.task, part.run, trial.arm);
     std::size_t level = levels.levels().size() - 1;
     if (!trial.catch_trial) {
       level = levels.next(slot.number);
@@ -324,7 +381,7 @@ void Course::count(const TrialRecord& trial, const Trial& expected) {
   if (!task.two_intervals()) return;
   const bool correct = is_correct(task, trial);
   if (!task.signal) {
-    levels_of(expected.task, expected.repeat, expected.arm)
+    levels_of(expected.task, expected.run, expected.arm)
         .add(trial.level, trial.counted, correct, trial.catch_trial);
   }
   if (!trial.catch_trial) return;
@@ -332,14 +389,26 @@ void Course::count(const TrialRecord& trial, const Trial& expected) {
   catch_correct_ += correct ? 1 : 0;
 }
 
+void Course::count_practice(const TrialRecord& trial, const Trial& expected) {
+  --practice_left_;
+  ++practice_done_;
+  const StudyTask& task = study_.tasks[expected.task];
+  if (!expected.example && trial.spoiled.empty() && task.two_intervals()) {
+    practised_.push_back(is_correct(task, trial));
+  }
+  if (!training_ || practice_left_ > 0) return;
+  training_ = !practice().met && practice_done_ < task.practice_until->most;
+  if (training_) practice_left_ = 1;
+}
+
 void Course::add(const TrialRecord& trial) {
   const std::optional<Trial> expected = next();
   next_.reset();
   const auto same = [&] {
-    return expected && trial.task == study_.tasks[expected->task].name && trial.repeat == expected->repeat &&
-           trial.practice == expected->practice && trial.number == expected->number &&
-           trial.code == expected->code && trial.second == expected->second &&
-           std::fabs(trial.level - expected->level) < 1e-9;
+    return expected && trial.task == study_.tasks[expected->task].name &&
+           trial.repeat == (expected->run != kFirstRun) && trial.practice == expected->practice &&
+           trial.number == expected->number && trial.code == expected->code &&
+           trial.second == expected->second && std::fabs(trial.level - expected->level) < 1e-9;
   };
   if (!same()) {
     throw InputError(
@@ -349,8 +418,7 @@ void Course::add(const TrialRecord& trial) {
   const bool spoiled = !trial.spoiled.empty();
   spoiled_ += spoiled ? 1 : 0;
   if (trial.practice) {
-    --practice_left_;
-    ++practice_done_;
+    count_practice(trial, *expected);
     return;
   }
   ++attempts_;

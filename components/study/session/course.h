@@ -19,8 +19,9 @@ namespace palpate::study {
 /// A trial to run.
 struct Trial {
   std::size_t task = 0;
-  bool repeat = false;
+  int run = kFirstRun;  // as PlannedPart::run
   bool practice = false;
+  bool example = false;  // practice whose answer is shown before
   bool catch_trial = false;
   int number = 0;          // of the trial in its task, or of the practice trial
   int attempt = 1;         // 2 and more: it was spoiled before
@@ -70,8 +71,25 @@ class Course final {
   [[nodiscard]] CoursePosition position() const;
   /// [setup] Trials of the session that are neither finished nor lost, without practice.
   [[nodiscard]] int trials_left() const;
-  /// [setup] Standard deviation [N] of the own noise threshold; empty: not measured yet.
-  [[nodiscard]] std::optional<psychophysics::Estimate> log10_threshold() const;
+  /// The own noise threshold that the noise of the present session follows from.
+  struct Threshold {
+    psychophysics::Estimate log10;  // standard deviation [N]
+    int session = 1;                // in which it was measured
+    bool at_edge = false;           // at the end of the range of stimuli: not a number to use unseen
+    bool above = false;             // at the upper end
+  };
+  /// [setup] Empty: not measured yet.
+  [[nodiscard]] std::optional<Threshold> threshold() const;
+  /// [setup] Whether the next trial's noise is a share of the threshold.
+  [[nodiscard]] bool uses_threshold() const;
+  /// [any] Practice of the present task: trials without examples, the correct ones of the last, and whether
+  /// its criterion is met.
+  struct Practice {
+    int trials = 0;
+    int correct = 0;  // of the last PracticeCriterion::of
+    bool met = false;
+  };
+  [[nodiscard]] Practice practice() const;
   /// [any] Trials that were given up, and all spoiled ones.
   [[nodiscard]] int lost() const noexcept { return lost_; }
   [[nodiscard]] int spoiled() const noexcept { return spoiled_; }
@@ -84,18 +102,22 @@ class Course final {
     int number = 0;
     int attempt = 1;
   };
-  using RunKey = std::tuple<std::size_t, bool, std::size_t>;  // task, repeat, arm
+  using RunKey = std::tuple<std::size_t, int, std::size_t>;  // task, run, arm
 
   void require_measured(std::size_t session) const;
   void begin_part();
   void count(const TrialRecord& trial, const Trial& expected);
+  void count_practice(const TrialRecord& trial, const Trial& expected);
+  [[nodiscard]] SealedKey key_of(int run) const noexcept;
+  [[nodiscard]] std::uint64_t seed_of(int run) const noexcept;
+  [[nodiscard]] double easy_signal(const StudyTask& task) const;
   [[nodiscard]] const StudyTask& task_of(const PlannedPart& part) const { return study_.tasks[part.task]; }
   [[nodiscard]] std::size_t arm_of(const PlannedPart& part, int number) const;
   [[nodiscard]] Trial practice_trial() const;
   [[nodiscard]] Trial trial_of(const Slot& slot) const;
   void fill_in(Trial& trial) const;
   [[nodiscard]] double signal_level(const StudyTask& task) const;
-  [[nodiscard]] Levels& levels_of(std::size_t task, bool repeat, std::size_t arm) const;
+  [[nodiscard]] Levels& levels_of(std::size_t task, int run, std::size_t arm) const;
 
   const Study& study_;
   SealedKey key_;
@@ -111,9 +133,11 @@ class Course final {
   std::vector<Slot> waiting_;  // of the part, the next one first
   int done_ = 0;
   int practice_left_ = 0;
-  int practice_done_ = 0;       // in the task's part
-  std::uint32_t resumed_ = 0;   // interruptions
-  std::uint32_t attempts_ = 0;  // trials of the log without practice
+  int practice_done_ = 0;        // in the task's part
+  bool training_ = false;        // practice goes on until its criterion
+  std::vector<bool> practised_;  // answers that were correct, of practice without examples
+  std::uint32_t resumed_ = 0;    // interruptions
+  std::uint32_t attempts_ = 0;   // trials of the log without practice
   int lost_ = 0;
   int spoiled_ = 0;
   int catch_trials_ = 0;

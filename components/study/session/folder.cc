@@ -305,9 +305,9 @@ void remove_leftovers(const StudyFolder& study) {
 }
 
 std::vector<std::string> unfinished_people(const StudyFolder& study) {
-  const std::size_t sessions = plan_sessions(study.study).size();
   std::vector<std::string> unfinished;
   for (const std::string& id : study.ids) {
+    const std::size_t sessions = plan_sessions(study.study, study.number_of(id)).size();
     const ParticipantLog log = study.read(id);
     const auto ended =
         static_cast<std::size_t>(std::count_if(log.events.begin(), log.events.end(), [](const auto& event) {

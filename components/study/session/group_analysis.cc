@@ -4,6 +4,9 @@
 #include <numeric>
 #include <set>
 
+#include <fmt/core.h>
+
+#include "core/base/text.h"
 #include "palpate/error.h"
 
 #include "study/psychophysics/group_effect.h"
@@ -21,23 +24,37 @@ using People = std::vector<const PersonResult*>;
 
 constexpr int kLeastOfArm = 10;           // of a person in each of two arms that are compared
 constexpr std::size_t kLeastOfCurve = 3;  // arms
-constexpr double kLn10 = 2.30258509299404568402;
 
-// One person's measure in an arm; empty: it cannot be stated.
-std::optional<double> value_of(const ArmResult& arm, const std::string& measure) {
-  if (measure == "ln_rms") return arm.ln_rms;
-  if (measure == "ln_variation") return arm.ln_variation;
-  if (arm.trials < kLeastOfArm) return std::nullopt;
-  if (measure == "d_prime") {
-    if (!arm.sensitivity) return std::nullopt;
-    return arm.sensitivity->d_prime;
-  }
-  if (!is_number(arm.fit)) return std::nullopt;
-  return kLn10 * arm.fit->estimate.mean;
+// Enough answers of a person in an arm, for any measure of the task.
+bool is_enough(const StudyTask& task, const ArmResult& arm) {
+  return task.two_intervals() ? arm.trials >= kLeastOfArm : arm.ln_rms && arm.ln_variation;
+}
+
+// One person's measure in an arm with enough answers.
+double value_of(const ArmResult& arm, const std::string& measure) {
+  if (measure == "ln_rms") return arm.ln_rms.value();
+  if (measure == "ln_variation") return arm.ln_variation.value();
+  return arm.sensitivity.value().d_prime;
 }
 
 Effect effect_of(const PairedTest& test, std::size_t people) {
-  return {static_cast<int>(people), test.mean, test.low, test.high, test.two_sided, false, 0.0};
+  return {static_cast<int>(people), test.mean, test.low, test.high, test.two_sided, false, 0.0, {}};
+}
+
+Effect effect_of(const psychophysics::GroupEffect& found, std::size_t people) {
+  const double end = 0.999 * GroupModel::largest_effect();
+  const bool open = found.low < -end || found.high > end;
+  return {static_cast<int>(people), found.effect, found.low, found.high, found.p_value, open, 0.0, {}};
+}
+
+// The mean effect if each of those left out had one end of the range.
+void bound(Effect& effect, double low, double high) {
+  const auto all = static_cast<double>(effect.people + effect.missing.people);
+  const auto mean = [&](double end) {
+    return (effect.people * effect.effect + effect.missing.people * end) / all;
+  };
+  effect.missing.low = mean(low);
+  effect.missing.high = mean(high);
 }
 
 void finish(Effect& effect, const std::string& alternative) {
@@ -63,37 +80,43 @@ std::vector<psychophysics::Count> counts_of(const ArmResult& arm, const std::vec
   return counts;
 }
 
-// The model and the stimuli of a comparison task.
-struct Comparison {
+// The model and the stimuli of a task with a psychometric function.
+struct Functions {
   GroupModel model;
   const std::vector<double>& levels;
 };
 
-std::optional<Effect> measure_effect(const People& people, const Contrast& contrast,
-                                     const Comparison* comparison) {
+std::optional<Effect> measure_effect(const StudyTask& task, const People& people, const Contrast& contrast,
+                                     const Functions* functions) {
   std::vector<double> differences;
   std::vector<PairedCounts> counts;
+  Missing missing;
   for (const PersonResult* person : people) {
     const ArmResult& with = person->tasks[contrast.task].arms[contrast.condition];
     const ArmResult& off = person->tasks[contrast.task].arms[contrast.reference];
-    if (comparison != nullptr) {
-      if (std::min(with.trials, off.trials) < kLeastOfArm) continue;
-      counts.push_back({counts_of(off, comparison->levels), counts_of(with, comparison->levels)});
+    if (!is_enough(task, with) || !is_enough(task, off)) {
+      ++missing.people;
+      missing.in_condition += is_enough(task, with) ? 0 : 1;
+      missing.in_reference += is_enough(task, off) ? 0 : 1;
       continue;
     }
-    const std::optional<double> a = value_of(with, contrast.measure);
-    const std::optional<double> b = value_of(off, contrast.measure);
-    if (a && b) differences.push_back(*a - *b);
+    missing.outside_condition += with.fit && with.fit->range_too_small ? 1 : 0;
+    missing.outside_reference += off.fit && off.fit->range_too_small ? 1 : 0;
+    if (functions != nullptr) {
+      counts.push_back({counts_of(off, functions->levels), counts_of(with, functions->levels)});
+    } else {
+      differences.push_back(value_of(with, contrast.measure) - value_of(off, contrast.measure));
+    }
   }
   if (std::max(differences.size(), counts.size()) < 2) return std::nullopt;
-  Effect effect;
-  if (comparison != nullptr) {
-    const psychophysics::GroupEffect found = comparison->model.fit(counts);
-    const double end = 0.999 * GroupModel::largest_effect();
-    const bool open = found.low < -end || found.high > end;
-    effect = {static_cast<int>(counts.size()), found.effect, found.low, found.high, found.p_value, open, 0.0};
+  Effect effect = functions != nullptr ? effect_of(functions->model.fit(counts), counts.size())
+                                       : effect_of(psychophysics::paired_t(differences), differences.size());
+  effect.missing = missing;
+  if (functions != nullptr) {
+    bound(effect, -GroupModel::largest_effect(), GroupModel::largest_effect());
   } else {
-    effect = effect_of(psychophysics::paired_t(differences), differences.size());
+    const auto [least, largest] = std::minmax_element(differences.begin(), differences.end());
+    bound(effect, *least, *largest);
   }
   finish(effect, contrast.alternative);
   return effect;
@@ -160,11 +183,9 @@ std::vector<Contrast> contrasts_of(const Study& study, std::size_t task, bool un
   if (curve && !unblinded) return contrasts;  // its levels are shown, without pairs
   const auto pairs = pairs_of(study, task, unblinded);
   if (pairs.empty()) return contrasts;
-  std::optional<Comparison> comparison;
-  if (study.tasks[task].comparison()) {
-    comparison.emplace(Comparison{GroupModel(quest->grid()), quest->grid().levels});
-  }
-  const Comparison* model = comparison ? &*comparison : nullptr;
+  std::optional<Functions> functions;
+  if (quest) functions.emplace(Functions{GroupModel(quest->grid()), quest->grid().levels});
+  const Functions* model = functions ? &*functions : nullptr;
   for (const std::string& measure : measures_of(study.tasks[task])) {
     for (const auto& [condition, reference] : pairs) {
       Contrast contrast;
@@ -174,9 +195,10 @@ std::vector<Contrast> contrasts_of(const Study& study, std::size_t task, bool un
       contrast.measure = measure;
       contrast.primary = unblinded && is_primary(study, contrast);
       if (contrast.primary) contrast.alternative = study.primary->alternative;
-      contrast.kept = measure_effect(kept, contrast, model);
-      contrast.everybody =
-          everybody.size() == kept.size() ? contrast.kept : measure_effect(everybody, contrast, model);
+      contrast.kept = measure_effect(study.tasks[task], kept, contrast, model);
+      contrast.everybody = everybody.size() == kept.size()
+                               ? contrast.kept
+                               : measure_effect(study.tasks[task], everybody, contrast, model);
       if (contrast.primary || contrast.everybody) contrasts.push_back(contrast);
     }
   }
@@ -225,7 +247,7 @@ std::optional<Curve> curve_of(const Study& study, std::size_t task, bool unblind
   for (const PersonResult* person : kept) {
     std::vector<double> values;
     for (const ArmResult& arm : person->tasks[task].arms) {
-      if (const std::optional<double> value = value_of(arm, "d_prime")) values.push_back(*value);
+      if (is_enough(of, arm)) values.push_back(value_of(arm, "d_prime"));
     }
     if (values.size() == of.arms.size()) curve.d_primes.push_back(values);
   }
@@ -269,6 +291,25 @@ void add_changes(std::size_t task, const People& kept, std::vector<GroupChange>&
   }
 }
 
+// While blind, the arm is not named: beside the log it would reveal a person's code.
+void note_left_out(const Study& study, const StudyAnalysis& analysis, PersonResult& person) {
+  for (std::size_t task = 0; task < person.tasks.size(); ++task) {
+    const StudyTask& of = study.tasks[task];
+    if (of.arms.size() < 2) continue;
+    std::vector<std::string> few;
+    for (std::size_t arm = 0; arm < of.arms.size(); ++arm) {
+      if (!is_enough(of, person.tasks[task].arms[arm])) few.push_back(analysis.tasks[task].arms[arm]);
+    }
+    if (few.empty()) continue;
+    const std::string where = few.size() == of.arms.size() ? "all conditions"
+                              : analysis.unblinded         ? joined(few)
+                                                           : "some conditions";
+    person.left_out.push_back(of.two_intervals()
+                                  ? fmt::format("{}: {}, fewer than {} trials", of.name, where, kLeastOfArm)
+                                  : fmt::format("{}: {}, no trials", of.name, where));
+  }
+}
+
 }  // namespace
 
 double p_of_alternative(double two_sided, double effect, const std::string& alternative) noexcept {
@@ -281,7 +322,8 @@ void analyse_group(const Study& study, const std::vector<std::optional<QuestPlus
                    StudyAnalysis& analysis) {
   People kept;
   People everybody;
-  for (const PersonResult& person : analysis.people) {
+  for (PersonResult& person : analysis.people) {
+    note_left_out(study, analysis, person);
     if (person.kept()) kept.push_back(&person);
     if (!person.withdrawn) everybody.push_back(&person);
   }

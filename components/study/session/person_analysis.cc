@@ -61,6 +61,7 @@ struct SortedTrials {
   Trials all;                                   // that count, without the repetition
   std::vector<std::size_t> arms;                // of `all`
   std::vector<Trials> main, repeated, spoiled;  // of each arm
+  std::map<int, Trials> starts;                 // runs at the start of later sessions
 };
 
 ArmResult analyse_arm(const StudyTask& task, const Trials& main, QuestPlus* quest) {
@@ -143,6 +144,12 @@ PersonTask analyse_task(const StudyTask& task, const SortedTrials& sorted, Quest
     result.arms.push_back(std::move(arm));
   }
   if (!task.two_intervals()) return result;
+  if (task.sets_threshold && result.arms.front().fit) {
+    result.thresholds.push_back({sorted.main.front().front()->session, *result.arms.front().fit});
+    for (const auto& [session, trials] : sorted.starts) {
+      result.thresholds.push_back({session, fit_trials(*quest, task, trials).value()});
+    }
+  }
   result.trend = trend_of(task, sorted.all, expected_correct(task, sorted.all, result, sorted.arms, quest));
   if (task.comparison()) result.cues = cue_weights(sorted.all);
   return result;
@@ -165,6 +172,14 @@ std::vector<SortedTrials> sort_trials(const Study& study, const Participant& per
     SortedTrials& task = sorted[task_of(study, person.log.id, trial)];
     const std::size_t index = static_cast<std::size_t>(&task - sorted.data());
     const std::size_t arm = names.index_of(person.number, index, trial.code);
+    const bool starts = study.tasks[index].each_session && trial.repeat && !task.main[arm].empty() &&
+                        trial.session > task.main[arm].front()->session;
+    if (starts && trial.spoiled.empty()) {
+      task.starts[trial.session].push_back(&trial);
+      continue;
+    }
+    // The level is not that of the signal: such a trial is no part of d'.
+    if (study.tasks[index].signal && trial.catch_trial && trial.spoiled.empty()) continue;
     std::vector<Trials>& group = !trial.spoiled.empty() ? task.spoiled
                                  : trial.repeat         ? task.repeated
                                                         : task.main;
@@ -198,7 +213,8 @@ double minutes_of(const ParticipantLog& log) {
   return sum / 60.0;
 }
 
-// A share is of the first estimate; the best one is of all trials.
+// A share is of the first estimate; the best one is of all trials, or of those of its session where each one
+// has its own.
 std::optional<Estimate> share_reached(const Study& study, const Participant& person, PersonResult& result,
                                       std::vector<std::optional<QuestPlus>>& quests) {
   const std::optional<std::size_t> task = study.threshold_task();
@@ -207,7 +223,9 @@ std::optional<Estimate> share_reached(const Study& study, const Participant& per
   }
   Trials all;
   for (const TrialRecord& trial : person.log.trials) {
-    if (trial.task == study.tasks[*task].name && !trial.practice && trial.spoiled.empty()) {
+    const bool other =
+        study.tasks[*task].each_session && !all.empty() && trial.session != all.front()->session;
+    if (trial.task == study.tasks[*task].name && !trial.practice && trial.spoiled.empty() && !other) {
       all.push_back(&trial);
     }
   }

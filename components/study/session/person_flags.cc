@@ -98,6 +98,26 @@ void flag_course(const StudyTask& task, const PersonTask& result, std::vector<st
   }
 }
 
+// A threshold at the edge of the stimuli, and practice that ended without its criterion.
+void flag_preparation(const Study& study, const Participant& person, PersonResult& result) {
+  const std::optional<std::size_t> setter = study.threshold_task();
+  if (setter) {
+    for (const SessionThreshold& one : result.tasks[*setter].thresholds) {
+      if (!one.fit.range_too_small) continue;
+      const std::string where =
+          fmt::format("{}: at the edge of the stimuli in session {}, so its noise is no share of it",
+                      study.tasks[*setter].name, one.session);
+      (study.exclude_threshold_at_edge ? result.exclusions : result.flags).push_back(where);
+    }
+  }
+  for (const EventRecord& event : person.log.events) {
+    if (event.event != "practice" || event.value("met") != "no") continue;
+    result.flags.push_back(fmt::format(
+        "{}: practice ended with {} of the last {} correct, its criterion not met",
+        excerpt(event.value("task")), excerpt(event.value("correct")), excerpt(event.value("of"))));
+  }
+}
+
 void exclude(const Study& study, PersonResult& result) {
   const psychophysics::Count& easy = result.catch_trials;
   if (easy.trials > 0 && easy.counted < study.exclude_catch_below * easy.trials) {
@@ -179,6 +199,7 @@ void flag_person(const Study& study, const Participant& person, const std::vecto
     result.flags.push_back(fmt::format("hears the noise: {} of {} correct with the hand off the device",
                                        result.audible->counted, result.audible->trials));
   }
+  flag_preparation(study, person, result);
   exclude(study, result);
 }
 

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "palpate/error.h"
 
+#include "study/psychophysics/comparisons.h"
 #include "study/session/study.h"
 
 namespace palpate::study {
@@ -55,6 +57,11 @@ class SessionClock final {
 
 int trials_of(const StudyTask& task) { return task.trials * static_cast<int>(task.arms.size()); }
 
+// Practice trials that are planned for; a criterion may need more or fewer.
+int practice_of(const StudyTask& task) {
+  return task.practice_until ? std::max(task.practice, task.practice_until->of) : task.practice;
+}
+
 int round_of(const StudyTask& task) {
   return static_cast<int>(task.two_intervals() ? task.arms.size() : task.targets.size());
 }
@@ -64,9 +71,9 @@ class Planner final {
  public:
   explicit Planner(const Study& study) : study_(study), limit_(study.max_minutes * kSecondsPerMinute) {}
 
-  std::vector<PlannedSession> plan() {
+  std::vector<PlannedSession> plan(const std::vector<std::size_t>& order) {
     begin_session();
-    for (std::size_t task = 0; task < study_.tasks.size(); ++task) add_task(task);
+    for (const std::size_t task : order) add_task(task);
     end_session();
     return std::move(sessions_);
   }
@@ -78,15 +85,22 @@ class Planner final {
     sessions_.emplace_back();
     repeats_.clear();
     reserved_ = 0.0;
+    const std::optional<std::size_t> threshold = study_.threshold_task();
+    if (sessions_.size() > 1 && threshold && study_.tasks[*threshold].each_session) {
+      add_run(*threshold, static_cast<int>(sessions_.size()));
+    }
+    first_parts_ = sessions_.back().parts.size();
+  }
+
+  void add_run(std::size_t task, int run) {
+    const double seconds = trial_seconds(study_, study_.tasks[task]);
+    const int trials = trials_of(study_.tasks[task]);
+    for (int i = 0; i < trials; ++i) clock_->add_trial(seconds);
+    sessions_.back().parts.push_back({task, run, 0, trials});
   }
 
   void end_session() {
-    for (const std::size_t task : repeats_) {
-      const StudyTask& repeated = study_.tasks[task];
-      const double seconds = trial_seconds(study_, repeated);
-      for (int i = 0; i < trials_of(repeated); ++i) clock_->add_trial(seconds);
-      sessions_.back().parts.push_back({task, true, 0, trials_of(repeated)});
-    }
+    for (const std::size_t task : repeats_) add_run(task, kRunAtEnd);
     sessions_.back().minutes = clock_->time() / kSecondsPerMinute;
   }
 
@@ -106,7 +120,14 @@ class Planner final {
       const int added = add_part(index, done);
       done += added;
       if (done == trials_of(task)) break;
-      if (added == 0 && sessions_.back().parts.empty()) fail_round(task);
+      if (task.each_session) {
+        throw InputError(
+            fmt::format("{}: task {}: each_session: its {} must fit into the first session of {} min",
+                        study_.file.string(), task.name,
+                        counted(static_cast<std::uint64_t>(trials_of(task)), "trial", "trials"),
+                        shortest(study_.max_minutes)));
+      }
+      if (added == 0 && sessions_.back().parts.size() == first_parts_) fail_round(task);
       end_session();
       if (sessions_.size() == kMaxSessions) return;
       begin_session();
@@ -121,12 +142,12 @@ class Planner final {
     const StudyTask& task = study_.tasks[index];
     const double seconds = trial_seconds(study_, task);
     SessionClock clock = *clock_;
-    for (int i = 0; done == 0 && i < task.practice; ++i) clock.add_trial(seconds);
+    for (int i = 0; done == 0 && i < practice_of(task); ++i) clock.add_trial(seconds);
     const double limit = limit_ - reserved_ - repetition_time(task);
     const int added = clock.add_rounds(trials_of(task) - done, round_of(task), seconds, limit);
     if (added == 0) return 0;
     clock_ = clock;
-    sessions_.back().parts.push_back({index, false, done, added});
+    sessions_.back().parts.push_back({index, kFirstRun, done, added});
     return added;
   }
 
@@ -143,6 +164,7 @@ class Planner final {
   std::vector<PlannedSession> sessions_;
   std::optional<SessionClock> clock_;
   std::vector<std::size_t> repeats_;  // tasks to repeat at the end of the session
+  std::size_t first_parts_ = 0;       // of the session, before its tasks go on
   double reserved_ = 0.0;             // s, for them
 };
 
@@ -166,8 +188,28 @@ double trial_seconds(const Study& study, const StudyTask& task) noexcept {
   return choice + 2.0 * ((search ? kSearchShare * task.search_time : kPress) + kReturn);
 }
 
-std::vector<PlannedSession> plan_sessions(const Study& study) {
-  std::vector<PlannedSession> sessions = Planner(study).plan();
+std::vector<std::vector<std::size_t>> task_orders(const Study& study) {
+  std::vector<std::size_t> first;
+  std::vector<std::size_t> free;
+  for (std::size_t i = 0; i < study.tasks.size(); ++i) {
+    const StudyTask& task = study.tasks[i];
+    const bool needed = task.sets_threshold || std::ranges::any_of(study.tasks, [&](const StudyTask& other) {
+                          return other.signal && other.signal->task == task.name;
+                        });
+    (needed || !study.latin_order ? first : free).push_back(i);
+  }
+  if (free.empty()) return {first};
+  std::vector<std::vector<std::size_t>> orders;
+  for (const std::vector<int>& row : psychophysics::williams_square(static_cast<int>(free.size()))) {
+    orders.push_back(first);
+    for (const int place : row) orders.back().push_back(free[static_cast<std::size_t>(place)]);
+  }
+  return orders;
+}
+
+std::vector<PlannedSession> plan_sessions(const Study& study, std::uint32_t participant) {
+  const std::vector<std::vector<std::size_t>> orders = task_orders(study);
+  std::vector<PlannedSession> sessions = Planner(study).plan(orders[participant % orders.size()]);
   if (sessions.size() > static_cast<std::size_t>(study.sessions)) {
     const std::string enough = sessions.size() == kMaxSessions ? fmt::format("more than {}", kMaxSessions)
                                                                : fmt::format("{}", sessions.size());

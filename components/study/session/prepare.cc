@@ -260,7 +260,7 @@ void prepare_study(const fs::path& study_file, const fs::path& folder, int parti
     throw InputError(folder.string() + ": is in use, must be a new or an empty folder");
   }
   const Study study = load_study(study_file);
-  static_cast<void>(plan_sessions(study));
+  for (std::uint32_t i = 0; i < task_orders(study).size(); ++i) static_cast<void>(plan_sessions(study, i));
   const fs::path target = normal(folder / "").parent_path();
   try {
     const PreparationFolder scratch(target);

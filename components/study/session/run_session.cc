@@ -61,6 +61,7 @@ class RunningSession final {
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
   void note();
   void withdraw();
+  [[nodiscard]] bool note_threshold();
 
   const StudyFolder& study_;
   const SessionOptions& options_;
@@ -72,6 +73,7 @@ class RunningSession final {
   int planned_ = 1;
   int block_ = 0;
   bool stop_ = false;
+  bool threshold_noted_ = false;  // of this session
   bool last_second_ = false;
   std::uint64_t late_ticks_ = 0;
   std::string message_;
@@ -193,6 +195,7 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
   last_second_ = record.answer == 2;
   log_.append(record);
   course_.add(record);
+  if (const auto practised = practice_event(study_.study, course_, record)) log_.append(*practised);
   ++outcome_.trials;
   outcome_.spoiled += record.spoiled.empty() ? 0 : 1;
   if (task.stimulus() == Stimulus::kNoise && !record.practice && record.spoiled.empty())
@@ -265,7 +268,7 @@ void RunningSession::open_session() {
       begun == 0 || std::any_of(before.events.begin(), before.events.end(), [&](const auto& event) {
         return event.event == "session-end" && event.value("session") == std::to_string(begun);
       });
-  const auto sessions = static_cast<int>(plan_sessions(study_.study).size());
+  const auto sessions = static_cast<int>(plan_sessions(study_.study, number_).size());
   outcome_.session = options_.session.value_or(finished ? begun + 1 : begun);
   if (outcome_.session > sessions || outcome_.session < std::max(begun, 1) ||
       (finished && outcome_.session == begun)) {
@@ -415,12 +418,27 @@ void RunningSession::take_withdrawal() {
   }
 }
 
+// Before the first block whose noise follows from the threshold. @return false: the session is to stop
+bool RunningSession::note_threshold() {
+  if (threshold_noted_ || !course_.uses_threshold()) return true;
+  const std::optional<Course::Threshold> threshold = course_.threshold();
+  if (!threshold) return true;
+  threshold_noted_ = true;
+  const bool goes_on = !threshold->at_edge || questions().threshold_at_edge(*threshold);
+  log_.append(threshold_event(outcome_.session, *threshold,
+                              !threshold->at_edge ? ""
+                              : goes_on           ? "go on"
+                                                  : "stop"));
+  return goes_on;
+}
+
 SessionOutcome RunningSession::run() {
   open_session();
   if (stop_) return outcome_;
   const bool agreed = options_.screens == nullptr ||
                       (questions().consent_and_bands() && questions().audibility(outcome_.session));
   while (agreed && course_.next() && !stop_) {
+    if (!note_threshold()) break;
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;

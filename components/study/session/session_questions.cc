@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/random.h"
+#include "core/base/text.h"
 #include "io/system/input_file.h"
 #include "io/system/sha256.h"
 #include "palpate/error.h"
@@ -37,14 +38,6 @@ Question question_of(const std::string& entry) {
 }
 
 }  // namespace
-
-EventRecord event_of(const std::string& name, std::vector<std::pair<std::string, std::string>> values) {
-  EventRecord event;
-  event.time = utc_now();
-  event.event = name;
-  event.values = std::move(values);
-  return event;
-}
 
 bool SessionQuestions::still_wanted() const {
   const std::vector<TrialRecord>& trials = log_.opened().trials;
@@ -85,6 +78,20 @@ bool SessionQuestions::consent_and_bands() {
   return true;
 }
 
+bool SessionQuestions::threshold_at_edge(const Course::Threshold& threshold) {
+  if (options_.screens == nullptr) return true;
+  const std::string value = brief(1e3 * std::pow(10.0, threshold.log10.mean), 3);
+  const auto answer = options_.screens->ask(
+      {"experimenter",
+       "The noise threshold of this person lies at the " +
+           std::string(threshold.above ? "largest" : "least") + " stimulus (" + value +
+           " mN), so the noise of this session would be no share of it. Stop, and look whether the device "
+           "gives the noise and the hand holds the handle as asked; then run the session again, or prepare "
+           "a study with a wider sigma_mN. Whoever goes on marks the person in the report.",
+       {"stop the session", "go on with this value"}});
+  return answer && *answer == 1;
+}
+
 bool SessionQuestions::audibility(int session) {
   if (!study_.study.check_audible || session != 1 || has("audible")) return true;
   session::SessionOptions session_options;
@@ -95,14 +102,23 @@ bool SessionQuestions::audibility(int session) {
   const auto switch_noise = [&](bool on) {
     run.updates().offer(haptics::LiveNoise{on, study_.study.max_noise * kFarAway, kFarAway});
   };
+  // Answers of a check that was interrupted count.
+  int first = 0;
   int correct = 0;
-  for (int i = 0; i < kAudibleTrials; ++i) {
+  for (const EventRecord& event : log_.opened().events) {
+    if (event.event != "audible-trial") continue;
+    ++first;
+    correct += event.value("correct") == "1" ? 1 : 0;
+  }
+  for (int i = first; i < kAudibleTrials; ++i) {
     Random random(study_.study.seed, participant_, kAudiblePart + static_cast<std::uint32_t>(i));
     const std::optional<bool> answer = options_.screens->audible_trial(random.uniform() < 0.5, switch_noise);
     if (!answer) return false;
     if (background->ended())
       throw InputError("the check whether the noise is heard: the device's run has ended");
     correct += *answer ? 1 : 0;
+    log_.append(
+        event_of("audible-trial", {{"trial", std::to_string(i + 1)}, {"correct", *answer ? "1" : "0"}}));
   }
   log_.append(event_of("audible",
                        {{"trials", std::to_string(kAudibleTrials)}, {"correct", std::to_string(correct)}}));

@@ -6,13 +6,10 @@
 
 #include "study/session/folder.h"
 #include "study/session/run_session.h"
+#include "study/session/session_events.h"
 #include "study/session/trial_log.h"
 
 namespace palpate::study {
-
-/// [setup] An event of this moment.
-[[nodiscard]] EventRecord event_of(const std::string& name,
-                                   std::vector<std::pair<std::string, std::string>> values);
 
 /// What a session asks people besides its trials. The answers go to the log. [setup], one thread; the screens
 /// of the options must be there.
@@ -31,6 +28,10 @@ class SessionQuestions final {
   /// Whether the noise is heard with the hand off the device: 20 trials, once. @return false: the window was
   /// closed
   [[nodiscard]] bool audibility(int session);
+
+  /// Says that the threshold lies at the edge of the stimuli, and asks the experimenter what to do.
+  /// @return whether the session goes on
+  [[nodiscard]] bool threshold_at_edge(const Course::Threshold& threshold);
 
   struct LastTrial {
     int session = 1;

@@ -12,6 +12,7 @@
 #include "palpate/error.h"
 
 #include "study/session/course.h"
+#include "study/session/session_events.h"
 
 namespace palpate::study {
 namespace {
@@ -31,13 +32,14 @@ ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t 
   ParticipantLog log;
   log.id = "S" + std::to_string(participant + 1);
   Course course(study, key, participant);
-  const auto sessions = static_cast<int>(plan_sessions(study).size());
+  const auto sessions = static_cast<int>(plan_sessions(study, participant).size());
   bool last_second = false;
   for (int session = 1; session <= sessions; ++session) {
     double seconds = 0.0;
     const auto add_event = [&](const char* event, std::vector<std::pair<std::string, std::string>> values) {
       log.events.push_back({time_of(session, seconds), event, std::move(values), log.trials.size()});
     };
+    bool noted = false;
     const std::string number = std::to_string(session);
     add_event("session", {{"session", number}, {"observer", person.kind}, {"level", "formula"}});
     course.begin_session(session);
@@ -54,6 +56,13 @@ ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t 
       task = trial->task;
       ++in_block;
       seconds += trial_seconds(study, study.tasks[task]);
+      const std::optional<Course::Threshold> threshold =
+          !noted && course.uses_threshold() ? course.threshold() : std::nullopt;
+      if (threshold) {
+        noted = true;
+        add_event("threshold",
+                  threshold_event(session, *threshold, threshold->at_edge ? "go on" : "").values);
+      }
       TrialRecord record = record_of(study, *trial, session, block);
       record.time = time_of(session, seconds);
       const double progress = std::min(1.0, static_cast<double>(done) / planned);
@@ -61,6 +70,9 @@ ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t 
       last_second = record.answer == 2;
       course.add(record);
       log.trials.push_back(std::move(record));
+      if (const auto practised = practice_event(study, course, log.trials.back())) {
+        add_event("practice", practised->values);
+      }
     }
     add_event("session-end", {{"session", number}});
   }

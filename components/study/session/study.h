@@ -29,6 +29,14 @@ struct Arm {
   double d0 = 5e-3;  // m, of kProximity
 };
 
+/// When the practice before a task ends: at the first trial after which `correct` of the last `of` were
+/// correct, or after `most` trials.
+struct PracticeCriterion {
+  int correct = 8;
+  int of = 10;
+  int most = 40;
+};
+
 /// Force of a detection task, taken from an earlier task's psychometric function.
 struct SignalFrom {
   std::string task;
@@ -40,12 +48,15 @@ struct StudyTask {
   std::string name;
   TaskKind kind = TaskKind::kNoiseThreshold;
   Method method = Method::kQuestPlus;
-  std::vector<Arm> arms;        // at least one; a task without conditions has one without noise, named ""
-  int trials = 60;              // for each arm, without practice; of kForceControl: targets x repeats
-  int practice = 0;             // trials before the first, at an easy level, in arms drawn at random
-  double catch_share = 0.0;     // share of trials at the largest level, within `trials`
+  std::vector<Arm> arms;  // at least one; a task without conditions has one without noise, named ""
+  int trials = 60;        // for each arm, without practice; of kForceControl: targets x repeats
+  int practice = 0;       // trials before the first, at an easy level, in arms drawn at random
+  int examples = 0;       // first practice trials, before which the answer is shown
+  std::optional<PracticeCriterion> practice_until;  // practice goes on until it is met
+  double catch_share = 0.0;                         // share of trials at the largest level, within `trials`
   bool sets_threshold = false;  // its estimate is the noise threshold that shares refer to
   bool repeat_at_end = false;   // run again at the end of its session
+  bool each_session = false;    // run again at the start of each later session, whose noise it sets
 
   bool free = false;       // the tool need not press
   double band_low = 0.5;   // N, tissue force in which an interval counts
@@ -121,6 +132,7 @@ struct Study {
   std::uint64_t seed = 1;
   int sessions = 1;
   double max_minutes = 60.0;
+  bool latin_order = false;  // tasks that nothing depends on, in the order of a Williams square
 
   std::string consent_file;  // as written; empty: none
   std::string approval;
@@ -158,6 +170,8 @@ struct Study {
   std::optional<InvertedUAnalysis> inverted_u;
   double exclude_catch_below = 0.7;
   double exclude_lost_above = 0.1;
+  bool exclude_threshold_at_edge =
+      false;  // people whose noise was set by a threshold at the end of the range
 
   /// [any] Index of a task by name; empty for an unknown name.
   [[nodiscard]] std::optional<std::size_t> find_task(const std::string& name) const;
@@ -193,10 +207,14 @@ inline constexpr double kNoisePause = 0.5;
 /// naming the field, with the nearest organ
 [[nodiscard]] scene::Overrides scene_of(const Study& study);
 
+// Runs of a task. A number from 2 on is that of the session at whose start it runs again.
+inline constexpr int kFirstRun = 0;
+inline constexpr int kRunAtEnd = 1;
+
 /// A part of a session: consecutive trials of one task.
 struct PlannedPart {
   std::size_t task = 0;
-  bool repeat = false;  // the repetition at the end of the session
+  int run = kFirstRun;  // of the task
   int first_trial = 0;  // of the task, counted over its arms
   int trials = 0;
 };
@@ -206,10 +224,14 @@ struct PlannedSession {
   double minutes = 0.0;
 };
 
-/// [setup] Trials of each session, the same for everybody. Tasks are cut into sessions at whole rounds of
-/// their arms. Minutes are estimated (docs/study.md). @throws InputError naming sessions or max_minutes when
-/// they do not suffice, with the sessions that would
-[[nodiscard]] std::vector<PlannedSession> plan_sessions(const Study& study);
+/// [setup] Orders of the tasks, as indices: one; or, of a study with latin_order, the rows of a Williams
+/// square, which the participants have in turn. Tasks that set a threshold or a force of others come first.
+[[nodiscard]] std::vector<std::vector<std::size_t>> task_orders(const Study& study);
+
+/// [setup] Trials of each session of a participant. Tasks are cut into sessions at whole rounds of their
+/// arms. Minutes are estimated (docs/study.md). @throws InputError naming sessions or max_minutes when they
+/// do not suffice, with the sessions that would
+[[nodiscard]] std::vector<PlannedSession> plan_sessions(const Study& study, std::uint32_t participant = 0);
 
 /// [any] Estimated time of a task's trial [s].
 [[nodiscard]] double trial_seconds(const Study& study, const StudyTask& task) noexcept;

@@ -33,7 +33,7 @@ TomlTable table_or_empty(const TomlTable& root, std::string_view key, const std:
 void read_study_table(const TomlTable& root, Study& study) {
   const std::optional<TomlTable> table = root.table("study");
   if (!table) root.fail_missing("study", "must be a table [study] with name and scene");
-  table->allow_only({"name", "scene", "seed", "sessions", "max_minutes"});
+  table->allow_only({"name", "scene", "seed", "sessions", "max_minutes", "task_order"});
   study.name = name_in(*table, "name");
   const std::optional<std::string> scene = table->text("scene");
   if (!scene) table->fail_missing("scene", "must be a scene file or a built-in organ");
@@ -43,6 +43,7 @@ void read_study_table(const TomlTable& root, Study& study) {
   constexpr Range kMinutes{5.0, 480.0};
   study.sessions = count(*table, "sessions", 1, kMaxSessions, study.sessions);
   study.max_minutes = table->number("max_minutes", kMinutes).value_or(study.max_minutes);
+  study.latin_order = choice(*table, "task_order", {"file", "latin-square"}, "file") == "latin-square";
 }
 
 void read_people(const TomlTable& root, Study& study) {
@@ -238,11 +239,13 @@ void read_analysis(const TomlTable& root, Study& study) {
   const TomlTable table = table_or_empty(root, "analysis", {"primary", "inverted_u", "exclude"});
   if (const auto primary = table.table("primary")) read_primary(*primary, study);
   if (const auto inverted_u = table.table("inverted_u")) read_inverted_u(*inverted_u, study);
-  const TomlTable exclude = table_or_empty(table, "exclude", {"catch_below", "lost_trials_above"});
+  const TomlTable exclude =
+      table_or_empty(table, "exclude", {"catch_below", "lost_trials_above", "threshold_at_edge"});
   constexpr Range kFractions{0.0, 1.0};
   study.exclude_catch_below = exclude.number("catch_below", kFractions).value_or(study.exclude_catch_below);
   study.exclude_lost_above =
       exclude.number("lost_trials_above", kFractions).value_or(study.exclude_lost_above);
+  study.exclude_threshold_at_edge = exclude.truth("threshold_at_edge").value_or(false);
 }
 
 }  // namespace

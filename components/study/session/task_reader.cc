@@ -79,7 +79,7 @@ void read_ratios(const TomlTable& table, StudyTask& task) {
 
 void read_signal(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
   if (!table.has("signal")) return read_amplitudes(table, "force_mN", task);
-  for (const char* key : {"force_mN", "method", "catch_share"}) {
+  for (const char* key : {"force_mN", "method"}) {
     if (table.has(key)) table.fail(key, "must be left out with `signal`, which fixes the force");
   }
   const TomlTable signal = *table.table("signal");
@@ -101,6 +101,10 @@ void read_noise_threshold(const TomlTable& table, const Study& study, StudyTask&
                fmt::format("must be at most safety.max_noise_N, {} mN", shortest(study.max_noise / kMilli)));
   }
   task.sets_threshold = !choice(table, "sets_share_of", {"threshold"}, "").empty();
+  task.each_session = table.truth("each_session").value_or(false);
+  if (task.each_session && !task.sets_threshold) {
+    table.fail("each_session", "needs sets_share_of = \"threshold\": it sets the noise of each session");
+  }
 }
 
 void read_stiffness(const TomlTable& table, const Study& /*study*/, StudyTask& task) {
@@ -173,10 +177,34 @@ void read_arms(const TomlTable& table, const Study& study, StudyTask& task) {
   if (task.arms.size() > kMaxArms) table.fail("shares", fmt::format("must be at most {}", kMaxArms));
 }
 
-void read_trials(const TomlTable& table, StudyTask& task) {
+void read_practice(const TomlTable& table, StudyTask& task) {
   constexpr int kMaxPractice = 1000;
-  constexpr Range kCatchShares{0.0, 0.5};
   task.practice = count(table, "practice", 0, kMaxPractice, 0);
+  const std::optional<TomlTable> until = table.table("practice_until");
+  if (until && !task.two_intervals()) {
+    table.fail("practice_until", "must be left out: a held force is neither right nor wrong");
+  }
+  if (until) {
+    until->allow_only({"correct", "of", "most"});
+    PracticeCriterion criterion;
+    criterion.of = count(*until, "of", 2, kMaxPractice, criterion.of);
+    criterion.correct = count(*until, "correct", 1, criterion.of, std::min(criterion.correct, criterion.of));
+    criterion.most = count(*until, "most", std::max(criterion.of, task.practice), kMaxPractice,
+                           std::max({criterion.most, criterion.of, task.practice}));
+    task.practice_until = criterion;
+  }
+  const int least = std::max(task.practice, task.practice_until ? task.practice_until->of : 0);
+  if (!table.has("examples")) return;
+  if (!task.two_intervals()) table.fail("examples", "must be left out: no interval has an answer to show");
+  task.examples = count(table, "examples", 0, kMaxPractice, 0);
+  if (task.examples > least) {
+    table.fail("examples", fmt::format("must be at most {}, the first practice trials", least));
+  }
+}
+
+void read_trials(const TomlTable& table, StudyTask& task) {
+  constexpr Range kCatchShares{0.0, 0.5};
+  read_practice(table, task);
   task.repeat_at_end = table.truth("repeat_at_end").value_or(false);
   if (!task.two_intervals()) {
     if (table.has("trials")) table.fail("trials", "must be left out, it is the number of targets x repeats");
@@ -205,7 +233,8 @@ struct FileKind {
 const FileKind& file_kind(TaskKind kind) {
   static const std::array<FileKind, kTaskKinds> kinds{{
       // in the order of TaskKind
-      {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of"},
+      {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "sigma_mN", "sets_share_of",
+        "each_session"},
        read_noise_threshold,
        "sigma_mN"},
       {{"hold", "force_band_N", "interval_s", "gap_s", "method", "catch_share", "signal", "force_mN",
@@ -245,7 +274,8 @@ ReadTask read_task(const TomlTable& table, const Study& study) {
   StudyTask task;
   task.kind = kind_of(table);
   const FileKind& kind = file_kind(task.kind);
-  std::vector<std::string> keys{"name", "kind", "practice", "repeat_at_end", "trials"};
+  std::vector<std::string> keys{"name",     "kind",          "practice", "practice_until",
+                                "examples", "repeat_at_end", "trials"};
   keys.insert(keys.end(), kind.keys.begin(), kind.keys.end());
   table.allow_only(keys);
   task.name = name_in(table, "name");

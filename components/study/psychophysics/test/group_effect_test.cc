@@ -39,11 +39,55 @@ TEST(GroupEffect, FindsThePopulationOfExactPeople) {
   EXPECT_NEAR(found.effect_sd, 0.1, 0.02);
   EXPECT_NEAR(found.mean_ln_spread, -1.6, 0.02);
   EXPECT_NEAR(found.ln_spread_sd, std::sqrt(0.06), 0.03);
-  // Paired t of the changes: T = -0.2/(0.1095/sqrt 6) = -4.47. For known changes, twice the decrease of the
-  // log likelihood is 6 ln(1 + T^2/5). It reaches t(5, 0.975)^2 = 2.571^2 at 3.17 standard errors, 0.142.
-  EXPECT_NEAR(found.low, -0.342, 0.02);
-  EXPECT_NEAR(found.high, -0.058, 0.02);
-  EXPECT_NEAR(found.p_value, 0.0267, 0.003);
+  // Paired t of the changes: standard error 0.1095/sqrt 6 = 0.0447, t(5, 0.975) = 2.571, so -0.2 +- 0.115;
+  // T = -4.47, p = 0.0066. The answers know each change up to about 0.03, which widens it a little.
+  EXPECT_NEAR(found.low, -0.315, 0.02);
+  EXPECT_NEAR(found.high, -0.085, 0.02);
+  EXPECT_NEAR(found.p_value, 0.0066, 0.001);
+}
+
+// Each person's threshold rises by a factor of 1.35; three of six go beyond the largest stimulus.
+TEST(GroupEffect, ThresholdsBeyondTheStimuliCountByTheirAnswers) {
+  const QuestPlusGrid grid = detection_grid(0.01, 1.0, 10);
+  const GroupModel model(grid);
+  std::vector<PairedCounts> people;
+  for (const double threshold : {-0.6, -0.5, -0.3, -0.1, -0.05, -0.02}) {
+    PairedCounts counts;
+    for (const double level : grid.levels) {
+      constexpr int kTrials = 400;
+      const double location = threshold - threshold_of({0.0, 2.5, 0.0});
+      const double off = grid.function(level, {location, 2.5, 0.02});
+      const double with = grid.function(level, {location + std::log10(1.35), 2.5, 0.02});
+      counts.off.push_back({kTrials, static_cast<int>(std::lround(kTrials * off))});
+      counts.with.push_back({kTrials, static_cast<int>(std::lround(kTrials * with))});
+    }
+    people.push_back(counts);
+  }
+  const GroupEffect found = model.fit(people);
+  EXPECT_NEAR(found.effect, std::log(1.35), 0.05);  // beyond the stimuli the prior of the slopes decides too
+  EXPECT_GT(found.low, 0.2);
+  EXPECT_LT(found.high, 0.4);
+}
+
+// Nobody with noise is right more often than by chance: the thresholds are above all stimuli, as far as the
+// model goes, and the interval says that it is open.
+TEST(GroupEffect, AnArmAnsweredByChanceIsAnEffectWithoutAnUpperEnd) {
+  const QuestPlusGrid grid = detection_grid(0.01, 1.0, 10);
+  const GroupModel model(grid);
+  std::vector<PairedCounts> people;
+  for (int person = 0; person < 12; ++person) {
+    const double threshold = -0.6 + 0.02 * person;
+    PairedCounts counts;
+    for (const double level : grid.levels) {
+      const double off = grid.function(level, {threshold, 2.5, 0.02});
+      counts.off.push_back({40, static_cast<int>(std::lround(40 * off))});
+      counts.with.push_back({40, 20});
+    }
+    people.push_back(counts);
+  }
+  const GroupEffect found = model.fit(people);
+  EXPECT_GT(found.low, std::log(1.5));
+  EXPECT_GT(found.high, 0.99 * GroupModel::largest_effect());
 }
 
 TEST(GroupEffect, IntervalContainsZeroExactlyWhenTheTestDoesNotReject) {
@@ -69,7 +113,12 @@ TEST(GroupEffect, InvalidDataAreRejected) {
   PairedCounts wrong = person;
   wrong.with[0] = {1, 2};
   EXPECT_THROW((void)model.fit(std::vector<PairedCounts>{person, wrong}), ParameterError);
-  EXPECT_THROW(GroupModel{detection_grid(1.0, 100.0, 20)}, ParameterError);
+  QuestPlusGrid three = detection_grid(1.0, 100.0, 20);
+  three.function.guess = 1.0 / 3.0;
+  EXPECT_THROW(GroupModel{three}, ParameterError);
+  QuestPlusGrid decibels = detection_grid(1.0, 100.0, 20);
+  decibels.function.decades_per_unit = 0.05;
+  EXPECT_THROW(GroupModel{decibels}, ParameterError);
 }
 
 }  // namespace

@@ -25,8 +25,9 @@ struct GroupFigures {
   double rejected = 0.0;  // share of groups with p < 0.05
 };
 
-GroupFigures analyse_groups(const SimulatedGroup& group, int groups, std::uint32_t first) {
-  QuestPlus quest(difference_grid());
+GroupFigures analyse_groups(const SimulatedGroup& group, int groups, std::uint32_t first,
+                            const QuestPlusGrid& grid = difference_grid()) {
+  QuestPlus quest(grid);
   const GroupModel model(quest.grid());
   const double truth = std::log(group.ratio);
   GroupFigures figures;
@@ -65,6 +66,18 @@ TEST(GroupStudy, EffectOfFifteenPercentIsFoundWithManyTrials) {
   EXPECT_LE(std::abs(figures.bias), 0.02);
   EXPECT_GE(figures.coverage, 0.92);
   EXPECT_GE(figures.rejected, 0.77);
+}
+
+// Stimuli as of an inclusion task with ratios 1.1 to 8: log10 of ln ratio. The mean threshold is that of a
+// ratio of 4.5 without noise; with 1.35 times as much, every fourth person's lies above the largest stimulus.
+TEST(GroupStudy, PeopleWhoseThresholdsLeaveTheRangeDoNotHideTheHarm) {
+  const QuestPlusGrid grid = detection_grid(std::log(1.1), std::log(8.0), 11);
+  SimulatedGroup group{24, 60, 1.35};
+  group.mean_threshold = std::log10(std::log(4.5));
+  const GroupFigures figures = analyse_groups(group, simulated(4, 600), 6000, grid);
+  EXPECT_LE(std::abs(figures.bias), full_table() ? 0.02 : 0.15);
+  EXPECT_GE(figures.coverage, full_table() ? 0.93 : 0.5);
+  EXPECT_LE(figures.coverage, full_table() ? 0.97 : 1.0);
 }
 
 // Levels of the noise as shares of a person's own noise threshold.

@@ -222,6 +222,70 @@ TEST(Analysis, ShareReachedComparesTheFirstThresholdWithAllTrials) {
               testing::Contains(testing::HasSubstr("threshold changed by a factor of")));
 }
 
+TEST(Analysis, EachSessionHasItsOwnThresholdAndOneAtTheEdgeExcludesByRule) {
+  Study study = test_study();
+  study.tasks[kThreshold].each_session = true;
+  std::vector<Participant> people = {new_participant(0)};
+  Random random(6, 0, 0);
+  const auto function = grid_of(study.tasks[kThreshold]).function;
+  for (const double threshold : {-2.2, -0.8}) {  // the range ends at -1
+    add_trials(
+        people[0], study, kThreshold, 60,
+        levels_near(study.tasks[kThreshold], std::min(threshold, -1.3), 0.5),
+        [&](std::size_t, double level, double) {
+          return function(level, {threshold, 3.0, 0.0});
+        },
+        random);
+  }
+  for (std::size_t i = 60; i < 120; ++i) {
+    people[0].log.trials[i].repeat = true;
+    people[0].log.trials[i].session = 2;
+  }
+  people[0].log.events.push_back(
+      {"", "practice", {{"task", "stiffness"}, {"correct", "5"}, {"of", "10"}, {"met", "no"}}, 0});
+  const StudyAnalysis found = analyse(study, people, kTestKey, true);
+  const std::vector<SessionThreshold>& thresholds = found.people[0].tasks[kThreshold].thresholds;
+  ASSERT_EQ(thresholds.size(), 2U);
+  EXPECT_EQ(thresholds[0].session, 1);
+  EXPECT_EQ(thresholds[1].session, 2);
+  EXPECT_NEAR(thresholds[0].fit.estimate.mean, -2.2 - 0.053, 0.15);  // 75 % lies at t + log10(ln 2)/3
+  EXPECT_TRUE(thresholds[1].fit.range_too_small);
+  EXPECT_FALSE(found.people[0].tasks[kThreshold].arms[0].repeated);  // no run at the end
+  EXPECT_NEAR(found.people[0].reached->mean, 0.0, 1e-12);            // of the first session's trials alone
+  const char* const edge =
+      "threshold: at the edge of the stimuli in session 2, so its noise is no share of it";
+  EXPECT_THAT(found.people[0].flags, testing::Contains(edge));
+  EXPECT_THAT(
+      found.people[0].flags,
+      testing::Contains("stiffness: practice ended with 5 of the last 10 correct, its criterion not met"));
+  EXPECT_TRUE(found.people[0].kept());
+  study.exclude_threshold_at_edge = true;
+  EXPECT_THAT(analyse(study, people, kTestKey, true).people[0].exclusions, testing::Contains(edge));
+}
+
+TEST(Analysis, CatchTrialsOfACurveDoNotCountInItsSensitivity) {
+  const Study study = test_study();
+  std::vector<Participant> people = {new_participant(0)};
+  Random random(8, 0, 0);
+  add_trials(
+      people[0], study, kCurve, 20, {-1.5}, [](std::size_t, double, double) { return 0.7; }, random);
+  const double before =
+      analyse(study, people, kTestKey, true).people[0].tasks[kCurve].arms[0].sensitivity->d_prime;
+  for (int i = 0; i < 12; ++i) {  // easy ones of the first arm, all correct
+    TrialRecord trial = people[0].log.trials[0];
+    trial.catch_trial = true;
+    trial.level = -1.0;
+    trial.counted = true;
+    trial.answer = trial.second ? 2 : 1;
+    people[0].log.trials.push_back(trial);
+  }
+  const PersonResult after = analyse(study, people, kTestKey, true).people[0];
+  EXPECT_EQ(after.tasks[kCurve].arms[0].sensitivity->d_prime, before);
+  EXPECT_EQ(after.tasks[kCurve].arms[0].trials, 20);
+  EXPECT_EQ(after.catch_trials.trials, 12);
+  EXPECT_EQ(after.catch_trials.counted, 12);
+}
+
 TEST(Analysis, ForceControlComparesMeansOfLogarithms) {
   const Study study = test_study();
   // ln rms with "constant" less that without noise: -0.1, -0.2, -0.3. t(2, 0.975) = 4.302653, s = 0.1.
@@ -247,6 +311,91 @@ TEST(Analysis, ForceControlComparesMeansOfLogarithms) {
   ASSERT_NE(rms, found.contrasts.end());
   EXPECT_NEAR(rms->kept->effect, -0.2, 1e-12);
   EXPECT_NEAR(rms->kept->high, -0.2 + 4.302653 * 0.1 / std::sqrt(3.0), 1e-6);
+}
+
+// test_study() with an inclusion task behind the others, whose ratios are 1.1 to 8.
+Study study_with_lump() {
+  Study study = test_study();
+  StudyTask lump;
+  lump.name = "lump";
+  lump.kind = TaskKind::kInclusion;
+  lump.arms = test_conditions();
+  lump.least = 1.1;
+  lump.largest = 8.0;
+  lump.steps = 15;
+  study.tasks.push_back(lump);
+  return study;
+}
+
+constexpr std::size_t kLump = 4;
+
+// Thresholds without noise of ln ratio 0.5 to 1.7; with noise 1.35 times as large, which is beyond ln 8
+// = 2.08 for those above 1.54.
+std::vector<Participant> lump_group(const Study& study, std::uint32_t people) {
+  std::vector<Participant> group;
+  const auto function = grid_of(study.tasks[kLump]).function;
+  for (std::uint32_t number = 0; number < people; ++number) {
+    Random random(9, number, 0);
+    group.push_back(new_participant(number));
+    const double threshold = std::log10(0.5 + 1.2 * number / people);
+    add_trials(
+        group.back(), study, kLump, 105, grid_of(study.tasks[kLump]).levels,
+        [&](std::size_t arm, double level, double) {
+          const double rise = arm == 0 ? 0.0 : std::log10(1.35);
+          return function(level, {threshold + rise - psychophysics::threshold_of({0.0, 2.5, 0.0}), 2.5, 0.0});
+        },
+        random);
+  }
+  return group;
+}
+
+const Contrast& contrast_in(const StudyAnalysis& analysis, std::size_t task, std::size_t condition) {
+  return *std::find_if(analysis.contrasts.begin(), analysis.contrasts.end(),
+                       [&](const Contrast& one) { return one.task == task && one.condition == condition; });
+}
+
+TEST(Analysis, NobodyIsLeftOutBecauseTheThresholdLeavesTheRange) {
+  const Study study = study_with_lump();
+  const StudyAnalysis found = analyse(study, lump_group(study, 16), kTestKey, true);
+  const Effect& effect = *contrast_in(found, kLump, 1).kept;
+  EXPECT_EQ(effect.people, 16);
+  EXPECT_EQ(effect.missing.people, 0);
+  EXPECT_GE(effect.missing.outside_condition, 4);
+  EXPECT_LT(effect.missing.outside_reference, effect.missing.outside_condition);
+  EXPECT_NEAR(effect.effect, std::log(1.35), 0.15);
+  // The mean of those whose two thresholds are numbers, as it was compared before, hides a part of the harm.
+  double complete = 0.0;
+  int numbers = 0;
+  for (const PersonResult& person : found.people) {
+    const std::vector<ArmResult>& arms = person.tasks[kLump].arms;
+    if (!is_number(arms[0].fit) || !is_number(arms[1].fit)) continue;
+    complete += arms[1].fit->estimate.mean - arms[0].fit->estimate.mean;
+    ++numbers;
+  }
+  EXPECT_LT(numbers, 16);
+  EXPECT_LT(std::log(10.0) * complete / numbers, effect.effect);
+}
+
+TEST(Analysis, TooFewTrialsLeaveAPersonOutWithAWorstCase) {
+  const Study study = test_study();
+  std::vector<Participant> people = stiffness_group(study, 4, 20, 1.0);
+  std::erase_if(people[2].log.trials, [&](const TrialRecord& trial) {
+    return trial.code == code_of(2, kStiffness, 1, 3) && trial.number > 20;
+  });
+  const StudyAnalysis open = analyse(study, people, kTestKey, true);
+  const Effect& effect = *open.contrasts.front().kept;
+  EXPECT_EQ(effect.people, 3);
+  EXPECT_EQ(effect.missing.people, 1);
+  EXPECT_EQ(effect.missing.in_condition, 1);
+  EXPECT_EQ(effect.missing.in_reference, 0);
+  // Three people with the estimate and one with a factor of 4.5 (52 steps of 0.0288) on either side.
+  EXPECT_NEAR(effect.missing.low, (3.0 * effect.effect - 52 * 0.0288) / 4.0, 1e-12);
+  EXPECT_NEAR(effect.missing.high, (3.0 * effect.effect + 52 * 0.0288) / 4.0, 1e-12);
+  EXPECT_THAT(open.people[2].left_out, testing::Contains("stiffness: constant, fewer than 10 trials"));
+  EXPECT_THAT(open.people[0].left_out, testing::Not(testing::Contains(testing::HasSubstr("stiffness"))));
+  const StudyAnalysis blind = analyse(study, people, kTestKey, false);
+  EXPECT_THAT(blind.people[2].left_out,
+              testing::Contains("stiffness: some conditions, fewer than 10 trials"));
 }
 
 // People with a share of correct answers at each share of the noise.

@@ -1,5 +1,6 @@
 #include "study/session/analysis_text.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -95,6 +96,25 @@ TEST(AnalysisText, EffectsOfLogarithmsAreRatios) {
   EXPECT_EQ(effect_text(contrast, effect), "-0.16 (95 % -0.30 to +0.00), 24 people, p = 0.020");
   EXPECT_EQ(smallest_effect_text(contrast, effect),
             "smallest effect that this study finds with power 0.8: -0.20 or +0.20");
+}
+
+TEST(AnalysisText, WhoIsMissingIsCountedByArmAfterUnblindingAlone) {
+  StudyAnalysis analysis;
+  analysis.unblinded = true;
+  analysis.tasks = {{{"off", "constant"}, {}}};
+  Contrast contrast;
+  contrast.condition = 1;
+  contrast.measure = "ln_threshold";
+  Effect effect;
+  EXPECT_EQ(missing_text(analysis, contrast, effect), "");
+  effect.missing = {1, 1, 0, 10, 2, std::log(0.9), std::log(1.5)};
+  EXPECT_EQ(missing_text(analysis, contrast, effect),
+            "left out with too few trials: 1 person (constant 1, off 0); worst case x 0.90 to x 1.50; "
+            "thresholds at the edge of the stimuli: 12 (constant 10, off 2); their answers count");
+  analysis.unblinded = false;
+  EXPECT_EQ(missing_text(analysis, contrast, effect),
+            "left out with too few trials: 1 person; worst case x 0.90 to x 1.50; "
+            "thresholds at the edge of the stimuli: 12; their answers count");
 }
 
 TEST(AnalysisText, NoTextOrTableChoosesALevelAfterwards) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -176,7 +177,7 @@ TEST(Course, TheNoiseIsTheArmsShareOfTheOwnThreshold) {
   for (std::uint32_t count = 0; const auto next = course.next(); ++count) {
     const StudyTask& task = study.tasks[next->task];
     if (task.name == "stiffness") {
-      const double threshold = std::pow(10.0, course.log10_threshold().value().mean);
+      const double threshold = std::pow(10.0, course.threshold().value().log10.mean);
       EXPECT_DOUBLE_EQ(next->noise, task.arms[next->arm].share * threshold);
       log_error = std::log10(threshold / person.noise_threshold);
     }
@@ -280,6 +281,158 @@ TEST(Course, ALogWhoseSessionHasNoNumberIsRefusedInWords) {
 TEST(SimulatedPerson, NoiseLowersTheReferenceObserversForceThresholdAsInTheDesign) {
   psychophysics::Observer sr = psychophysics::make_observer("sr");
   EXPECT_NEAR(force_threshold_of(sr, 0.6 * 0.5817562888) / force_threshold_of(sr, 0.0), 0.76, 0.015);
+}
+
+// Two sessions: the threshold task, then the stiffness task in the second.
+Study two_sessions() {
+  Study study = small_study();
+  const StudyTask threshold = study.tasks[0];
+  const StudyTask stiffness = study.tasks[3];
+  study.tasks = {threshold, stiffness};
+  study.tasks[0].each_session = true;
+  study.tasks[1].trials = 40;
+  study.tasks[1].practice = 0;
+  study.sessions = 3;
+  study.max_minutes = 18.0;
+  return study;
+}
+
+TEST(Course, TheThresholdIsMeasuredAgainAndSetsTheNoiseOfItsSession) {
+  const Study study = two_sessions();
+  const std::vector<PlannedSession> plan = plan_sessions(study);
+  ASSERT_GE(plan.size(), 2U);
+  EXPECT_EQ(plan[0].parts.front().run, kFirstRun);
+  EXPECT_EQ(plan[1].parts.front().task, 0U);
+  EXPECT_EQ(plan[1].parts.front().run, 2);
+  EXPECT_EQ(plan[1].parts.front().trials, 40);
+  Course course(study, kCourseKey, 0);
+  // In the second session the person needs four times as much noise.
+  ParticipantLog log;
+  double thresholds[2] = {0.0, 0.0};
+  for (int session = 1; session <= 2; ++session) {
+    SimulatedPerson person = make_person("ideal", 3, 0);
+    person.noise_threshold = session == 1 ? 0.01 : 0.04;
+    log.events.push_back({"", "session", {{"session", std::to_string(session)}}, log.trials.size()});
+    course.begin_session(session);
+    for (std::uint32_t count = 0; const auto next = course.next(); ++count) {
+      if (next->task == 1) {
+        const Course::Threshold own = course.threshold().value();
+        EXPECT_EQ(own.session, session);
+        EXPECT_FALSE(own.at_edge);
+        thresholds[session - 1] = std::pow(10.0, own.log10.mean);
+        EXPECT_DOUBLE_EQ(next->noise, study.tasks[1].arms[next->arm].share * thresholds[session - 1]);
+      }
+      log.trials.push_back(answered(study, person, *next, 0.0, count));
+      log.trials.back().session = session;
+      course.add(log.trials.back());
+    }
+  }
+  EXPECT_NEAR(std::log10(thresholds[0] / 0.01), 0.0, 0.3);
+  EXPECT_NEAR(std::log10(thresholds[1] / 0.04), 0.0, 0.3);
+  Course again(study, kCourseKey, 0);
+  EXPECT_EQ(again.replay(log), 2);  // throws if a trial differs
+}
+
+TEST(Course, AThresholdThatNobodyReachesIsAtTheEdge) {
+  const Study study = two_sessions();
+  Course course(study, kCourseKey, 0);
+  course.begin_session(1);
+  SimulatedPerson person = make_person("random", 3, 0);
+  EXPECT_FALSE(course.threshold());
+  for (std::uint32_t count = 0; course.next()->task == 0; ++count) {
+    EXPECT_FALSE(course.uses_threshold());
+    course.add(answered(study, person, *course.next(), 0.0, count));
+  }
+  EXPECT_TRUE(course.uses_threshold());
+  EXPECT_TRUE(course.threshold()->at_edge);
+  EXPECT_TRUE(course.threshold()->above);
+}
+
+// Practice until 4 of the last 5 answers are correct, after two examples; 12 trials at most.
+Study trained() {
+  Study study = small_study();
+  study.tasks = {study.tasks[3]};
+  study.tasks[0].arms.resize(1);
+  study.tasks[0].practice = 0;
+  study.tasks[0].examples = 2;
+  study.tasks[0].practice_until = PracticeCriterion{4, 5, 12};
+  return study;
+}
+
+// Practice trials when the answers, examples too, are as in the text: C correct, i incorrect, s spoiled.
+int practice_with(const std::string& answers, bool* met) {
+  const Study study = trained();
+  Course course(study, kCourseKey, 0);
+  course.begin_session(1);
+  int trials = 0;
+  for (; course.next()->practice; ++trials) {
+    const Trial trial = *course.next();
+    EXPECT_EQ(trial.example, trials < 2);
+    TrialRecord record = record_of(study, trial, 1, 1);
+    const char answer = answers.at(static_cast<std::size_t>(trials));
+    record.counted = (trial.level > 0.0) == (answer == 'C');
+    if (answer == 's') record.spoiled = {"late"};
+    course.add(record);
+    *met = course.practice().met;
+  }
+  return trials;
+}
+
+TEST(Course, PracticeEndsWithItsCriterionOrItsLargestNumber) {
+  bool met = false;
+  EXPECT_EQ(practice_with("iiCCCCC", &met), 7);  // examples do not count
+  EXPECT_TRUE(met);
+  EXPECT_EQ(practice_with("CCiCiiCCCC", &met), 10);  // after 9 trials 3 of the last 5, with the next 4 of 5
+  EXPECT_TRUE(met);
+  EXPECT_EQ(practice_with("CCCsCCiC", &met), 8);  // spoiled ones do not count
+  EXPECT_TRUE(met);
+  EXPECT_EQ(practice_with("CCiiCiCiiCiC", &met), 12);
+  EXPECT_FALSE(met);
+}
+
+TEST(Course, CatchTrialsOfOneForceAreEasyAndNoPartOfTheSensitivity) {
+  Study study = small_study();
+  study.tasks[2].catch_share = 0.5;
+  Course course(study, kCourseKey, 0);
+  course.begin_session(1);
+  SimulatedPerson person = make_person("sr", 3, 0);
+  double fixed = 0.0;
+  int easy = 0;
+  for (std::uint32_t count = 0; const auto next = course.next(); ++count) {
+    if (study.tasks[next->task].name == "curve") {
+      if (!next->catch_trial) fixed = next->level;
+      if (next->catch_trial && fixed != 0.0) {
+        EXPECT_NEAR(next->level, fixed + std::log10(3.0), 1e-12);
+        ++easy;
+      }
+    }
+    course.add(answered(study, person, *next, 0.0, count));
+  }
+  EXPECT_GE(easy, 2);
+}
+
+TEST(TaskOrders, OfALatinSquareHaveEachTaskAtEachPlaceAndAfterEachOther) {
+  Study study = small_study();
+  EXPECT_EQ(task_orders(study), (std::vector<std::vector<std::size_t>>{{0, 1, 2, 3, 4}}));
+  study.latin_order = true;
+  const std::vector<std::vector<std::size_t>> orders = task_orders(study);
+  // curve, stiffness and hold move; an odd number of them needs six rows. Threshold and weak force stay
+  // first.
+  ASSERT_EQ(orders.size(), 6U);
+  std::map<std::pair<std::size_t, std::size_t>, int> places;
+  std::map<std::pair<std::size_t, std::size_t>, int> neighbours;
+  for (const std::vector<std::size_t>& order : orders) {
+    ASSERT_EQ(order.size(), 5U);
+    EXPECT_EQ(order[0], 0U);
+    EXPECT_EQ(order[1], 1U);
+    for (std::size_t i = 2; i < 5; ++i) ++places[{i, order[i]}];
+    for (std::size_t i = 3; i < 5; ++i) ++neighbours[{order[i - 1], order[i]}];
+  }
+  ASSERT_EQ(places.size(), 9U);
+  for (const auto& [place, count] : places) EXPECT_EQ(count, 2);
+  ASSERT_EQ(neighbours.size(), 6U);
+  for (const auto& [pair, count] : neighbours) EXPECT_EQ(count, 2);
+  EXPECT_NE(plan_sessions(study, 0)[0].parts[2].task, plan_sessions(study, 1)[0].parts[2].task);
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(Plan, HasEachTrialOnceInWholeRoundsAndInOrder) {
     for (const PlannedSession& session : plan_sessions(study)) {
       EXPECT_LE(session.minutes, minutes);
       for (const PlannedPart& part : session.parts) {
-        if (part.repeat) continue;
+        if (part.run != kFirstRun) continue;
         EXPECT_GE(part.task, last_task);
         last_task = part.task;
         EXPECT_EQ(part.first_trial, next[part.task]);
@@ -81,7 +81,7 @@ TEST(Plan, HasEachTrialOnceInWholeRoundsAndInOrder) {
 TEST(Plan, RepeatsATaskAtTheEndOfItsSession) {
   const std::vector<PlannedSession> sessions = plan_sessions(example());
   const PlannedPart& last = sessions[0].parts.back();
-  EXPECT_TRUE(last.repeat);
+  EXPECT_EQ(last.run, kRunAtEnd);
   EXPECT_EQ(last.task, 0U);
   EXPECT_EQ(last.trials, 60);
   EXPECT_EQ(sessions[0].parts.front().task, 0U);

@@ -315,10 +315,9 @@ TEST(StudyReader, NamesTheNearestKey) {
   EXPECT_THAT(error_with("[analysis]", "[analyses]"), HasSubstr("unknown key, did you mean analysis?"));
   EXPECT_EQ(error_with("depth_mm = 6", "depth = 6"),
             "40: task.depth = 6: unknown key, did you mean depth_mm?");
-  EXPECT_EQ(
-      error_with("repeats = 3", "ratio = 3"),
-      "46: task.ratio = 3: unknown key, valid are name, kind, practice, repeat_at_end, trials, target_N, "
-      "repeats or conditions");
+  EXPECT_EQ(error_with("repeats = 3", "ratio = 3"),
+            "46: task.ratio = 3: unknown key, valid are name, kind, practice, practice_until, examples, "
+            "repeat_at_end, trials, target_N, repeats or conditions");
 }
 
 TEST(StudyReader, NeedsATask) {
