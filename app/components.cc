@@ -11,13 +11,14 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <unistd.h>
 
+#include "io/system/files.h"
 #include "io/system/plugin.h"
 #include "palpate/error.h"
 #include "run/tasks/communicator.h"
 
 #include "app/commands.h"
+#include "app/execute.h"
 #include "app/messages.h"
 
 namespace palpate::app {
@@ -57,16 +58,6 @@ const ComponentCommand* find(std::string_view name) noexcept {
   return found == kCommands.end() ? nullptr : found;
 }
 
-/// Replaces this process by `program`. Returns only when `program` cannot be executed. @return the reason
-int execute(const fs::path& program, char** arguments) {
-  std::string name = program.string();
-  std::vector<char*> argv = {name.data()};
-  while (*arguments != nullptr) argv.push_back(*arguments++);
-  argv.push_back(nullptr);
-  execv(name.c_str(), argv.data());
-  return errno;
-}
-
 }  // namespace
 
 void add_component(CLI::App& program, std::string_view name) {
@@ -97,6 +88,12 @@ int execute_component(char** arguments) {
   if (reason != ENOENT) {
     report_error(fmt::format("{}: {} cannot be executed: {}", command.name, command.program,
                              std::generic_category().message(reason)));
+    return kBadInput;
+  }
+  if (kIsWindows) {
+    report_error(fmt::format(
+        "{}: needs the program {}.exe beside this one, and it is not there; palpate on Linux has it",
+        command.name, command.program));
     return kBadInput;
   }
   report_error(

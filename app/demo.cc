@@ -18,6 +18,7 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
+#include "app/pictures.h"
 #include "app/progress.h"
 #include "app/session.h"
 
@@ -114,6 +115,13 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   if (stopped) {
     if (flags.json) std::cout << json_text({{"experiments", summaries}, {"report", nullptr}}) << '\n';
     report_message("the demo did not finish; no report was written");
+    return exit_code;
+  }
+  if (!has_pictures()) {
+    if (flags.json) std::cout << json_text({{"experiments", summaries}, {"report", nullptr}}) << '\n';
+    report_message(
+        "no report was written: this program has no pictures; palpate on Linux draws them from the "
+        "recordings");
     return exit_code;
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, profiles, command_line);

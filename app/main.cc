@@ -6,6 +6,7 @@
 #include "app/commands.h"
 #include "app/components.h"
 #include "app/program.h"
+#include "app/streams.h"
 
 namespace {
 
@@ -36,9 +37,12 @@ void add_commands(CLI::App& program, const std::string& command_line, int& exit_
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
-  std::vector<char*> words(argv, argv + argc);
+  prepare_streams();
+  std::vector<std::string> arguments = utf8_arguments(argc, argv);
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
   std::string help = "--help";
-  if (argc > 1 && std::string_view(argv[1]) == "help") {  // help run: run --help
+  if (argc > 1 && arguments[1] == "help") {  // help run: run --help
     words.erase(words.begin() + 1);
     words.push_back(help.data());
   }

@@ -20,7 +20,7 @@ std::string_view environment(const char* name) {
 /// @param colour escape sequence of a terminal
 void report(std::string_view colour, std::string_view message) {
   static const bool coloured =
-      isatty(STDERR_FILENO) == 1 && !environment("TERM").empty() && environment("TERM") != "dumb";
+      is_terminal(STDERR_FILENO) && !environment("TERM").empty() && environment("TERM") != "dumb";
   std::string line = "palpate: ";
   if (coloured) line += colour;
   line += escaped(message, false);

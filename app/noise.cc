@@ -42,7 +42,7 @@ void for_each_force(const NoiseFlags& flags, Take take) {
 
 void print_lines(const NoiseFlags& flags) {
   constexpr std::uint64_t kLinesAtOnce = 4096;
-  const bool piped = isatty(STDOUT_FILENO) != 1;  // a progress bar would mix with the lines on a terminal
+  const bool piped = !is_terminal(STDOUT_FILENO);  // a progress bar would mix with the lines on a terminal
   Progress bar("noise");
   std::string lines;
   std::uint64_t done = 0;

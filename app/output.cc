@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
-#include <csignal>
 #include <cstdint>
 #include <deque>
 #include <iostream>
@@ -17,7 +16,6 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <poll.h>
 #include <unistd.h>
 
 #include "core/base/text.h"
@@ -44,22 +42,6 @@ std::size_t printable_length(std::string_view text) noexcept {
   const bool turns = lead == 0xE2 && ((byte(1) == 0x80 && byte(2) >= 0xAA && byte(2) <= 0xAE) ||
                                       (byte(1) == 0x81 && byte(2) >= 0xA6 && byte(2) <= 0xA9));
   return control || turns ? 0 : length;
-}
-
-/// Writes a whole text and waits for its reader. @return 0, or the errno of the failure
-int write_whole(int descriptor, std::string_view text) noexcept {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written >= 0) {
-      text.remove_prefix(static_cast<std::size_t>(written));
-    } else if (errno == EAGAIN) {  // another program has set the shared descriptor to O_NONBLOCK
-      pollfd reader{descriptor, POLLOUT, 0};
-      (void)poll(&reader, 1, -1);
-    } else if (errno != EINTR) {
-      return errno;
-    }
-  }
-  return 0;
 }
 
 std::string describe(int error) { return "cannot be written: " + std::generic_category().message(error); }
@@ -205,7 +187,7 @@ void write_text(int descriptor, std::string text) {
   if (all.failure.empty()) all.failure = describe(error);
 }
 
-BackgroundOutput::BackgroundOutput() : broken_pipe_before_(std::signal(SIGPIPE, SIG_IGN)) {
+BackgroundOutput::BackgroundOutput() {
   Streams& all = streams();
   const std::lock_guard lock(all.mutex);
   all.threads[0] = std::make_unique<WritingThread>(STDOUT_FILENO);
@@ -222,7 +204,6 @@ BackgroundOutput::~BackgroundOutput() {
     all.threads[stream].reset();
     if (stream == 0 && all.failure.empty()) all.failure = std::move(failure);
   }
-  std::signal(SIGPIPE, broken_pipe_before_);
 }
 
 ResultStream::ResultStream() : before_(std::cout.rdbuf(this)) {}

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "app/streams.h"
+
 namespace palpate::app {
 
 /// [any] The text with its control characters, also those of bidirectional text, and its bytes that are no
@@ -38,7 +40,7 @@ class BackgroundOutput final {
   BackgroundOutput& operator=(const BackgroundOutput&) = delete;
 
  private:
-  void (*broken_pipe_before_)(int);
+  IgnoredBrokenPipes pipes_;
 };
 
 /// During its lifetime std::cout, by which commands print their results, writes by write_text() and escapes

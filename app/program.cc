@@ -1,7 +1,6 @@
 #include "app/program.h"
 
 #include <algorithm>
-#include <csignal>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -177,10 +176,7 @@ int run_command(int argc, char** argv, const AddCommands& add_commands) {
 }  // namespace
 
 int run_program(int argc, char** argv, const AddCommands& add_commands) {
-  // With SIGXFSZ ignored, write() returns an error for a file over the limit of `ulimit -f`, as for a full
-  // disk.
-  std::signal(SIGXFSZ, SIG_IGN);
-  std::signal(SIGUSR1, SIG_IGN);  // a reset of faults has no effect before a run and after it
+  ignore_signals();
   const devices::SignalStack signal_stack;
   ResultStream results;
   const int exit_code = run_command(argc, argv, add_commands);

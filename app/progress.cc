@@ -28,7 +28,7 @@ constexpr std::int64_t kSilent_ns = 300'000'000;  // delay of the bar: a small o
 
 Progress::Progress(const std::string& title, WithoutTerminal otherwise)
     : title_(escaped(title, false)),
-      terminal_(isatty(STDERR_FILENO) == 1),
+      terminal_(is_terminal(STDERR_FILENO)),
       otherwise_(otherwise),
       next_draw_ns_(terminal_ ? 0 : monotonic_ns() + kNextLine_ns) {}
 

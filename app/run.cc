@@ -28,11 +28,12 @@
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
+#include "app/pictures.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/score_summary.h"
 #include "app/session.h"
-#include "app/window/window.h"
+#include "app/window/run_in_window.h"
 
 namespace palpate::app {
 namespace {
@@ -115,6 +116,7 @@ struct RunFlags {
 void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs::path& profile) {
   if (!files.recording.empty()) require_regular_file(files.recording, "--record");
   if (!files.screenshot.empty()) require_png_file(files.screenshot, "--screenshot");
+  if (!files.report.empty()) require_pictures("--report");
   if (!files.report.empty()) require_writable_folder(files.report, "--report");
   std::vector<NamedFile> inputs = sources_of(scene);
   inputs.push_back({"--profile", profile});
@@ -141,7 +143,8 @@ void require_no_organ_name(const fs::path& scene) {
 bool wants_window(const RunFlags& flags) {
   if (flags.headless || flags.offline) return false;
   if (display_there()) return true;
-  report_message("there is no display: the run has no window (--headless omits this message)");
+  report_message(std::string(describe_no_display()) +
+                 ": the run has no window (--headless omits this message)");
   return false;
 }
 

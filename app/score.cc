@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/pictures.h"
 #include "app/progress.h"
 #include "app/score_summary.h"
 #include "app/session.h"
@@ -33,6 +34,7 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   const std::filesystem::path report = flags.report;
   std::vector<NamedFile> outputs{{"--map", flags.map}, {"--picture", flags.picture}};
   if (!flags.report.empty()) {
+    require_pictures("--report");
     outputs.push_back({"--report", report / "report.html"});
     outputs.push_back({"--report", report / "felt-stiffness.png"});
     outputs.push_back({"--report", report / "report-figures.sha256"});

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <csignal>
 #include <cstdint>
 #include <limits>
 #include <mutex>
@@ -18,12 +17,11 @@
 #include <utility>
 #include <vector>
 
-#include <unistd.h>
-
 #include "core/base/spsc_queue.h"
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
+#include "io/system/files.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -31,10 +29,10 @@
 #include "run/devices/ros.h"
 #include "run/ros/ros_node.h"
 #include "view/report/page.h"
-#include "view/report/subject.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/pictures.h"
 #include "app/progress.h"
 
 namespace palpate::app {
@@ -137,24 +135,11 @@ void ProgressObserver::report_fault(const haptics::FaultSeen& seen) const {
   report_error("fault at tick " + std::to_string(seen.tick) + " (" +
                shortest(static_cast<double>(seen.tick) / session_.scene().rate_Hz) + " s), hand " +
                std::to_string(seen.hand) + ": " + haptics::describe(seen.fault) +
-               (last_error.empty() ? "" : " (" + last_error + ")") +
-               "; the force stays zero until it is reset: kill -USR1 " + std::to_string(getpid()));
+               (last_error.empty() ? "" : " (" + last_error + ")") + "; the force stays zero " +
+               describe_reset());
 }
 
 namespace fs = std::filesystem;
-
-/// Set by the handler of SIGINT, SIGTERM and SIGHUP. It is a mutable global because a signal handler has no
-/// arguments that could carry it.
-std::atomic<bool> stop_asked{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
-constexpr std::array<int, 3> kStopSignals{SIGINT, SIGTERM, SIGHUP};
-
-extern "C" void ask_to_stop(int) { stop_asked.store(true, std::memory_order_relaxed); }
-
-/// Set by the handler of SIGUSR1: reset the faults of all hands.
-std::atomic<bool> reset_asked{false};
-
-extern "C" void ask_for_reset(int) { reset_asked.store(true, std::memory_order_relaxed); }
 
 /// Stops a run, or resets its faults, after a signal requested it. It is an observer, so the run exists
 /// whenever it is called.
@@ -164,8 +149,7 @@ class SignalRelay final : public haptics::TickObserver {
   SignalRelay(haptics::RunControl& control, const std::atomic<bool>* stop) : control_(control), stop_(stop) {}
   void on_tick(const haptics::TickState& /*now*/) noexcept override {
     if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) control_.stop();
-    if (!reset_asked.load(std::memory_order_relaxed)) return;
-    if (reset_asked.exchange(false, std::memory_order_relaxed)) control_.reset_faults();
+    if (ResetOnSignal::take()) control_.reset_faults();
   }
 
  private:
@@ -173,29 +157,12 @@ class SignalRelay final : public haptics::TickObserver {
   const std::atomic<bool>* stop_;
 };
 
-/// SIGUSR1 resets the faults of all hands during the lifetime of this object, and is ignored afterwards. A
-/// late reset must not end the program before its report is written.
-class ResetOnSignal final {
- public:
-  ResetOnSignal() {
-    reset_asked.store(false);
-    struct sigaction action {};
-    action.sa_handler = ask_for_reset;
-    action.sa_flags = SA_RESTART;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGUSR1, &action, nullptr);
-  }
-  ~ResetOnSignal() { std::signal(SIGUSR1, SIG_IGN); }
-  ResetOnSignal(const ResetOnSignal&) = delete;
-  ResetOnSignal& operator=(const ResetOnSignal&) = delete;
-};
-
 void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!folder_exists(folder)) {
     throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " does not exist");
   }
-  if (access(folder.c_str(), W_OK) != 0) {
+  if (!may_write(folder)) {
     throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " is not writable");
   }
 }
@@ -249,7 +216,7 @@ void require_writable_file(const fs::path& file, const std::string& flag) {
     throw InputError(flag + " " + file.string() + ": is a folder; must be a file");
   }
   if (!is_special_file(file)) require_writable_parent(link_target(file), flag);
-  if (file_exists(file) && access(file.c_str(), W_OK) != 0) {
+  if (file_exists(file) && !may_write(file)) {
     throw InputError(flag + " " + file.string() + ": the file exists and is not writable");
   }
 }
@@ -260,6 +227,7 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
 }
 
 void require_png_file(const fs::path& file, const std::string& flag) {
+  require_pictures(flag);
   const std::string extension = file.extension().string();
   std::string lower = extension;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -302,30 +270,10 @@ void require_writable_folder(const fs::path& folder, const std::string& flag) {
   if (!folder_exists(there)) {
     throw InputError(flag + " " + folder.string() + ": " + there.string() + " is not a folder");
   }
-  if (access(there.c_str(), W_OK) != 0) {
+  if (!may_write(there)) {
     throw InputError(flag + " " + folder.string() + ": the folder " + there.string() + " is not writable");
   }
 }
-
-StopOnSignal::StopOnSignal() : hangup_before_(std::signal(SIGHUP, SIG_IGN)) {
-  stop_asked.store(false);
-  struct sigaction action {};
-  action.sa_handler = ask_to_stop;
-  sigemptyset(&action.sa_mask);
-  for (const int number : kStopSignals) {
-    // A second Ctrl-C ends the program. A terminal that closes sends SIGHUP twice by itself.
-    action.sa_flags = number == SIGHUP ? 0 : static_cast<int>(SA_RESETHAND);
-    sigaction(number, &action, nullptr);
-  }
-  if (hangup_before_ == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
-}
-
-StopOnSignal::~StopOnSignal() {
-  for (const int number : kStopSignals) std::signal(number, SIG_DFL);
-  std::signal(SIGHUP, hangup_before_);
-}
-
-const std::atomic<bool>& StopOnSignal::flag() const noexcept { return stop_asked; }
 
 void add_thread_flags(CLI::App& command, haptics::LoopThread& thread) {
   command.add_option("--core", thread.core, "run the haptic loop on this core only (0 is the first)");
@@ -380,23 +328,6 @@ std::string title_of(const scene::Scene& scene) {
                                                            : " pressed with ";
   constexpr std::size_t kLongestTitle = 256;  // bytes; the names may be of a foreign recording
   return excerpt(organ + done + tools, kLongestTitle);
-}
-
-void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,
-                      const fs::path& file, bool no_cache) {
-  constexpr int kWidth = 1280;
-  constexpr int kHeight = 960;
-  if (recording.rows.empty()) throw InputError("--screenshot " + file.string() + ": no tick was run");
-  const std::vector<haptics::Snapshot> snapshots =
-      record::snapshots_at(recording, {statistics.deepest_tick}, OrganPreparation(no_cache).how());
-  const haptics::Snapshot& deepest = snapshots.front();
-  const contact::ToolResult& result = deepest.results[statistics.deepest_hand];
-  const render::Subject subject = report::subject_of(recording.scene);
-  render::OffscreenRenderer renderer(subject, kWidth, kHeight);
-  const bool touched = result.phase != contact::Phase::kApproach;
-  const render::Camera camera = render::frame_contact(
-      subject, deepest, touched ? result.contact_W : result.nearest_W, result.normal_W, touched);
-  render::write_png(renderer.draw(deepest, camera), file);
 }
 
 }  // namespace palpate::app

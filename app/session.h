@@ -15,6 +15,7 @@
 #include "palpate/recording.h"
 #include "palpate/session.h"
 
+#include "app/signals.h"
 #include "app/summary.h"
 
 namespace CLI {
@@ -59,23 +60,6 @@ void require_none_of_report(const std::filesystem::path& report, std::span<const
 /// [setup] The files from which a scene was read. No output may replace them.
 [[nodiscard]] std::vector<NamedFile> sources_of(const scene::Scene& scene);
 
-/// [setup] During the lifetime of this object Ctrl-C, SIGTERM or the end of the terminal (SIGHUP) ends the
-/// run with zero force and a closed recording, or its preparation before any file is written. A second one
-/// ends the program at once. Make it before anything that takes time.
-class StopOnSignal final {
- public:
-  StopOnSignal();
-  ~StopOnSignal();
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
-
-  /// [any] True after the first signal.
-  [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
-
- private:
-  void (*hangup_before_)(int);  // nohup ignores SIGHUP, which then stays ignored
-};
-
 /// [setup] Adds --core and --poll to a command.
 void add_thread_flags(CLI::App& command, haptics::LoopThread& thread);
 
@@ -101,11 +85,6 @@ struct PlayOptions {
 
 /// [setup] Title of a run, e.g. "Gallbladder pressed with curved-forceps".
 [[nodiscard]] std::string title_of(const scene::Scene& scene);
-
-/// [setup] Writes a picture of a recording's deepest tick as a PNG file. @param no_cache ignores the cache of
-/// prepared organs @throws InputError when the file cannot be written, std::runtime_error without OpenGL.
-void write_screenshot(const record::Recording& recording, const session::RunStatistics& statistics,
-                      const std::filesystem::path& file, bool no_cache);
 
 /// Help text of --break-blind.
 inline constexpr const char* kBreakBlindHelp =

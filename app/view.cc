@@ -35,6 +35,7 @@
 #include "app/progress.h"
 #include "app/recorded_view.h"
 #include "app/session.h"
+#include "app/window/run_in_window.h"
 #include "app/window/viewer.h"
 
 namespace palpate::app {

@@ -2,22 +2,37 @@
 # (alias palpate::NAME) from the *.cc files of the current folder and its SUBFOLDERS, and a test program palpate_NAME_test from
 # test/*_test.cc. HEADERS: its headers in include/palpate/ (tools/lint_modules). DEPS: module names or link targets. Targets that
 # link a module see only the public headers in include/; sources of this repository that use src/ link palpate::private.
-# TEST_PROPERTIES: CTest properties of each suite. NOT_PORTABLE: sources that the portable build leaves out (PALPATE_PORTABLE).
-# It takes those of the folder portable/ instead.
+# TEST_PROPERTIES: CTest properties of each suite. The folders posix/ and windows/ implement the same functions for their system.
+# NOT_PORTABLE: sources that the portable build leaves out (PALPATE_PORTABLE), there or in the system's folder. It takes those of
+# the folder portable/ instead. NOT_WINDOWS: sources that palpate.exe leaves out. It takes those of the same name in portable/.
 add_library(palpate_private INTERFACE)
 add_library(palpate::private ALIAS palpate_private)
-target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
+target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR} ${PALPATE_SYSTEM_HEADERS})
+
+# palpate_leave_out(SOURCES NAME...): removes NAME.cc of the current folder and of the system's from the list SOURCES.
+function(palpate_leave_out sources)
+  foreach(name IN LISTS ARGN)
+    list(REMOVE_ITEM ${sources} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cc ${CMAKE_CURRENT_SOURCE_DIR}/${PALPATE_SYSTEM}/${name}.cc)
+  endforeach()
+  set(${sources} ${${sources}} PARENT_SCOPE)
+endfunction()
 
 function(palpate_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;NOT_PORTABLE;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;NOT_PORTABLE;NOT_WINDOWS;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
   list(TRANSFORM ARG_SUBFOLDERS APPEND "/*.cc")
-  file(GLOB sources CONFIGURE_DEPENDS *.cc ${ARG_SUBFOLDERS})
+  file(GLOB sources CONFIGURE_DEPENDS *.cc ${PALPATE_SYSTEM}/*.cc ${ARG_SUBFOLDERS})
   if(PALPATE_PORTABLE)
-    list(TRANSFORM ARG_NOT_PORTABLE PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
-    list(TRANSFORM ARG_NOT_PORTABLE APPEND .cc)
+    palpate_leave_out(sources ${ARG_NOT_PORTABLE})
     file(GLOB instead CONFIGURE_DEPENDS portable/*.cc)
-    list(REMOVE_ITEM sources "" ${ARG_NOT_PORTABLE})
     list(APPEND sources ${instead})
+  elseif(WIN32)
+    palpate_leave_out(sources ${ARG_NOT_WINDOWS})
+    foreach(name IN LISTS ARG_NOT_WINDOWS)
+      cmake_path(GET name FILENAME file)
+      if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/portable/${file}.cc)
+        list(APPEND sources ${CMAKE_CURRENT_SOURCE_DIR}/portable/${file}.cc)
+      endif()
+    endforeach()
   endif()
   set(components "")
   if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/components/")
@@ -25,8 +40,8 @@ function(palpate_module name)
   endif()
   add_library(palpate_${name} STATIC ${sources})
   add_library(palpate::${name} ALIAS palpate_${name})
-  target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${components}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+  target_include_directories(palpate_${name} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PALPATE_SYSTEM_HEADERS}
+    ${components} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
     $<INSTALL_INTERFACE:include>)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
 

@@ -35,8 +35,20 @@ endif()
 
 option(PALPATE_CORE_ONLY "Build src/core alone: it needs Eigen and the standard library" OFF)
 option(PALPATE_PORTABLE "Build the C interface for another system: presets linux, web, windows and aarch64" OFF)
+# Sources of a folder of this name are for this system.
+set(PALPATE_SYSTEM posix)
+if(WIN32)
+  set(PALPATE_SYSTEM windows)
+  # No library of the compiler is needed beside a program.
+  add_link_options(-static)
+  add_compile_definitions(_WIN32_WINNT=0x0A00 _CRT_RAND_S)
+endif()
+set(PALPATE_SYSTEM_HEADERS ${PROJECT_SOURCE_DIR}/src/io/system/${PALPATE_SYSTEM})
+
 if(PALPATE_PORTABLE)
   include(palpate_portable)
+elseif(WIN32)
+  include(palpate_windows)
 else()
   if(NOT PALPATE_CORE_ONLY)
     find_package(Threads REQUIRED)

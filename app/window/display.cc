@@ -54,6 +54,8 @@ void install_loss_handlers() {
 
 }  // namespace
 
+const char* describe_no_display() noexcept { return "there is no display"; }
+
 bool display_there() { return names_something("DISPLAY") || names_something("WAYLAND_DISPLAY"); }
 
 Display::Display(const std::string& title, Size size) {

@@ -8,6 +8,8 @@ namespace palpate::app {
 
 /// [any] Whether DISPLAY or WAYLAND_DISPLAY is set, so that this program might open a window.
 [[nodiscard]] bool display_there();
+/// [any] Why a run has no window when display_there() is false, for a message.
+[[nodiscard]] const char* describe_no_display() noexcept;
 
 /// No window can be opened; the message gives the reason.
 class NoWindow final : public std::runtime_error {

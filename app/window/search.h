@@ -12,6 +12,7 @@
 
 #include "app/session.h"
 #include "app/window/live_picture.h"
+#include "app/window/run_in_window.h"
 #include "app/window/traces.h"
 
 namespace palpate::app {
@@ -26,14 +27,6 @@ struct SearchStatus {
   double low = 1.0;                         // factors at the ends of the map's colours
   double high = 1.25;
   std::optional<double> pointer_gain{};  // of the mouse, below 1 over stiff places; none without a mouse
-};
-
-/// A search of a window's session, after its end.
-struct SearchOutcome {
-  std::filesystem::path recording;  // empty: not recorded
-  std::uint64_t seed = 0;           // of the places
-  std::uint64_t rows_left_out = 0;  // that the window missed, so that the score is of the others
-  palpation::Score score;
 };
 
 /// The search for hidden inclusions in a window's run (task palpate). All members: [setup], the window's

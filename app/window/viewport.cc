@@ -18,6 +18,7 @@
 #include "view/render/painter.h"
 
 #include "app/numbers.h"
+#include "app/window/run_in_window.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

@@ -32,16 +32,6 @@ struct Banner {
   bool fault = false;
 };
 
-/// Requested scale of text and panels; nothing: the scale follows the display's resolution.
-struct UiScale {
-  static constexpr double kLeast = 0.5;
-  static constexpr double kMax = 4.0;
-
-  /// [setup] Reads --ui-scale, else PALPATE_UI_SCALE. @throws InputError naming it unless it is a number from
-  /// kLeast to kMax
-  [[nodiscard]] static std::optional<float> asked(const std::string& flag);
-};
-
 /// Window with panels: the display, ImGui, and the mouse position from events. All members: [setup], the
 /// constructing thread.
 class Viewport final {

@@ -25,6 +25,7 @@
 #include "app/window/orbit_camera.h"
 #include "app/window/panels.h"
 #include "app/window/parameter_history.h"
+#include "app/window/run_in_window.h"
 #include "app/window/run_tape.h"
 #include "app/window/search.h"
 #include "app/window/steering.h"
@@ -50,33 +51,6 @@ class Observers final {
 
  private:
   std::vector<pid_t> children_;
-};
-
-/// Options of the window and of its sessions.
-struct WindowOptions {
-  // Of the first session; later ones get the names NAME-2.h5 and so on. Empty: none is recorded.
-  std::filesystem::path recording;
-  haptics::LoopThread thread;        // thread settings of every session's loop
-  std::optional<double> duration_s;  // of every session
-  bool no_cache = false;
-  bool stays = true;  // the window stays open after the run; after a search that the user ends it always does
-  const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C
-  net::IgtlServer* igtl = nullptr;          // sends all runs to other programs; outlives the window
-  Display::Size size{1440, 900};
-  std::optional<float> scale;                       // of text and panels; nothing: from the display
-  std::filesystem::path viewer = "/proc/self/exe";  // program whose `view` command opens a recording
-};
-
-/// Result of a window's sessions.
-struct WindowOutcome {
-  RunResult result;                       // result of the first session
-  std::uint64_t more_runs = 0;            // sessions started in the window
-  std::vector<SearchOutcome> searches{};  // of task palpate, in their order
-  bool later_fault = false;               // one of those had a fault
-  std::uint64_t frames = 0;               // frames that showed a running session
-  double median_age = 0.0;                // s, age of the shown snapshots
-  double largest_age = 0.0;               // s
-  bool display_lost = false;              // the window ended because the display was lost
 };
 
 /// The window of `palpate run`: picture and panels. The session runs on other threads. All members: [setup],
@@ -240,9 +214,5 @@ class Window final {
   std::uint64_t runs_begun_ = 0;
   bool later_fault_ = false;
 };
-
-/// [setup] Opens a window and runs its sessions until the user closes it. @throws as Window and finish() do
-[[nodiscard]] WindowOutcome run_in_window(std::shared_ptr<Session> first, const scene::Overrides& request,
-                                          const WindowOptions& options);
 
 }  // namespace palpate::app

@@ -6,9 +6,8 @@
 #include <stdexcept>
 
 #include <fmt/core.h>
-#include <sys/random.h>
-#include <sys/stat.h>
 
+#include "io/system/files.h"
 #include "io/system/input_file.h"
 #include "palpate/error.h"
 
@@ -22,12 +21,13 @@ bool printable(char c) { return c > ' ' && c <= '~'; }
 }  // namespace
 
 std::string new_token() {
-  std::array<unsigned char, 32> bytes{};
-  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+  std::array<char, 32> bytes{};
+  if (!random_bytes(bytes.data(), bytes.size())) {
     throw std::runtime_error("the system gives no random bytes for a token");
   }
   std::string token;
-  for (const unsigned byte : bytes) {
+  for (const char letter : bytes) {
+    const auto byte = static_cast<unsigned char>(letter);
     token += "0123456789abcdef"[byte >> 4U];
     token += "0123456789abcdef"[byte & 15U];
   }
@@ -37,9 +37,9 @@ std::string new_token() {
 std::string read_token_file(const std::filesystem::path& file) try {
   InputFile input(file, kTokenInput);
   const auto refuse = [&file](const std::string& why) { throw InputError(file.string() + ": " + why); };
-  struct stat facts {};
-  if (fstat(input.descriptor(), &facts) != 0) refuse("cannot be read");
-  if ((facts.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+  FileStatus facts{};
+  if (status_of(input.descriptor(), facts) != 0) refuse("cannot be read");
+  if (is_usable_by_others(facts)) {
     refuse("others than its owner may use it, so that it is no secret: chmod 600 " + file.string());
   }
   std::istringstream lines(input.read_rest());

@@ -5,13 +5,12 @@
 #include <ctime>
 #include <system_error>
 
-#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "io/system/file_exists.h"
+#include "io/system/files.h"
 #include "io/system/input_file.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
@@ -62,10 +61,10 @@ void log_broken_blind(const std::filesystem::path& recording, const std::string&
   entry["command"] = command;
   const std::string line = entry.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   constexpr int kAppend = O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY;
-  const int fd = ::open(log.c_str(), kAppend, 0666);
-  const ssize_t count = fd < 0 ? -1 : ::write(fd, line.data(), line.size());
+  const int fd = open_file(log, kAppend, 0666);
+  const std::ptrdiff_t count = fd < 0 ? -1 : write_next(fd, line.data(), line.size());
   const bool cut = count >= 0 && static_cast<std::size_t>(count) < line.size();  // errno is not set
-  const bool written = count >= 0 && !cut && ::fsync(fd) == 0;
+  const bool written = count >= 0 && !cut && flush_to_disk(fd) == 0;
   const std::string why = cut ? "there is no space for the whole line" : std::strerror(errno);
   if (fd >= 0) ::close(fd);
   if (written) return;

@@ -6,11 +6,10 @@
 #include <system_error>
 #include <utility>
 
-#include <unistd.h>
-
 #include "io/record/recorder.h"
 #include "io/system/cache_folder.h"
 #include "io/system/clock.h"
+#include "io/system/files.h"
 
 namespace palpate::record {
 namespace {
@@ -80,7 +79,7 @@ std::filesystem::path write_flight_recording(const FlightRecorder& flight,
   const std::filesystem::path folder = user_state_folder() / "faults";
   if (!folder.is_absolute()) return {};
   const std::int64_t now_ms = unix_ns() / 1'000'000;
-  std::filesystem::path file = folder / (std::to_string(now_ms) + "-" + std::to_string(getpid()) + ".h5");
+  std::filesystem::path file = folder / (std::to_string(now_ms) + "-" + std::to_string(process_id()) + ".h5");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   trim_cache(folder, ".h5", kMaxBytes);

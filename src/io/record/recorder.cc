@@ -12,15 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include "core/base/spsc_queue.h"
 #include "core/base/text.h"
 #include "io/record/machine.h"
 #include "io/record/recording_writer.h"
 #include "io/system/clock.h"
+#include "io/system/files.h"
 #include "io/system/output_file.h"
 #include "io/system/path_text.h"
 #include "io/system/temporary.h"
@@ -96,15 +95,6 @@ std::filesystem::path make_partial(const std::filesystem::path& file) {
 std::filesystem::path checked_target(const std::filesystem::path& file) {
   require_regular_output(file);
   return link_target(file);
-}
-
-/// Makes a new name in a folder survive a power failure.
-void sync_folder_of(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  (void)!::fsync(fd);
-  ::close(fd);
 }
 
 }  // namespace
@@ -215,7 +205,7 @@ void Recorder::Impl::start() {
     std::filesystem::rename(partial, file, error);
     if (error) throw hdf5::Error("cannot be made: " + error.message());
     writer->moved_to(file);
-    sync_folder_of(file);
+    flush_folder(file.parent_path());
   });
 }
 

@@ -8,12 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/file.h>
-#include <sys/sendfile.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "core/base/text.h"
 #include "io/record/blind.h"
@@ -22,6 +17,7 @@
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
 #include "io/system/file_content.h"
+#include "io/system/files.h"
 #include "io/system/input_file.h"
 #include "io/system/path_text.h"
 #include "io/system/temporary.h"
@@ -61,15 +57,18 @@ bool is_marked_as_open(int descriptor) {
   constexpr std::size_t kFlags = 11;
   constexpr unsigned char kWrites = 1;
   std::array<unsigned char, kSuperblockBytes> start{};
-  return ::pread(descriptor, start.data(), start.size(), 0) == static_cast<ssize_t>(start.size()) &&
+  return read_at(descriptor, start.data(), start.size(), 0) == static_cast<std::ptrdiff_t>(start.size()) &&
          start[kVersion] == 3 && start[kFlags] == kWrites;
 }
 
+/// Copies the first bytes of a file to the same place of another.
 bool copy_bytes(int from, int to, std::uint64_t count) {
-  while (count > 0) {
-    const ssize_t part = ::sendfile(to, from, nullptr, count);
-    if (part <= 0) return false;
-    count -= static_cast<std::uint64_t>(part);
+  std::vector<char> block(std::size_t{1} << 20U);
+  for (std::uint64_t done = 0; done < count;) {
+    const std::size_t wanted = std::min<std::uint64_t>(block.size(), count - done);
+    const std::ptrdiff_t part = read_at(from, block.data(), wanted, done);
+    if (part <= 0 || write_at(to, block.data(), static_cast<std::size_t>(part), done) != part) return false;
+    done += static_cast<std::uint64_t>(part);
   }
   return true;
 }
@@ -288,7 +287,7 @@ void RecordingReader::refuse(const std::string& why) const { throw InputError(to
 void RecordingReader::open() {
   const InputFile in(path_, kRecordingInput);
   std::array<unsigned char, 8> start{};
-  if (::pread(in.descriptor(), start.data(), start.size(), 0) != static_cast<ssize_t>(start.size()) ||
+  if (read_at(in.descriptor(), start.data(), start.size(), 0) != static_cast<std::ptrdiff_t>(start.size()) ||
       start != kHdf5Signature) {
     refuse_other_content(path_, FileContent::kRecording, "a palpate recording");
     refuse("not a palpate recording: not an HDF5 file");
@@ -296,10 +295,10 @@ void RecordingReader::open() {
   file_bytes_ = in.size();
   if (open_as_is(in.descriptor())) return;
   // HDF5 locks a file that it opens for writing, and cannot say that this is why it does not open it.
-  if (::flock(in.descriptor(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+  if (!lock_file(in.descriptor(), FileLock::kShared)) {
     refuse("is open in another program, which may write to it: close it there first");
   }
-  ::flock(in.descriptor(), LOCK_UN);
+  unlock_file(in.descriptor());
   if (open_filled_up(in.descriptor())) return;
   if (is_marked_as_open(in.descriptor())) {
     refuse(
@@ -310,13 +309,13 @@ void RecordingReader::open() {
 }
 
 bool RecordingReader::open_as_is(int descriptor) {
-  std::string name = "/proc/self/fd/" + std::to_string(descriptor);  // nobody can exchange this file
-  if (::access(name.c_str(), R_OK) != 0) name = path_.native();      // a system without /proc
+  std::string name = path_of_open_file(descriptor);  // nobody can exchange this file
+  if (name.empty()) name = to_text(path_);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   // Later tries wait longer for a block that a truncated file does not have.
   constexpr unsigned kTries = 10;
   check(H5Pset_metadata_read_attempts(access.id(), kTries), "file access");
-  check(H5Pset_file_locking(access.id(), 1, 1), "file access");
+  check(H5Pset_file_locking(access.id(), kLocksAreAdvisory, 1), "file access");
   hid_t id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.id());
   if (id < 0) {
     id = H5Fopen(name.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
@@ -330,8 +329,8 @@ bool RecordingReader::open_as_is(int descriptor) {
 /// bytes.
 bool RecordingReader::open_filled_up(int descriptor) {
   std::array<unsigned char, kSuperblockBytes> superblock{};
-  if (::pread(descriptor, superblock.data(), superblock.size(), 0) !=
-      static_cast<ssize_t>(superblock.size())) {
+  if (read_at(descriptor, superblock.data(), superblock.size(), 0) !=
+      static_cast<std::ptrdiff_t>(superblock.size())) {
     return false;
   }
   std::int64_t end = 0;
@@ -342,10 +341,13 @@ bool RecordingReader::open_filled_up(int descriptor) {
   const Descriptor copy(open_temporary_file(name));
   if (copy.fd < 0) return false;
   hid_t id = H5I_INVALID_HID;
-  if (copy_bytes(descriptor, copy.fd, file_bytes_) && ::ftruncate(copy.fd, end) == 0) {
-    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (copy_bytes(descriptor, copy.fd, file_bytes_) &&
+      set_length(copy.fd, static_cast<std::uint64_t>(end)) == 0) {
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
+    check(H5Pset_file_locking(access.id(), kLocksAreAdvisory, 1), "file access");
+    id = H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.id());
   }
-  ::unlink(name.c_str());  // the open file remains
+  std::filesystem::remove(to_path(name), error);  // the open file remains
   if (id < 0) return false;
   file_ = Handle(id, "file");
   cut_off_ = true;

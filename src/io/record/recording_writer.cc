@@ -41,14 +41,11 @@
 #include <cstring>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "io/record/scene_json.h"
 #include "io/record/tick_columns.h"
 #include "io/record/update_columns.h"
+#include "io/system/files.h"
+#include "io/system/path_text.h"
 
 namespace palpate::record {
 namespace {
@@ -206,8 +203,8 @@ Handle create_file(const std::filesystem::path& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), "file access");
   check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "file version");
   // A file system without locks is no reason not to record.
-  check(H5Pset_file_locking(access.id(), 1, 1), "file locking");
-  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), "cannot be made");
+  check(H5Pset_file_locking(access.id(), kLocksAreAdvisory, 1), "file locking");
+  return Handle(H5Fcreate(to_text(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), "cannot be made");
 }
 
 void fill(hid_t run, const char* name, const void* values) {
@@ -282,7 +279,7 @@ void RecordingWriter::start(std::int64_t started_unix_ns) {
   damaged_ = false;
   // HDF5 has released its lock; this lock shows `repair` that the file is still being written.
   const int fd = descriptor();
-  if (fd >= 0) (void)::flock(fd, LOCK_SH | LOCK_NB);
+  if (fd >= 0) (void)lock_file(fd, FileLock::kShared);
 }
 
 int RecordingWriter::descriptor() const {
@@ -293,14 +290,15 @@ int RecordingWriter::descriptor() const {
 
 void RecordingWriter::reserve_space(std::int64_t extra_bytes) {
   const int fd = descriptor();
-  struct stat facts {};
-  if (fd < 0 || ::fstat(fd, &facts) != 0) return;
+  FileStatus facts{};
+  if (fd < 0 || status_of(fd, facts) != 0) return;
   if (reserved_end_ - facts.st_size >= kReserveLeast + extra_bytes) return;
   const std::int64_t bytes = kReserveStep + extra_bytes;
-  if (::fallocate(fd, FALLOC_FL_KEEP_SIZE, facts.st_size, bytes) == 0) {
+  const int why = palpate::reserve_space(fd, facts.st_size, bytes);
+  if (why == 0) {
     reserved_end_ = facts.st_size + bytes;
-  } else if (errno == ENOSPC || errno == EDQUOT) {
-    throw hdf5::Error(std::string("the disk is full (") + std::strerror(errno) + ")");
+  } else if (is_disk_full(why)) {
+    throw hdf5::Error(std::string("the disk is full (") + std::strerror(why) + ")");
   }
   // Otherwise the file system cannot reserve space, and a write may fail later.
 }
@@ -337,7 +335,7 @@ void RecordingWriter::flush(bool to_disk) {
   change_unflushed_ = false;
   check(H5Dflush(ticks_.id()), "rows cannot be written");
   damaged_ = false;
-  if (const int fd = descriptor(); to_disk && fd >= 0 && ::fdatasync(fd) != 0 && errno != EINVAL) {
+  if (const int fd = descriptor(); to_disk && fd >= 0 && flush_content(fd) != 0 && errno != EINVAL) {
     throw hdf5::Error(std::string("rows cannot be written (") + std::strerror(errno) + ")");
   }
 }
@@ -371,10 +369,8 @@ void RecordingWriter::close() {
   row_type_.close();
   if (!file_.close()) throw hdf5::Error("cannot be closed");
   // Returns the reserved space to the disk.
-  struct stat facts {};
-  if (reserved_end_ > 0 && ::stat(path_.c_str(), &facts) == 0) {
-    (void)!::truncate(path_.c_str(), facts.st_size);
-  }
+  FileStatus facts{};
+  if (reserved_end_ > 0 && status_of(path_, facts) == 0) release_space(path_, facts.st_size);
 }
 
 void RecordingWriter::abandon() noexcept {

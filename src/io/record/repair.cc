@@ -4,13 +4,9 @@
 #include <string>
 #include <system_error>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include "io/record/recording_reader.h"
 #include "io/record/recording_writer.h"
+#include "io/system/files.h"
 #include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
@@ -23,8 +19,8 @@ namespace {
 class OnlyUser final {
  public:
   explicit OnlyUser(const std::filesystem::path& file)
-      : fd_(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
-    if (fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      : fd_(open_file(file, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+    if (fd_ >= 0 && !lock_file(fd_, FileLock::kExclusive)) {
       ::close(fd_);
       throw InputError(to_text(file) +
                        ": is open in another program, which writes or reads it: close it there first");
@@ -86,8 +82,8 @@ RepairResult repair_recording(const std::filesystem::path& file, const Progress&
   std::error_code ignored;
   try {
     RepairResult result{copy_recording(reader, to_path(copy), progress), true};
-    struct stat facts {};
-    if (::stat(target.c_str(), &facts) == 0) (void)!::chmod(copy.c_str(), facts.st_mode & 07777);
+    const std::filesystem::perms rights = std::filesystem::status(target, ignored).permissions();
+    if (!ignored) std::filesystem::permissions(to_path(copy), rights, ignored);
     std::filesystem::rename(to_path(copy), target);
     return result;
   } catch (const InputError&) {

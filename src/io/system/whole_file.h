@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include <sys/types.h>
+#include "io/system/files.h"
 
 namespace palpate {
 
@@ -17,9 +17,5 @@ void create_whole_file(const std::filesystem::path& file, std::string_view bytes
 
 /// [setup] The name that a temporary file of create_whole_file() was to get; empty for any other file.
 [[nodiscard]] std::string name_of_unfinished(const std::filesystem::path& temporary);
-
-/// [setup] Flushes a folder's list of files to the disk, so that a new file stays after a power failure.
-/// Where the file system cannot do that, nothing happens.
-void flush_folder(const std::filesystem::path& folder) noexcept;
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 #pragma once
-#include <csignal>
+#include <cstddef>
 #include <memory>
 
 namespace palpate::devices {
@@ -7,7 +7,7 @@ namespace palpate::devices {
 /// [rt] Whether a fatal signal is ending this program. Devices then display zero force only.
 [[nodiscard]] bool is_crashing() noexcept;
 
-/// Zero force before a fatal signal ends the program.
+/// Zero force before a fatal signal (on Windows an exception that nobody handles) ends the program.
 ///
 /// While at least one object exists, SIGSEGV, SIGABRT, SIGBUS, SIGFPE and SIGILL have a handler. It sets
 /// is_crashing(), so that the threads of the devices send zero force, and calls the vendors' stop functions.
@@ -46,8 +46,8 @@ class SignalStack final {
   SignalStack& operator=(const SignalStack&) = delete;
 
  private:
-  std::unique_ptr<char[]> stack_;
-  stack_t before_{};
+  struct Stack;
+  std::unique_ptr<Stack> stack_;
 };
 
 }  // namespace palpate::devices

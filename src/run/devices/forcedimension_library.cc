@@ -1,14 +1,15 @@
 #include "run/devices/forcedimension_library.h"
 
+#include <array>
 #include <filesystem>
-#include <system_error>
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "io/system/cache_folder.h"
 #include "io/system/file_exists.h"
+#include "io/system/files.h"
 #include "io/system/output_file.h"
+#include "io/system/shared_library.h"
 #include "palpate/error.h"
 #include "run/devices/vendor_library.h"
 
@@ -18,7 +19,16 @@ namespace {
 constexpr int kMajor = 3;
 constexpr int kOldestMinor = 3;  // first minor version with dhdSetForceAndTorqueAndGripperForce
 
-const char* const kAdvice = "(the vendor's SDK; give its path with --device forcedimension:/path/libdhd.so)";
+// The vendor's SDK has the same functions under these names.
+constexpr std::array<const char*, 2> kNames = kIsWindows
+                                                  ? std::array<const char*, 2>{"dhd64.dll", "dhd64.dll"}
+                                                  : std::array<const char*, 2>{"libdhd.so.3", "libdhd.so"};
+constexpr const char* kExample = kIsWindows ? "C:\\vendor\\dhd64.dll" : "/path/libdhd.so";
+constexpr const char* kAbsoluteExample = kIsWindows ? "C:\\vendor\\dhd64.dll" : "/opt/vendor/lib/libdhd.so.3";
+
+std::string advice() {
+  return fmt::format("(the vendor's SDK; give its path with --device forcedimension:{})", kExample);
+}
 
 std::string in_front(const std::string& name) { return "device forcedimension: " + name + ": "; }
 
@@ -30,49 +40,49 @@ DhdLibrary::DhdLibrary(const std::string& path) {
     load();
     check_version();
   } catch (...) {
-    dlclose(handle_);
+    close_library(handle_);
     throw;
   }
 }
 
-DhdLibrary::~DhdLibrary() { dlclose(handle_); }
+DhdLibrary::~DhdLibrary() { close_library(handle_); }
 
 void DhdLibrary::open_file(const std::filesystem::path& file) {
   name_ = file.string();
   if (is_special_file(file)) {  // the loader would block on a FIFO
-    throw InputError(in_front(name_) +
-                     "is no regular file, must be the vendor's libdhd.so for this computer");
+    throw InputError(in_front(name_) + "is no regular file, must be the vendor's " + kNames[1] +
+                     " for this computer");
   }
-  handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const SharedLibrary library = open_library(file);
+  handle_ = library.handle;
   if (handle_ != nullptr) return;
-  throw InputError(in_front(name_) + "cannot be loaded (" + loader_text() +
-                   "), must be the vendor's libdhd.so for this computer");
+  throw InputError(in_front(name_) + "cannot be loaded (" + library.error + "), must be the vendor's " +
+                   kNames[1] + " for this computer");
 }
 
 void DhdLibrary::open(const std::string& path) {
   if (!path.empty()) {
     if (std::filesystem::path(path).is_absolute()) return open_file(path);
-    throw InputError(in_front(path) + "must be an absolute path, such as /opt/vendor/lib/libdhd.so.3");
+    throw InputError(in_front(path) + "must be an absolute path, such as " + kAbsoluteExample);
   }
   const std::filesystem::path folder = user_config_folder();
-  std::string reason;
-  for (const char* name : {"libdhd.so.3", "libdhd.so"}) {
+  for (const char* name : kNames) {
     if (!folder.empty() && file_exists(folder / name)) {
       const std::string doubt = distrust_reason(folder);
       if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
       return open_file(folder / name);
     }
     name_ = name;
-    handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    const SharedLibrary library = open_library(name);
+    handle_ = library.handle;
     if (handle_ != nullptr) return;
-    reason = loader_text();
     // A library that exists but cannot be loaded gets the loader's message. A missing library gets a plainer
     // message below.
-    if (reason.rfind(name_ + ": cannot open shared object file", 0) != 0) {
-      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), reason, kAdvice));
+    if (!library.is_missing) {
+      throw InputError(fmt::format("{}cannot be loaded ({}) {}", in_front(name_), library.error, advice()));
     }
   }
-  throw InputError(std::string("device forcedimension: libdhd.so.3 is not installed ") + kAdvice);
+  throw InputError(fmt::format("device forcedimension: {} is not installed {}", kNames[0], advice()));
 }
 
 void DhdLibrary::load() {

@@ -1,8 +1,8 @@
 #include "run/devices/touch_library.h"
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
+#include "io/system/shared_library.h"
 #include "palpate/error.h"
 #include "run/devices/vendor_library.h"
 
@@ -39,12 +39,11 @@ void look_up(VendorFunctions& lookup, HdFunctions& f) {
 }  // namespace
 
 HdLibrary::HdLibrary(const std::string& file) {
-  void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (handle == nullptr) {
-    const std::string reason = loader_text();
+  const SharedLibrary library = open_library(file, Loading::kForever);
+  if (library.handle == nullptr) {
     // A missing library gets a plain message. A library that exists but cannot be loaded gets the loader's
     // message.
-    if (reason.rfind(file + ": cannot open shared object file", 0) == 0) {
+    if (library.is_missing) {
       throw InputError(fmt::format(
           "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver, then "
           "sudo ldconfig (docs/devices.md)",
@@ -53,11 +52,11 @@ HdLibrary::HdLibrary(const std::string& file) {
     throw InputError(
         fmt::format("device touch: {}: cannot be loaded ({}), must be OpenHaptics' library for this computer "
                     "with the Touch Device Driver beside it",
-                    file, reason));
+                    file, library.error));
   }
-  VendorFunctions lookup(handle);
+  VendorFunctions lookup(library.handle);
   look_up(lookup, functions_);
-  dlclose(handle);  // RTLD_NODELETE keeps the library loaded
+  close_library(library.handle);  // it stays loaded
   if (lookup.missing().empty()) return;
   throw InputError(fmt::format("device touch: {}: has no function {}, must be OpenHaptics 3.4 or later", file,
                                lookup.missing()));

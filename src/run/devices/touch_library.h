@@ -1,6 +1,8 @@
 #pragma once
 #include <string>
 
+#include "io/system/files.h"
+
 namespace palpate::devices {
 
 // Constants of OpenHaptics' HD interface, from its programming examples; the names are Palpate's.
@@ -76,7 +78,7 @@ struct HdFunctions {
 class HdLibrary final {
  public:
   /// Name that the system's loader searches for; it does not search the current folder.
-  static constexpr const char* kName = "libHD.so";
+  static constexpr const char* kName = kIsWindows ? "hd.dll" : "libHD.so";
 
   /// [setup] @param file kName, or a file in tests. @throws InputError when it is not installed, not a
   /// library or lacks a function.

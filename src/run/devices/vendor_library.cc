@@ -1,18 +1,9 @@
 #include "run/devices/vendor_library.h"
 
-#include <dlfcn.h>
+#include "io/system/shared_library.h"
 
 namespace palpate::devices {
 
-void* VendorFunctions::find(const char* name) const { return dlsym(handle_, name); }
-
-std::string loader_text() {
-  const char* reason = dlerror();  // NOLINT(concurrency-mt-unsafe): at set-up only
-  std::string text = reason == nullptr ? "no reason given" : reason;
-  for (char& letter : text) {
-    if (letter == '\n') letter = ' ';
-  }
-  return text;
-}
+void* VendorFunctions::find(const char* name) const { return find_function(handle_, name); }
 
 }  // namespace palpate::devices

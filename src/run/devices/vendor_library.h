@@ -3,7 +3,7 @@
 
 namespace palpate::devices {
 
-/// Looks up functions of a vendor's library opened by dlopen, and stores the name of the first missing
+/// Looks up functions of a vendor's library opened at run time, and stores the name of the first missing
 /// required function.
 class VendorFunctions final {
  public:
@@ -29,8 +29,5 @@ class VendorFunctions final {
   void* handle_;
   std::string missing_;
 };
-
-/// [setup] The last error message of the system's loader, on one line.
-[[nodiscard]] std::string loader_text();
 
 }  // namespace palpate::devices

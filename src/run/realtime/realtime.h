@@ -1,6 +1,6 @@
 #pragma once
-#include <csignal>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,14 +10,15 @@ namespace palpate::realtime {
 /// Threads of a run, by rising real-time priority.
 enum class Urgency { kLoop, kWatchdog };
 
-/// [setup] Requests SCHED_FIFO and the smallest timer slack for the calling thread. @return why the priority
-/// was not granted; none: granted.
+/// [setup] Requests SCHED_FIFO and the smallest timer slack for the calling thread; on Windows MMCSS's class
+/// "Pro Audio" or the priority "time critical", and exact timers. @return why the priority was not granted;
+/// none: granted.
 [[nodiscard]] std::optional<std::string> request_priority(Urgency urgency);
 
 /// [setup] Lets the calling thread, which serves clients or reads their files, never interrupt the haptic
-/// loop on its core (SCHED_BATCH). Threads that it starts inherit that, except the loop and the watchdog:
-/// where request_priority() is not granted, it restores the normal policy. So it is no lower niceness, which
-/// a thread without privileges could not undo.
+/// loop on its core (SCHED_BATCH; on Windows a lower priority). Threads that it starts inherit that, except
+/// the loop and the watchdog: where request_priority() is not granted, it restores the normal policy. So it
+/// is no lower niceness, which a thread without privileges could not undo.
 void yield_to_loop() noexcept;
 
 /// Linux's real-time throttling: all real-time threads together may run for `runtime_us` in every period,
@@ -39,7 +40,7 @@ struct RealtimeBudget {
 /// [setup] Touches the pages of the calling thread's stack, so that no tick causes a page fault there.
 void prefault_stack() noexcept;
 
-/// Locks the memory of the program (mlockall) during its lifetime, where permitted.
+/// Locks the memory of the program (mlockall) during its lifetime, where permitted. Windows cannot.
 class MemoryLock final {
  public:
   /// [setup] @param remarks gets the reason when it is not permitted
@@ -55,16 +56,17 @@ class MemoryLock final {
 };
 
 /// Blocks external signals in the calling thread during its lifetime, and so in threads started meanwhile.
-/// The main thread handles Ctrl-C.
+/// The main thread handles Ctrl-C. On Windows a thread of the system's does.
 class BlockedSignals final {
  public:
-  BlockedSignals() noexcept;
+  BlockedSignals();
   ~BlockedSignals();
   BlockedSignals(const BlockedSignals&) = delete;
   BlockedSignals& operator=(const BlockedSignals&) = delete;
 
  private:
-  sigset_t before_;
+  struct Before;
+  std::unique_ptr<Before> before_;
 };
 
 }  // namespace palpate::realtime

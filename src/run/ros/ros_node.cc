@@ -6,10 +6,10 @@
 #include <exception>
 #include <string_view>
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "io/system/plugin.h"
+#include "io/system/shared_library.h"
 #include "palpate/error.h"
 
 namespace palpate::ros {
@@ -92,13 +92,10 @@ std::unique_ptr<Node> open_node(const NodeOptions& options) {
         "cyclonedds-tools and build again");
   }
   const std::string file = files.front().string();
-  void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    const char* why = dlerror();  // NOLINT(concurrency-mt-unsafe): glibc keeps one per thread
-    throw InputError("ROS 2: " + file + " cannot be loaded: " + (why == nullptr ? "" : why));
-  }
+  const SharedLibrary library = open_library(file);
+  if (library.handle == nullptr) throw InputError("ROS 2: " + file + " cannot be loaded: " + library.error);
   using Make = Node* (*)(const NodeOptions&);
-  const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_ros_node"));
+  const auto make = reinterpret_cast<Make>(find_function(library.handle, "palpate_make_ros_node"));
   if (make == nullptr) throw InputError("ROS 2: " + file + " is not of this program");
   try {
     return std::unique_ptr<Node>(make(options));

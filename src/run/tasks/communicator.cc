@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "io/system/plugin.h"
+#include "io/system/shared_library.h"
 #include "palpate/error.h"
 
 namespace palpate::tasks {
@@ -67,10 +67,11 @@ std::unique_ptr<Communicator> make_communicator() {
   const Launch launch = launch_of_environment();
   if (launch.size == 1) return std::make_unique<Communicator>();
   for (const std::filesystem::path& file : find_plugin(kLibrary)) {
-    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);  // plug-ins of Open MPI need its symbols
-    if (library == nullptr) fail(launch, file.string() + " cannot be loaded: " + dlerror());
+    const SharedLibrary library =
+        open_library(file, Loading::kShared);  // plug-ins of Open MPI need its symbols
+    if (library.handle == nullptr) fail(launch, file.string() + " cannot be loaded: " + library.error);
     using Make = Communicator* (*)();
-    const auto make = reinterpret_cast<Make>(dlsym(library, "palpate_make_mpi_ranks"));
+    const auto make = reinterpret_cast<Make>(find_function(library.handle, "palpate_make_mpi_ranks"));
     if (make == nullptr) fail(launch, file.string() + " is not of this program");
     std::unique_ptr<Communicator> ranks(make());
     if (ranks->size() != launch.size) {

@@ -1,21 +1,13 @@
-// Formats that are read by assimp, in a build without it.
+// 3DS in a build without assimp.
 #include "io/mesh_io/formats/formats.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::mesh_io {
-namespace {
 
-[[noreturn]] ImportedMesh refuse_format(const MeshFile& file, const char* format) {
-  throw InputError(to_text(file.path) + ": this build of palpate does not read " + format +
-                   ", must be .stl, .obj, .ply, .off, .vtk or .msh");
+ImportedMesh read_3ds(const MeshFile& file) {
+  throw InputError(to_text(file.path) +
+                   ": this build of palpate does not read 3DS: export it as .stl, .obj or .ply");
 }
-
-}  // namespace
-
-ImportedMesh read_3ds(const MeshFile& file) { return refuse_format(file, "3DS"); }
-ImportedMesh read_gltf(const MeshFile& file) { return refuse_format(file, "glTF"); }
-
-std::vector<std::filesystem::path> gltf_buffer_files(const std::filesystem::path& /*mesh*/) { return {}; }
 
 }  // namespace palpate::mesh_io

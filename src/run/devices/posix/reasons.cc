@@ -7,7 +7,8 @@
 #include <system_error>
 
 #include <fmt/core.h>
-#include <unistd.h>
+
+#include "io/system/files.h"
 
 namespace palpate::devices {
 namespace {
@@ -65,7 +66,8 @@ std::string name_of_node(const Machine& machine, const fs::path& node) {
 std::string holder_of(const Machine& machine, const std::string& node) {
   for (const fs::path& process : entries_of(machine.root / "proc")) {
     const std::string id = process.filename().string();
-    if (id.find_first_not_of("0123456789") != std::string::npos || id == std::to_string(getpid())) continue;
+    if (id.find_first_not_of("0123456789") != std::string::npos || id == std::to_string(process_id()))
+      continue;
     for (const fs::path& file : entries_of(process / "fd")) {
       std::error_code error;
       if (fs::read_symlink(file, error) == node) {

@@ -5,12 +5,9 @@
 #include <fstream>
 #include <map>
 #include <sstream>
-#include <thread>
 
 #include "core/base/text.h"
-#include "io/system/clock.h"
 #include "run/realtime/realtime.h"
-#include "run/realtime/schedule.h"
 
 namespace palpate::realtime {
 namespace {
@@ -245,27 +242,6 @@ MachineCheck governor(const fs::path& root) {
 std::vector<MachineCheck> check_machine(const fs::path& root) {
   return {priority(root),     memory_lock(root), throttling(root), timer_slack(root), timers(root),
           clock_source(root), preemption(root),  processors(root), governor(root)};
-}
-
-WakeUpLatency measure_wake_up_latency(double rate_Hz, std::uint64_t ticks, haptics::Waiting waiting) {
-  WakeUpLatency result;
-  std::vector<std::string> remarks;
-  const MemoryLock memory(remarks);
-  result.memory_locked = memory.granted();
-  std::thread thread([&] {
-    result.realtime_priority = !request_priority(Urgency::kLoop).has_value();
-    prefault_stack();
-    TickWait wait(waiting, rate_Hz);
-    Schedule schedule(rate_Hz, monotonic_ns() + static_cast<std::int64_t>(1e9 / rate_Hz));
-    for (std::uint64_t tick = 0; tick < ticks; ++tick) {
-      wait.until(schedule.due());
-      const Schedule::Begin begin = schedule.begin(monotonic_ns());
-      result.late.add(begin.late_ns);
-      if (begin.missed) ++result.missed;
-    }
-  });
-  thread.join();
-  return result;
 }
 
 }  // namespace palpate::realtime

@@ -1,6 +1,7 @@
 #include "run/realtime/realtime.h"
 
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <fstream>
 #include <system_error>
@@ -85,15 +86,19 @@ MemoryLock::~MemoryLock() {
   if (granted_) munlockall();
 }
 
-BlockedSignals::BlockedSignals() noexcept {
+struct BlockedSignals::Before {
+  sigset_t signals;
+};
+
+BlockedSignals::BlockedSignals() : before_(std::make_unique<Before>()) {
   sigset_t all;
   sigfillset(&all);
   for (const int own_doing : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGABRT}) {
     sigdelset(&all, own_doing);
   }
-  pthread_sigmask(SIG_SETMASK, &all, &before_);
+  pthread_sigmask(SIG_SETMASK, &all, &before_->signals);
 }
 
-BlockedSignals::~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+BlockedSignals::~BlockedSignals() { pthread_sigmask(SIG_SETMASK, &before_->signals, nullptr); }
 
 }  // namespace palpate::realtime

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <csignal>
 #include <cstddef>
 #include <ctime>
 #include <mutex>
@@ -99,13 +100,18 @@ CrashStop::~CrashStop() {
   if (--open_devices == 0) restore_handlers();
 }
 
-SignalStack::SignalStack() : stack_(std::make_unique<char[]>(kSignalStackBytes)) {
+struct SignalStack::Stack {
+  std::array<char, kSignalStackBytes> bytes;
+  stack_t before;
+};
+
+SignalStack::SignalStack() : stack_(std::make_unique<Stack>()) {
   stack_t own{};
-  own.ss_sp = stack_.get();
-  own.ss_size = kSignalStackBytes;
-  sigaltstack(&own, &before_);
+  own.ss_sp = stack_->bytes.data();
+  own.ss_size = stack_->bytes.size();
+  sigaltstack(&own, &stack_->before);
 }
 
-SignalStack::~SignalStack() { sigaltstack(&before_, nullptr); }
+SignalStack::~SignalStack() { sigaltstack(&stack_->before, nullptr); }
 
 }  // namespace palpate::devices
