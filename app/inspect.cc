@@ -15,6 +15,7 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "io/mesh_io/repair/repair.h"
+#include "io/scene/plausibility.h"
 #include "io/scene/support_reader.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -88,6 +89,9 @@ Inspected inspect(const InspectOptions& options) {
   }
   try {
     inspected.loaded = mesh_io::repair_organ(inspected.loaded, options.mesh);
+    const std::string distant =
+        scene::organ_distance_remark(geometry::bounds(inspected.loaded.mesh), options.mesh);
+    if (!distant.empty()) inspected.loaded.findings.remarks.push_back(distant);
   } catch (const InputError& error) {
     inspected.refusal =
         without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");

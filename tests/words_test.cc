@@ -127,6 +127,16 @@ TEST(Tables, HaveSixDigitsAndJsonHasAll) {
   EXPECT_THAT(run(folder, {"inspect", "ball"}).out, Not(::testing::ContainsRegex("[0-9]\\.[0-9]{6}")));
 }
 
+TEST(InspectCommand, SaysThatAnOrganLiesWhereNoDeviceReaches) {
+  const Folder folder;
+  std::ofstream(folder / "far.obj") << "v 1e7 0 0\nv 10000060 0 0\nv 1e7 60 0\nv 1e7 0 60\n"
+                                       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  const json shown = json::parse(run(folder, {"inspect", "far.obj", "--unit", "mm", "--json"}).out);
+  EXPECT_FALSE(shown["organ"].get<bool>());
+  EXPECT_THAT(shown["refused_as_organ"].get<std::string>(),
+              HasSubstr("the organ lies 1e+04 m from the origin"));
+}
+
 TEST(Report, SaysWhatItIsDoingWhereThereIsNoTerminal) {
   const Folder folder;
   const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "out"});

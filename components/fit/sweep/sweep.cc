@@ -14,7 +14,7 @@
 #include "core/base/content_hash.h"
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
-#include "io/mesh_io/formats/gltf_check.h"
+#include "io/mesh_io/formats/formats.h"
 #include "io/record/scene_json.h"
 #include "io/scene/scene_keys.h"
 #include "io/system/file_exists.h"
