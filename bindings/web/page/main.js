@@ -8,7 +8,7 @@ import {listen} from './pointer.js';
 import {readRecording} from './recording.js';
 import {EXERCISES, optionsOf, organIn, textOf} from './scenes.js';
 import {scoreOf, surfacePoint} from './search.js';
-import {clamp, rotatedBack, sub} from './vectors.js';
+import {clamp, placeOf, rotatedBack, sub} from './vectors.js';
 
 const MAP_RANGE = 10e-3;       // m
 const PLOT_PERIOD = 40;        // ms
@@ -34,7 +34,7 @@ const stage = byId('stage'), picture = byId('picture');
 const task = () => state.scene?.task;
 
 const controls = new Controls({
-  send, take, mark, finish, record,
+  send, takeByLever, mark, finish, record,
   jaws() {
     if (!controls.jawed || !take(true)) return;
     state.closed = !state.closed;
@@ -62,6 +62,19 @@ function take(fromDemonstration) {
   if (!fromDemonstration) return false;
   state.mode = 'pointer';
   send('take');
+  return true;
+}
+
+/** Place of the organ nearest to the tool [m], world frame. */
+const nearest = () => state.result?.contact ?? state.sim.surface().picture.organPosition;
+
+/** Takes the tool for the lever, which says no place: it stays over the nearest one. */
+function takeByLever() {
+  const had = take(false);
+  if (!take(true)) return false;
+  if (had) return true;
+  const {x, y} = placeOf(state.view.camera, picture.clientWidth / picture.clientHeight, nearest());
+  send('point', {ray: state.view.ray(x, y)});
   return true;
 }
 
@@ -356,7 +369,7 @@ function firstLink() {
 const toggled = id => () => { byId(id).click(); };
 listen(stage, picture, {
   view: () => state.view, send, take,
-  tip: () => state.result?.contact ?? state.sim.surface().picture.organPosition,
+  nearest,
   moved: () => Object.assign(state, {stale: true, viewUsed: true}),
   primary(down) {
     if (task() !== 'palpate') send('grip', {on: down}); else if (down) mark();
