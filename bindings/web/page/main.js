@@ -100,6 +100,7 @@ function failed(words) {
     controls.note(words);
   } else {
     say(words);
+    if (location.search) byId('message').append(document.createElement('br'), firstLink());
   }
 }
 
@@ -298,7 +299,7 @@ const hear = {
     if (message.of === 'open') {
       // The scene before is still open.
       Object.assign(state, {wanted: state.request, opened: state.request !== null});
-      if (state.opened) document.body.dataset.ready = task();
+      if (state.opened) controls.begun(task());
     }
     failed(message.words);
   },
@@ -355,7 +356,6 @@ async function begin() {
     show(state.wanted);
   } catch (error) {
     failed(error.message);
-    if (!state.request && !state.wanted) byId('message').append(document.createElement('br'), firstLink());
   }
 }
 
