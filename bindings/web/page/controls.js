@@ -24,7 +24,7 @@ function showValue(input) {
 }
 
 export class Controls {
-  /** @param page functions that the controls call: send, take, jaws, mark, finish, openScene, restart, view, map, marks, record, link, files */
+  /** @param page functions that the controls call: send, takeByLever, jaws, mark, finish, openScene, restart, view, map, marks, record, link, files */
   constructor(page) {
     this.page = page;
     this.touch = matchMedia('(pointer: coarse)').matches;
@@ -79,7 +79,7 @@ export class Controls {
         this.#tissueState();
       };
     }
-    byId('preset').onchange = event => this.#change({name: event.target.value === this.own ? null : event.target.value, values: {}});
+    byId('preset').onchange = event => this.#change({name: event.target.value || null, values: {}});
   }
 
   undo() { this.#show(this.history.undo()); }
@@ -93,10 +93,10 @@ export class Controls {
   }
   #tissueState() {
     const {now, canUndo, canRedo} = this.history, changed = Object.keys(now.values).length > 0;
-    const name = now.name ?? this.own;
-    byId('preset').value = name;
-    byId('preset').selectedOptions[0].textContent = changed ? `${name}, changed` : name;
-    for (const option of byId('preset').options) if (!option.selected) option.textContent = option.value;
+    byId('preset').value = now.name ?? '';
+    for (const option of byId('preset').options) {
+      option.textContent = option.dataset.name + (option.selected && changed ? ', changed' : '');
+    }
     [byId('undo').disabled, byId('redo').disabled, byId('preset_again').disabled] = [!canUndo, !canRedo, !changed];
   }
 
@@ -165,7 +165,7 @@ export class Controls {
   #lever() {
     byId('depth').oninput = event => {
       const value = 1e-3 * event.target.value;
-      if (this.page.take(true)) this.page.send('press', {deeper: value - this.lever});
+      if (this.page.takeByLever()) this.page.send('press', {deeper: value - this.lever});
       this.#showLever(value);
     };
   }
@@ -229,7 +229,7 @@ export class Controls {
   }
   fileNote(words) { byId('file_note').textContent = words; }
 
-  opened({scene, hands, rate, maxForce, record, noise}, fresh) {
+  opened({scene, hands, rate, maxForce, record, ownTissue, noise}, fresh) {
     byId('loop').textContent = `${rate} Hz, at most ${maxForce} N`;
     byId('record').classList.toggle('recording', record);
     byId('record').textContent = record ? 'Stop and save CSV' : 'Record';
@@ -238,10 +238,14 @@ export class Controls {
     byId('reach').value = 1e3 * noise.threshold;
     for (const id of ['sigma', 'reach']) showValue(byId(id));
     if (!fresh) return;
-    this.history.begin();
-    this.own = scene.tissue;
-    const names = [...new Set([scene.tissue, ...this.page.tissueNames()])].sort();
-    byId('preset').replaceChildren(...names.map(name => new Option(name, name)));
+    this.history.begin(ownTissue ? null : scene.tissue);
+    const option = (name, value) => {
+      const one = new Option(name, value);
+      one.dataset.name = name;
+      return one;
+    };
+    byId('preset').replaceChildren(...(ownTissue ? [option(`${scene.tissue} (of the scene)`, '')] : []),
+      ...this.page.tissueNames().map(name => option(name, name)));
     byId('hands').hidden = hands < 2;
     byId('hands').replaceChildren(...Array.from({length: hands}, (_, which) => {
       const button = document.createElement('button');

@@ -8,7 +8,7 @@ import {listen} from './pointer.js';
 import {readRecording} from './recording.js';
 import {EXERCISES, optionsOf, organIn, textOf} from './scenes.js';
 import {scoreOf, surfacePoint} from './search.js';
-import {clamp, rotatedBack, sub} from './vectors.js';
+import {clamp, placeOf, rotatedBack, sub} from './vectors.js';
 
 const MAP_RANGE = 10e-3;       // m
 const PLOT_PERIOD = 40;        // ms
@@ -34,7 +34,7 @@ const stage = byId('stage'), picture = byId('picture');
 const task = () => state.scene?.task;
 
 const controls = new Controls({
-  send, take, mark, finish, record,
+  send, takeByLever, mark, finish, record,
   jaws() {
     if (!controls.jawed || !take(true)) return;
     state.closed = !state.closed;
@@ -65,6 +65,19 @@ function take(fromDemonstration) {
   return true;
 }
 
+/** Place of the organ nearest to the tool [m], world frame. */
+const nearest = () => state.result?.contact ?? state.sim.surface().picture.organPosition;
+
+/** Takes the tool for the lever, which says no place: it stays over the nearest one. */
+function takeByLever() {
+  const had = take(false);
+  if (!take(true)) return false;
+  if (had) return true;
+  const {x, y} = placeOf(state.view.camera, picture.clientWidth / picture.clientHeight, nearest());
+  send('point', {ray: state.view.ray(x, y)});
+  return true;
+}
+
 function say(words) {
   byId('message').hidden = !words;
   byId('message').textContent = words;
@@ -87,6 +100,7 @@ function failed(words) {
     controls.note(words);
   } else {
     say(words);
+    if (location.search) byId('message').append(document.createElement('br'), firstLink());
   }
 }
 
@@ -285,7 +299,7 @@ const hear = {
     if (message.of === 'open') {
       // The scene before is still open.
       Object.assign(state, {wanted: state.request, opened: state.request !== null});
-      if (state.opened) document.body.dataset.ready = task();
+      if (state.opened) controls.begun(task());
     }
     failed(message.words);
   },
@@ -342,7 +356,6 @@ async function begin() {
     show(state.wanted);
   } catch (error) {
     failed(error.message);
-    if (!state.request && !state.wanted) byId('message').append(document.createElement('br'), firstLink());
   }
 }
 
@@ -356,7 +369,7 @@ function firstLink() {
 const toggled = id => () => { byId(id).click(); };
 listen(stage, picture, {
   view: () => state.view, send, take,
-  tip: () => state.result?.contact ?? state.sim.surface().picture.organPosition,
+  nearest,
   moved: () => Object.assign(state, {stale: true, viewUsed: true}),
   primary(down) {
     if (task() !== 'palpate') send('grip', {on: down}); else if (down) mark();

@@ -11,7 +11,7 @@ const NEARER = 0.88;         // factor of the distance per notch
 
 /**
  * Listens on the stage. @param page {view(): View or null, take(): takes the tool from the demonstration; whether the
- *   pointer holds the tool, send(what, fields): to the worker, tip(): place of the tool [m, world], moved(): the user moved
+ *   pointer holds the tool, send(what, fields): to the worker, nearest(): place of the organ nearest to the tool [m, world], moved(): the user moved
  *   the view, primary(down): left button of the mouse, touched(): a finger was used, commands: {KEY: function}}
  */
 export function listen(stage, picture, page) {
@@ -36,11 +36,15 @@ export function listen(stage, picture, page) {
   const step = (right, up) => {
     const view = page.view(), aspect = picture.clientWidth / picture.clientHeight;
     if (!view || !page.take(true)) return;
-    place ??= placeOf(view.camera, aspect, page.tip()) ?? {x: 0.5, y: 0.5};
+    place ??= placeOf(view.camera, aspect, page.nearest()) ?? {x: 0.5, y: 0.5};
     place = {x: clamp(place.x + right / aspect, 0, 1), y: clamp(place.y - up, 0, 1)};
     aim();
   };
-  const press = (deeper, fine) => { if (page.take(true)) page.send('press', {deeper: deeper * (fine ? FINE : 1)}); };
+  const press = (deeper, fine) => {
+    if (!page.take(true)) return;
+    aim();
+    page.send('press', {deeper: deeper * (fine ? FINE : 1)});
+  };
   const turn = (right, up) => { page.view()?.orbit(right, up); page.moved(); };
   const zoom = factor => { page.view()?.zoom(factor); page.moved(); };
   const distance = () => {
@@ -92,10 +96,10 @@ export function listen(stage, picture, page) {
       const finger = fingers.get(event.pointerId);
       fingers.delete(event.pointerId);
       if (finger?.button === 0 && event.pointerType !== 'touch') page.primary(false);
-      if (event.pointerType === 'touch') freeze();
     });
   }
-  picture.addEventListener('pointerleave', freeze);
+  // The tool stays under the last place of a finger, also after a tap.
+  picture.addEventListener('pointerleave', event => { if (event.pointerType !== 'touch') freeze(); });
   picture.addEventListener('wheel', event => {
     event.preventDefault();
     const notches = -clamp(event.deltaY / (event.deltaMode === 0 ? WHEEL_NOTCH : 3), -MOST_NOTCHES, MOST_NOTCHES);

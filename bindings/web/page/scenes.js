@@ -24,6 +24,9 @@ export function textOf(scenes, {builtin, text}) {
   return builtin ? scenes.find(({name}) => name === builtin).toml : text;
 }
 
+/** Whether a request has a tissue of its own, from a file, which may have the name of a built-in one. */
+export const hasOwnTissue = ({files = {}}) => Object.keys(files).some(name => /\.toml$/i.test(name));
+
 /** The organ that a scene names, for messages. */
 export function organIn(text) {
   return /^\[organ\][^[]*?^mesh\s*=\s*"([^"]+)"/m.exec(text)?.[1] ?? 'organ';

@@ -5,8 +5,8 @@ const MOST = 100;
 
 /** States of the tissue: {name: of a built-in tissue, or null for the scene's own; values: {FIELD: number that differs}}. */
 export class TissueHistory {
-  constructor() { this.begin(); }
-  begin() { [this.now, this.before, this.after, this.last] = [{name: null, values: {}}, [], [], {}]; }
+  constructor() { this.begin(null); }
+  begin(name) { [this.now, this.before, this.after, this.last] = [{name, values: {}}, [], [], {}]; }
 
   get canUndo() { return this.before.length > 0; }
   get canRedo() { return this.after.length > 0; }

@@ -7,7 +7,7 @@
 import {HaplyError, HaplyLink} from './haply.js';
 import {loadPalpate} from './palpate/palpate.js';
 import {Playback, RecordingError} from './recording.js';
-import {optionsOf, TISSUE_SLIDERS} from './scenes.js';
+import {hasOwnTissue, optionsOf, TISSUE_SLIDERS} from './scenes.js';
 import {add, clamp, norm, sub} from './vectors.js';
 
 const BATCH = 4;            // ms between batches; browsers allow no shorter timer
@@ -28,7 +28,7 @@ const PULL = 2;             // phase of a result
 const ZERO = [0, 0, 0];
 
 let palpate, sim, law, results, request, settings, link, recording;
-let record = false;
+let record = false, own = new Map();  // numbers of the scene's tissue
 let riders = [], hands = [], hand = 0;  // per hand: rider; {rest, held, latched, least: ticks}. The pointer holds `hand`
 let ray = null, lever = 0, dragging = false, marking = 0;
 let anchor = ZERO;  // m, from the Inverse3 to the tool: the arm is at the path's start when the scene begins
@@ -102,10 +102,10 @@ const handlers = {
   csv: () => postMessage({is: 'csv', text: sim.recordingCsv()}),
   /** @param name of a built-in tissue; null: the scene's own @param values of numbers that differ */
   tissue({name, values}) {
-    const own = name === null && settings.tissue !== null;
+    const before = settings.tissue, changed = settings.values;
     Object.assign(settings, {tissue: name, values: new Map(values)});
-    if (own) return begin(mode);
-    if (name !== null) sim.setTissue(name);
+    if (name === null && before !== null) return begin(mode);
+    if (name !== null) sim.setTissue(name); else for (const field of changed.keys()) sim.setTissueValue(field, own.get(field));
     for (const [field, value] of values) sim.setTissueValue(field, value);
     setLaw();
   },
@@ -169,11 +169,12 @@ function openScene(wanted, records) {
   closeRiders();
   if (sim) sim.close();
   [sim, request, record, tick, hand] = [opened, wanted, records, 0, 0];
+  own = new Map(TISSUE_SLIDERS.map(({field}) => [field, sim.tissueValue(field)]));
   applySettings();
   if (haply) mode = 'haply';
   else if (mode === 'haply' || mode === 'replay') mode = 'pointer';
   postMessage({is: 'opened', request, record, mode, name: sim.name, scene: sim.scene, hands: sim.info.hands, rate: sim.info.rate,
-    maxForce: sim.info.maxForce, remarks: sim.remarks, inclusions: sim.inclusions(), noise: sim.noise()});
+    maxForce: sim.info.maxForce, remarks: sim.remarks, ownTissue: hasOwnTissue(wanted), inclusions: sim.inclusions(), noise: sim.noise()});
   setLaw();
   begin(mode);
 }
@@ -217,15 +218,15 @@ function applySettings() {
 
 /** Law for the felt stiffness and the plot; null: the tissue is not built in, or has changed numbers. */
 function setLaw() {
-  const name = settings.tissue ?? sim.scene.tissue;
+  const name = settings.tissue ?? (hasOwnTissue(request) ? null : sim.scene.tissue);
   law?.close();
   law = null;
-  if (!settings.values.size && palpate.tissueNames.includes(name)) {
+  if (name !== null && !settings.values.size && palpate.tissueNames.includes(name)) {
     law = palpate.law(name, sim.scene.task === 'pull' ? 'pull' : 'press', sim.info.rate);
   }
   const curve = law && Array.from({length: 81}, (_, i) => [i / 4, law.forceAt(i / 4000).force]);
   const values = TISSUE_SLIDERS.map(({field}) => [field, sim.tissueValue(field)]);
-  postMessage({is: 'tissue', name, own: settings.tissue === null, changed: settings.values.size > 0, curve, values});
+  postMessage({is: 'tissue', curve, values});
 }
 
 function loop() {

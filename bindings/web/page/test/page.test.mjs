@@ -1,9 +1,12 @@
 // The page in headless Chromium (software OpenGL) on a server on localhost.
-// PALPATE_PAGE names the folder with the page and the package; NODE_PATH must lead to playwright-core.
+// PALPATE_PAGE names the folder with the page and the package, PALPATE_PROGRAM the native program; NODE_PATH must lead to playwright-core.
 import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, rmSync} from 'node:fs';
 import {createServer} from 'node:http';
 import {readFile} from 'node:fs/promises';
 import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
 import {extname, join} from 'node:path';
 import {after, before, test} from 'node:test';
 import {FakeHaply} from './fake_haply.mjs';
@@ -12,7 +15,7 @@ import {pixelsOf} from './picture.mjs';
 const {chromium} = createRequire(import.meta.url)('playwright-core');
 const FLAGS = ['--headless', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
-const TYPES = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.wasm': 'application/wasm'};
+const TYPES = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.png': 'image/png', '.wasm': 'application/wasm'};
 const LONG = 90000;  // ms: software OpenGL on a busy machine
 let server, browser, url;
 const outside = [], errors = [];
@@ -265,22 +268,81 @@ test('closed jaws pull the heart by the wheel', async context => {
   assert.ok(parseFloat(await text(page, '#force_now')) > 0.05);
 });
 
-test('marks are counted, and the end of a search shows its score', async context => {
+test('a mark needs contact, and the end of a search shows its answer on the picture', async context => {
   const page = await opened(context);
   await choose(page, 'palpate');
-  await press(page);
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.mouse.click(x + 0.25 * width, y + 0.35 * height);
+  await until(page, () => /^Move/.test(document.getElementById('hint').textContent));
+  await page.keyboard.press('m');
+  await until(page, () => /^Nothing is marked/.test(document.getElementById('hint').textContent));
+  assert.equal(await text(page, '#marks'), '0');
+  await page.locator('#depth').fill('5');
   await until(page, () => /times the uniform/.test(document.getElementById('ratio').textContent));
+  const button = () => page.locator('#finish').evaluate(one => one.getBoundingClientRect().y);
+  const before = await button();
+  await page.mouse.click(x + 0.25 * width, y + 0.35 * height);
   await page.keyboard.press('m');
   await page.locator('#mark').click();
-  assert.equal(await text(page, '#marks'), '2');
+  assert.equal(await text(page, '#marks'), '3');
   await page.locator('#finish').click();
+  assert.match(await text(page, '#answer'), /^\d of 3 lumps found(, \d false marks?)?\. Rings: the lumps\./);
+  assert.equal(await button(), before, 'the button has moved');
   const rows = await page.locator('#score').evaluate(list => [...list.children].map(one => one.textContent));
   const [found, lumps] = rows[rows.indexOf('Found') + 1].split(' of ').map(Number);
   assert.equal(lumps, 3);
   assert.equal(Number(rows[rows.indexOf('Missed') + 1]), 3 - found);
   assert.equal(await page.locator('#mark').isDisabled(), true);
   await page.locator('#finish').click();
-  await until(page, () => document.getElementById('marks').textContent === '0');
+  await page.locator('body[data-ready=palpate]').waitFor();
+  assert.equal(await text(page, '#marks'), '0');
+  await page.locator('#link').click();
+  await until(page, () => /scene=find-the-lump&seed=8$/.test(document.getElementById('file_note').textContent));
+});
+
+test('the gallery opens a scene of two hands, whose link opens it again', async context => {
+  const page = await opened(context);
+  await page.locator('#more').click();
+  assert.deepEqual(await page.locator('#cards b').allTextContents(), ['Press', 'Pull', 'Lump search', 'Beating heart', 'Two hands', 'Gallstone', 'Plaque']);
+  await page.locator('[data-scene=bimanual]').click();
+  await until(page, () => /^Two instruments/.test(document.getElementById('name').textContent));
+  await page.locator('body[data-ready=press]').waitFor();
+  await pressing(page);
+  assert.equal(await page.locator('#hands button').count(), 2);
+  await page.locator('#link').click();
+  await until(page, () => document.getElementById('file_note').textContent !== '');
+  assert.match(await text(page, '#file_note'), /\?scene=bimanual$/);
+  const again = await opened(context, {search: '?scene=bimanual&tissue=liver'});
+  assert.equal(await again.locator('#preset').inputValue(), 'liver');
+  assert.equal(await again.locator('#hands button').count(), 2);
+});
+
+test('a scene that moves reads its table from the page\u2019s folder', async context => {
+  const page = await opened(context, {search: '?scene=beating-heart'});
+  await until(page, () => window.noted.rows.some(([time]) => time > 1));
+});
+
+test('a wrong address is answered in words', async context => {
+  for (const [search, words] of [['?scene=kidnee', /^scene = kidnee: must be press, pull/], ['?scene=none.toml', /none\.toml: cannot be read: HTTP status 404/],
+    ['?scene=press&organ=kidnee', /did you mean kidney/], ['?sceen=press', /^sceen: unknown/]]) {
+    const page = await opened(context, {search, ready: ''});
+    await until(page, text => new RegExp(text).test(document.getElementById('message').textContent), words.source);
+    await page.close();
+  }
+  errors.splice(0, errors.length, ...errors.filter(error => !/404/.test(error)));
+});
+
+test('a dropped scene with its mesh opens, and HDF5 is answered with the command that exports it', async context => {
+  const page = await opened(context);
+  const mesh = 'v 30 30 30\nv 30 -30 -30\nv -30 30 -30\nv -30 -30 30\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n';
+  const toml = '[scene]\nname = "a tetrahedron"\n[organ]\nmesh = "shape.obj"\nunit = "mm"\ntissue = "liver"\n[tool]\nmesh = "sphere:5"\n';
+  const file = (name, content) => ({name, mimeType: 'text/plain', buffer: Buffer.from(content)});
+  await page.locator('#file').setInputFiles([file('mine.toml', toml), file('shape.obj', mesh)]);
+  await until(page, () => document.getElementById('name').textContent === 'a tetrahedron');
+  await page.locator('#link').click();
+  assert.match(await text(page, '#file_note'), /has no address/);
+  await page.locator('#file').setInputFiles([file('run.h5', 'x')]);
+  await until(page, () => /palpate export RECORDING\.h5 --csv/.test(document.getElementById('file_note').textContent));
 });
 
 test('a recording saves a CSV with every tick', async context => {
@@ -297,6 +359,49 @@ test('a recording saves a CSV with every tick', async context => {
   assert.ok(ticks.length > 100, `${ticks.length} ticks`);
   ticks.forEach((tick, i) => assert.equal(tick, i));
   await until(page, () => document.getElementById('record').textContent === 'Record');
+});
+
+test('the CSV of palpate export plays with the recorded depths, and another scene is noticed', async context => {
+  const folder = mkdtempSync(join(tmpdir(), 'palpate-'));
+  context.after(() => rmSync(folder, {recursive: true}));
+  const [h5, csv] = ['run.h5', 'run.csv'].map(name => join(folder, name));
+  execFileSync(process.env.PALPATE_PROGRAM, ['run', '--offline', '--duration-s', '3', '--record', h5], {stdio: 'pipe'});
+  execFileSync(process.env.PALPATE_PROGRAM, ['export', h5, '--csv', csv], {stdio: 'pipe'});
+  const page = await opened(context);
+  await page.locator('#file').setInputFiles(csv);
+  await until(page, () => /^Recording/.test(document.getElementById('hint').textContent));
+  await page.evaluate(() => window.noted.rows.splice(0));
+  await until(page, () => window.noted.rows.some(([time]) => time > 2.5));
+  const lines = (await readFile(csv, 'utf8')).split('\n').map(line => line.split(','));
+  const [time, depth] = ['time_s', 'depth_m'].map(name => lines[0].indexOf(name));
+  const recorded = new Map(lines.slice(1).map(line => [line[time], Number(line[depth])]));
+  const rows = await page.evaluate(() => window.noted.rows);
+  for (const [at, , here] of rows.filter(([at]) => at < 2.99)) assert.equal(here, recorded.get(String(at)), `${at} s`);
+  assert.ok(Math.max(...rows.map(([, , here]) => here)) > 5e-3);
+  await choose(page, 'pull');
+  await page.locator('#file').setInputFiles(csv);
+  await until(page, () => /^The recording is of another scene/.test(document.getElementById('file_note').textContent));
+});
+
+test('changes of the tissue are undone, done again and reset', async context => {
+  const page = await opened(context);
+  const slide = value => page.evaluate(number => {
+    const input = document.getElementById('k1_N_per_m');
+    input.value = number;
+    input.dispatchEvent(new Event('input'));
+  }, value);
+  const becomes = value => until(page, wanted => document.getElementById('k1_N_per_m').value === wanted, value);
+  await slide(40);
+  await page.waitForTimeout(1100);
+  await slide(60);
+  await page.keyboard.press('Control+z');
+  await becomes('40');
+  await page.locator('#preset_again').click();
+  await becomes('18');
+  await page.locator('#undo').click();
+  await becomes('40');
+  await page.keyboard.press('Control+y');
+  await becomes('18');
 });
 
 test('tissue and noise follow their sliders', async context => {
@@ -322,7 +427,11 @@ test('a phone shows everything without overflow, and a finger presses', async co
   assert.deepEqual(await overflow(), [390, 844]);
   assert.equal(await page.locator('#preset').isVisible(), true);
   await page.locator('#sheet').tap();
-  await press(page);
+  const {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.touchscreen.tap(x + 0.45 * width, y + 0.52 * height);
+  await until(page, () => /^Move: one finger\.\u2003Press: lever/.test(document.getElementById('hint').textContent));
+  await page.locator('#depth').fill('6');
+  await pressing(page);
   const stage = await page.locator('#picture').boundingBox();
   assert.ok(stage.height > 0.4 * 844, `the picture is ${stage.height} high`);
 });
