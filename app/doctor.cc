@@ -45,7 +45,8 @@ realtime::MachineCheck judged(const Lateness& lateness) {
   check.advice = wake_ups.realtime_priority
                      ? "close other programs, use a kernel with PREEMPT_RT, and palpate run --core N; or "
                        "palpate run --poll (polling: 999 of 1000 at most " +
-                           brief(microseconds(lateness.polled.late.percentile(0.999)), 2) + " us late)"
+                           fmt::format("{:.1f}", microseconds(lateness.polled.late.percentile(0.999))) +
+                           " us late)"
                      : "grant real-time priority (above), then measure again";
   return check;
 }
@@ -83,9 +84,9 @@ void print_histogram(std::ostream& out, const haptics::Histogram& late) {
 }
 
 void print_percentiles(const haptics::Histogram& late) {
-  std::cout << " p50 " << microseconds(late.percentile(0.5)) << ", p99 "
-            << microseconds(late.percentile(0.99)) << ", p99.9 " << microseconds(late.percentile(0.999))
-            << ", max " << microseconds(late.max()) << '\n';
+  std::cout << fmt::format(" p50 {:.3f}, p99 {:.3f}, p99.9 {:.3f}, max {:.3f}\n",
+                           microseconds(late.percentile(0.5)), microseconds(late.percentile(0.99)),
+                           microseconds(late.percentile(0.999)), microseconds(late.max()));
 }
 
 void print_text(const std::vector<realtime::MachineCheck>& checks, const Lateness& lateness) {

@@ -84,7 +84,7 @@ std::string note(const model::TissueParameters& tissue, const LayeredSpringLaw::
   if (state.saturated) return "  saturated: all layers are at their largest deformation";
   if (!state.extrapolated) return "";
   return "  past " + shortest(*tissue.max_depth / kMillimetre) +
-         " mm, where the evidence for this tissue ends: the tangent stays";
+         " mm, the max_depth_mm of this tissue: the tangent stays";
 }
 
 void print_json(const Account& account) {

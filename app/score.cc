@@ -45,10 +45,7 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   if (!flags.picture.empty()) require_png_file(flags.picture, "--picture");
   const record::Recording recording = read_to_show(flags.file, "palpate score", flags.break_blind);
   if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
-  if (recording.scene.task != scene::Task::kPalpate && recording.scene.inclusions.empty()) {
-    throw InputError(flags.file + ": no search in it: its task is " + scene::to_string(recording.scene.task) +
-                     " and it has no lump; palpate run --task palpate makes a search");
-  }
+  palpation::require_search(recording.scene, flags.file, "palpate run --task palpate makes a search");
   const palpation::ScoredRecording scored = score_of(recording, flags.no_cache);
   const palpation::Scorer& made = scored.scorer();
   if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);

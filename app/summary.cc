@@ -120,8 +120,9 @@ std::vector<std::string> remarks(const RunResult& run) {
        "the force limit of the grip was exceeded: it let go (grip_limit_N of the tissue)"},
       {contact::kJump, "the tool moved faster than a hand can: its contacts were reset"},
       {contact::kExtrapolated,
-       "the tool went deeper than the evidence for its tissue: past max_depth_mm under [tissue.source] the "
-       "force goes on by its tangent there"}};
+       "the tool went deeper than max_depth_mm under [tissue.source]: past it the force goes on by its "
+       "tangent "
+       "there"}};
   for (const auto& [bit, text] : texts) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }

@@ -103,7 +103,7 @@ void undo_buttons(const PanelModel& shown, Commands& commands) {
   if (button("Redo", shown.can_redo, "Ctrl + Y")) commands.undo = false;
 }
 
-std::string evidence(const model::TissueParameters& tissue) {
+std::string source_text(const model::TissueParameters& tissue) {
   if (!tissue.source || tissue.source->indenter.empty()) {
     return "illustrative: no [tissue.source] names a measurement";
   }
@@ -141,7 +141,7 @@ void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands
   }
   ImGui::EndDisabled();
   ImGui::PushTextWrapPos(0.0F);
-  ImGui::TextColored(colour::kFaint, "%s", evidence(shown.tissue).c_str());
+  ImGui::TextColored(colour::kFaint, "%s", source_text(shown.tissue).c_str());
   ImGui::PopTextWrapPos();
   changed |= law_row(tissue);
   changed |= numbers("", tissue);

@@ -112,6 +112,13 @@ def test_a_stiffness_map_comes_from_an_array_or_a_file(tmp_path):
         press(stiffness_map=[[0, 0, 0]])
 
 
+def test_a_press_has_no_search_to_score(tmp_path):
+    palpate.simulate(duration_s=0.2, record=tmp_path / 'press.h5')
+    with pytest.raises(palpate.InputError) as refused:
+        palpate.read_recording(tmp_path / 'press.h5').score()
+    assert str(refused.value) == ("score(): no search in it: its task is press and it has no lump; task='palpate' makes a search")
+
+
 def test_a_recorded_search_is_scored_and_mapped(tmp_path):
     file = tmp_path / 'search.h5'
     palpate.simulate(task='palpate', seed=3, duration_s=20.0, noise=False, record=file)

@@ -189,3 +189,7 @@ def test_recordings_export_as_the_program_does(program, tmp_path):
     program('export', file, '--csv', tmp_path / 'theirs.csv')
     assert palpate.read_recording(file).export_csv(tmp_path / 'ours.csv') == 500
     assert (tmp_path / 'ours.csv').read_bytes() == (tmp_path / 'theirs.csv').read_bytes()
+
+
+def test_a_zero_is_shown_without_a_minus():
+    assert _shown.number(-0.0) == '0' and _shown.number(-0.5) == '-0.5'

@@ -12,6 +12,7 @@
 #include "io/scene/organ_distance.h"
 #include "io/scene/search.h"
 #include "io/system/output_file.h"
+#include "palpate/error.h"
 #include "palpate/tool_contact.h"
 #include "palpate/units.h"
 
@@ -214,6 +215,12 @@ Score Scorer::score() const {
   if (score.mean_force > 0.0) score.force_variation = std::sqrt(std::max(0.0, variance)) / score.mean_force;
   if (rate_count_ > 0) score.force_rate = std::sqrt(rates_ / static_cast<double>(rate_count_));
   return score;
+}
+
+void require_search(const scene::Scene& scene, const std::string& name, const std::string& remedy) {
+  if (scene.task == scene::Task::kPalpate || !scene.inclusions.empty()) return;
+  throw InputError(name + ": no search in it: its task is " + scene::to_string(scene.task) +
+                   " and it has no lump; " + remedy);
 }
 
 ScoredRecording::ScoredRecording(const record::Recording& recording, const contact::Preparation& how,

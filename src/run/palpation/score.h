@@ -51,6 +51,10 @@ struct Score {
   double force_rate = 0.0;  // N/s, root mean square of dF/dt in contact, F averaged over 50 ms: smooth is low
 };
 
+/// [setup] @param name of the recording @param remedy how a search is made @throws InputError "NAME: no
+/// search in it: WHY; REMEDY" if the scene's task is not palpate and it has no inclusion
+void require_search(const scene::Scene& scene, const std::string& name, const std::string& remedy);
+
 /// [setup] The inclusions that a scene hides; in a scene that hides none, all. Their places on the surface.
 [[nodiscard]] std::vector<Lump> lumps_of(const scene::Scene& scene);
 

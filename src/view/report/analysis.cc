@@ -291,7 +291,7 @@ std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) 
       {contact::kGripReleased, "the grip let go, past its limit"},
       {contact::kJump, "the tool moved faster than any hand; its contacts were reset"},
       {contact::kExtrapolated,
-       "deeper than the tissue's max_depth_mm: the force went on by its tangent there, without evidence"},
+       "deeper than the tissue's max_depth_mm: past it the force went on by its tangent"},
       {haptics::kForceClamped, "the force was clamped at max_force_N"},
       {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
       {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},

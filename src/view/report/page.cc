@@ -264,7 +264,11 @@ bool is_report_file(const std::string& name) {
   return name == kPageFile || name == kFigureList || (numbered && is_figure_name(name));
 }
 
-std::string fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
+std::string fixed(double value, int digits) {
+  const std::string text = fmt::format("{:.{}f}", value, digits);
+  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && text.starts_with('-') ? text.substr(1) : text;
+}
 
 std::string grouped(std::uint64_t value) {
   const std::string digits = std::to_string(value);

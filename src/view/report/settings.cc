@@ -108,7 +108,7 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
   return facts;
 }
 
-/// Where the law ends, or from where on it has no evidence.
+/// Where the law ends, or from where on it goes on by its tangent.
 std::string end_of(const model::SpringLaw& law, const model::TissueParameters& tissue) {
   if (std::isfinite(law.max_depth())) {
     return fmt::format("largest {} and {} N", millimetres(law.max_depth()), fixed(law.max_force(), 2));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "io/scene/make_world.h"
+#include "palpate/error.h"
 #include "palpate/tool_contact.h"
 
 namespace palpate::palpation {
@@ -64,6 +65,17 @@ class Rows final {
 };
 
 Score score_of(const Rows& rows) { return ScoredRecording(rows.recording()).scorer().score(); }
+
+TEST(PalpationScore, NeedsASearch) {
+  scene::Scene scene = box_scene();
+  require_search(scene, "a.h5", "search");
+  scene.task = scene::Task::kPress;
+  require_search(scene, "a.h5", "search");  // its inclusions can be found
+  scene.inclusions.clear();
+  EXPECT_THAT([&] { require_search(scene, "a.h5", "search"); },
+              testing::ThrowsMessage<InputError>(
+                  "a.h5: no search in it: its task is press and it has no lump; search"));
+}
 
 // The tolerance is 10 mm. Marks: 6 mm beside the left nodule; a second one there, 3 mm beside; 15 mm beside
 // the right nodule.

@@ -11,6 +11,12 @@ TEST(TextFormat, FixedRoundsToTheDigits) {
   EXPECT_EQ(fixed(1000.0, 0), "1000");
 }
 
+TEST(TextFormat, FixedHasNoMinusBeforeZero) {
+  EXPECT_EQ(fixed(-0.0, 0), "0");
+  EXPECT_EQ(fixed(-0.004, 2), "0.00");
+  EXPECT_EQ(fixed(-0.006, 2), "-0.01");
+}
+
 TEST(TextFormat, GroupsThousands) {
   EXPECT_EQ(grouped(7), "7");
   EXPECT_EQ(grouped(999), "999");
