@@ -22,9 +22,11 @@
 #include "palpate/read_mesh.h"
 #include "palpate/units.h"
 #include "view/report/subject.h"
+#include "view/report/surface_error.h"
 
 #include "app/commands.h"
 #include "app/messages.h"
+#include "app/numbers.h"
 #include "app/output.h"
 #include "app/session.h"
 
@@ -35,6 +37,9 @@ struct InspectOptions {
   std::string mesh;
   std::string unit;
   std::vector<std::string> support;  // --organ-support
+  std::filesystem::path reference;   // --reference
+  std::vector<double> press;         // --press: place, direction, depth and the tool's radius
+  double error_range = 0.0;          // --error-mm [m]; 0: the largest error
   std::filesystem::path screenshot;
   bool as_json = false;
 };
@@ -52,6 +57,8 @@ struct Inspected {
   std::string tool_refusal;   // why it cannot be a tool; empty: it can
   bool all_crossings = true;  // false: too many candidate pairs to test all
   std::optional<geometry::Support> support;
+  std::optional<report::SurfaceError> error;
+  double depth = 0.0;  // of the press that the error belongs to [m]
 };
 
 mesh_io::LoadedMesh load(const InspectOptions& options) {
@@ -69,10 +76,12 @@ mesh_io::LoadedMesh load(const InspectOptions& options) {
 
 void check_screenshot(const InspectOptions& options) {
   require_png_file(options.screenshot, "--screenshot");
-  if (!is_path(options.mesh)) return;
-  std::vector<NamedFile> inputs = {{"the mesh", options.mesh}};
-  for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(options.mesh))
-    inputs.push_back({"a buffer of the mesh", buffer});
+  std::vector<NamedFile> inputs;
+  if (!options.reference.empty()) inputs.push_back({"--reference", options.reference});
+  if (is_path(options.mesh)) inputs.push_back({"the mesh", options.mesh});
+  if (is_path(options.mesh))
+    for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(options.mesh))
+      inputs.push_back({"a buffer of the mesh", buffer});
   require_no_overwrite(std::vector<NamedFile>{{"--screenshot", options.screenshot}}, inputs);
 }
 
@@ -80,8 +89,27 @@ std::string without_start(const std::string& text, const std::string& start) {
   return text.starts_with(start) ? text.substr(start.size()) : text;
 }
 
+deform::Indentation press_of(const std::vector<double>& n) {
+  const Vec3 direction(n[3], n[4], n[5]);
+  if (!(direction.norm() > 0.0)) throw InputError("--press: the direction is 0, must not be");
+  if (!(n[6] > 0.0)) throw InputError(fmt::format("--press: the depth is {} mm, must be > 0", n[6]));
+  if (!(n[7] > 0.0)) throw InputError(fmt::format("--press: the radius is {} mm, must be > 0", n[7]));
+  return {Vec3(n[0], n[1], n[2]) * kMillimetre, direction.normalized(), n[6] * kMillimetre,
+          n[7] * kMillimetre, 0.0};
+}
+
+void compare(const InspectOptions& options, Inspected& inspected) {
+  if (!inspected.refusal.empty())
+    throw InputError("--reference: " + options.mesh + " cannot be an organ: " + inspected.refusal);
+  const deform::Indentation press = press_of(options.press);
+  const geometry::TriangleMesh& organ = inspected.loaded.mesh;
+  inspected.error = report::surface_error(organ, report::read_reference(options.reference, organ), press,
+                                          inspected.support);
+  inspected.depth = press.depth;
+}
+
 Inspected inspect(const InspectOptions& options) {
-  Inspected inspected{load(options), {}, {}, true, {}};
+  Inspected inspected{load(options), {}, {}, true, {}, {}, 0.0};
   try {
     mesh_io::require_tool(inspected.loaded, options.mesh);
   } catch (const InputError& error) {
@@ -96,12 +124,15 @@ Inspected inspect(const InspectOptions& options) {
     inspected.refusal =
         without_start(without_start(error.what(), options.mesh + ": "), "cannot be an organ: ");
   }
-  if (const auto stated = scene::support_by_flags(options.support)) {
+  if (auto stated = scene::support_by_flags(options.support)) {
     if (!inspected.refusal.empty())
       throw InputError("--organ-support: " + options.mesh + " cannot be an organ: " + inspected.refusal);
+    scene::read_painted(*stated,
+                        options.unit.empty() ? LengthUnit::kMillimetre : parse_length_unit(options.unit));
     scene::check_support(*stated, inspected.loaded.mesh);
     inspected.support = stated->support;
   }
+  if (!options.reference.empty()) compare(options, inspected);
   if (!inspected.loaded.findings.crossing_pairs) {
     const mesh_io::Crossings crossings = mesh_io::find_crossings(inspected.loaded.mesh);
     inspected.loaded.findings.crossing_pairs = crossings.pairs.size();
@@ -142,6 +173,13 @@ void print_json(const Inspected& inspected) {
   if (inspected.support) {
     json["support"] = scene::support_phrases(*inspected.support);
     json["held_share"] = geometry::held_share(*inspected.support, loaded.mesh);
+  }
+  if (inspected.error) {
+    json["surface_error"] = {{"rms_mm", inspected.error->rms / kMillimetre},
+                             {"max_mm", inspected.error->largest / kMillimetre},
+                             {"max_at_mm", in_mm(inspected.error->where)},
+                             {"depth_mm", inspected.depth / kMillimetre},
+                             {"compared_share", inspected.error->compared}};
   }
   std::cout << json_text(json) << '\n';
 }
@@ -200,6 +238,41 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
     row("held",
         fmt::format("{:.1f} % of the surface", 1e2 * geometry::held_share(*inspected.support, loaded.mesh)));
   }
+  if (inspected.error) {
+    const report::SurfaceError& error = *inspected.error;
+    row("surface error",
+        fmt::format("RMS {} mm, {:.1f} % of the depth, over the {:.1f} % of the surface that "
+                    "moves by over 2 % of it",
+                    brief(error.rms / kMillimetre, 3), 1e2 * error.rms / inspected.depth,
+                    1e2 * error.compared));
+    row("largest",
+        fmt::format("{} mm at ({}, {}, {}) mm", brief(error.largest / kMillimetre, 3),
+                    brief(error.where.x() / kMillimetre, 3), brief(error.where.y() / kMillimetre, 3),
+                    brief(error.where.z() / kMillimetre, 3)));
+  }
+}
+
+void draw(const InspectOptions& options, const Inspected& inspected) {
+  const geometry::TriangleMesh& organ = inspected.loaded.mesh;
+  if (inspected.error) {
+    const double range = options.error_range > 0.0 ? options.error_range : inspected.error->largest;
+    render::write_png(report::draw_error(organ, *inspected.error, range, kPictureHeight), options.screenshot);
+    return;
+  }
+  if (!inspected.support) throw InputError("--screenshot: shows what is held, and --organ-support is none");
+  render::write_png(report::draw_held(organ, *inspected.support, kPictureHeight), options.screenshot);
+}
+
+void check_flags(const InspectOptions& options) {
+  if (options.reference.empty() != options.press.empty())
+    throw InputError(options.press.empty() ? "--reference: needs --press, the press that it belongs to"
+                                           : "--press: needs --reference, the displacements under it");
+  if (options.error_range > 0.0 && (options.reference.empty() || options.screenshot.empty()))
+    throw InputError("--error-mm: ends the colours of the error, needs --reference and --screenshot");
+  if (options.screenshot.empty()) return;
+  if (options.support.empty() && options.reference.empty())
+    throw InputError("--screenshot: shows what is held or an error, needs --organ-support or --reference");
+  check_screenshot(options);
 }
 
 }  // namespace
@@ -219,19 +292,28 @@ void add_inspect(CLI::App& program, int& exit_code) {
                       "what holds the organ, as for palpate run: says how much of the surface that is");
   command->add_option(
       "--screenshot", options->screenshot,
-      "with --organ-support: draws the organ to this PNG file from above and from below, what is "
-      "held in colour");
+      "with --organ-support or --reference: draws the organ to this PNG file from above and from below, "
+      "what is held or the error in colour");
+  command->add_option(
+      "--reference", options->reference,
+      "displacements of all vertices under --press, by finite elements for example: a CSV file "
+      "with x_mm, y_mm, z_mm, u_x_mm, u_y_mm, u_z_mm. Says how far the shown surface is off");
+  command
+      ->add_option("--press", options->press,
+                   "with --reference: X,Y,Z,DX,DY,DZ,DEPTH,RADIUS in mm: a place of the surface, the "
+                   "direction and length of its displacement, and the tool's radius")
+      ->delimiter(',')
+      ->expected(8);
+  add_number(*command, "--error-mm", options->error_range, Numbers::kPositive,
+             "with --reference and --screenshot: the error at the end of the colours (default: the largest)",
+             kMillimetre);
   command->add_flag("--json", options->as_json, "one JSON document");
   command->footer(
       "Examples: palpate inspect liver.stl --unit mm --json\n"
       "          palpate inspect liver-tetrahedra.msh --unit mm\n"
       "          palpate inspect heart --organ-support at:5,64,-7,30 --screenshot held.png");
   command->callback([options, &exit_code] {
-    if (!options->screenshot.empty()) {
-      if (options->support.empty())
-        throw InputError("--screenshot: shows what is held, needs --organ-support");
-      check_screenshot(*options);
-    }
+    check_flags(*options);
     const Inspected inspected = inspect(*options);
     if (is_path(options->mesh) && options->unit.empty()) {
       report_message(options->mesh + ": no --unit given: mm is assumed");
@@ -241,12 +323,7 @@ void add_inspect(CLI::App& program, int& exit_code) {
     } else {
       print_table(*options, inspected);
     }
-    if (!options->screenshot.empty()) {
-      if (!inspected.support)
-        throw InputError("--screenshot: shows what is held, and --organ-support is none");
-      render::write_png(report::draw_held(inspected.loaded.mesh, *inspected.support, kPictureHeight),
-                        options->screenshot);
-    }
+    if (!options->screenshot.empty()) draw(*options, inspected);
     exit_code = kDone;
   });
 }

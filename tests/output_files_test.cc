@@ -293,12 +293,37 @@ TEST(OutputFiles, InspectDrawsWhatASupportHolds) {
   EXPECT_EQ(start, "\x89PNG");
   const Outcome nothing = run(folder, {"inspect", "box", "--screenshot", "a.png"});
   EXPECT_EQ(nothing.exit_code, 2);
-  EXPECT_THAT(nothing.err, HasSubstr("needs --organ-support"));
+  EXPECT_THAT(nothing.err, HasSubstr("needs --organ-support or --reference"));
   EXPECT_FALSE(fs::exists(folder / "a.png"));
 }
 
 const std::string kTetrahedron =
     "OFF\n4 4 0\n0 0 0\n20 0 0\n0 20 0\n0 0 20\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+
+TEST(OutputFiles, InspectSaysHowFarTheShownSurfaceIsFromAReference) {
+  const Folder folder;
+  std::ofstream(folder / "a.off") << kTetrahedron;
+  const auto with = [&folder](const std::string& rows, std::vector<std::string> more = {}) {
+    std::ofstream(folder / "u.csv") << "x_mm,y_mm,z_mm,u_x_mm,u_y_mm,u_z_mm\n" << rows;
+    std::vector<std::string> words = {"inspect", "a.off", "--unit", "mm", "--reference", "u.csv"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(folder, words);
+  };
+  // The profile moves the pressed vertex (0, 0, 20) alone, by 2 mm along -x; the reference moves it by 1.5
+  // mm.
+  const std::string rows = "0,0,0,0,0,0\n20,0,0,0,0,0\n0,20,0,0,0,0\n0,0,20.004,-1.5,0,0\n";
+  const Outcome seen = with(rows, {"--press=0,0,20,-1,0,0,2,1", "--json", "--screenshot", "e.png"});
+  ASSERT_EQ(seen.exit_code, 0) << seen.err;
+  const nlohmann::json error = nlohmann::json::parse(seen.out)["surface_error"];
+  EXPECT_NEAR(error["rms_mm"].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(error["max_mm"].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(error["max_at_mm"][2].get<double>(), 20.0, 1e-9);
+  EXPECT_TRUE(fs::exists(folder / "e.png"));
+  EXPECT_THAT(with(rows).err, HasSubstr("--reference: needs --press"));
+  EXPECT_THAT(with(rows.substr(rows.find('\n') + 1), {"--press=0,0,20,-1,0,0,2,1"}).err,
+              HasSubstr("u.csv: has no row for the organ's vertex at (0, 0, 0) mm"));
+  EXPECT_THAT(with(rows, {"--press=0,0,20,0,0,0,2,1"}).err, HasSubstr("the direction is 0"));
+}
 
 TEST(OutputFiles, APictureOfInspectLeavesItsMeshAndIsNamedPng) {
   const Folder folder;

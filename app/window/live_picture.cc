@@ -65,6 +65,15 @@ void LivePicture::show_values(const std::vector<Vec3>& points_S, std::vector<flo
   stale_ = true;
 }
 
+void LivePicture::set_support(std::optional<geometry::Support> support) {
+  renderer_->set_support(std::move(support));
+  stale_ = true;
+}
+
+render::ResponseState LivePicture::response() const noexcept {
+  return renderer_ == nullptr ? render::ResponseState::kNone : renderer_->response();
+}
+
 void LivePicture::show_marks(const std::vector<render::SurfaceMark>& marks) {
   renderer_->show_marks(marks);
   stale_ = true;

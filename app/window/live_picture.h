@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "palpate/offscreen.h"
@@ -31,6 +32,9 @@ class LivePicture final {
   /// Colours the organ by values at points of its rest surface; the same points as before only change their
   /// values. No points: its own colours.
   void show_values(const std::vector<Vec3>& points_S, std::vector<float> values, double low, double high);
+  /// Changes what holds the organ (OffscreenRenderer::set_support()).
+  void set_support(std::optional<geometry::Support> support);
+  [[nodiscard]] render::ResponseState response() const noexcept;
   /// Replaces the marks on the surface.
   void show_marks(const std::vector<render::SurfaceMark>& marks);
 

@@ -169,6 +169,7 @@ void draw_help(PanelState& state, const Gestures& gestures) {
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},
       {"N", "touch noise on or off"},
+      {"H", "choose what holds the organ, by clicks"},
       {"Ctrl + R", "record this run; or end the recording"},
       {"Ctrl + Z, Ctrl + Y", "undo, redo a change of tissue, noise or inclusion"},
       {"V", "look at the recording, in the viewer's window"},

@@ -21,6 +21,7 @@
 #include "app/window/picture_marks.h"
 #include "app/window/scene_gallery.h"
 #include "app/window/search.h"
+#include "app/window/support_editor.h"
 #include "app/window/traces.h"
 #include "app/window/viewport.h"
 
@@ -65,6 +66,7 @@ struct PanelModel {
   std::uint64_t rows_left_out = 0;
   std::span<const scene::InclusionSetup> inclusions{};  // in force, visible and hidden
   std::optional<SearchStatus> search{};                 // of task palpate
+  std::optional<SupportStatus> support{};               // of other tasks
   bool can_undo = false;
   bool can_redo = false;
   std::string tissue_note{};  // why the last change was rejected, or a warning; empty: nothing
@@ -102,6 +104,7 @@ struct Commands {
   bool leave = false;
   std::optional<bool> map;  // of the felt stiffness
   bool end_search = false;
+  std::optional<SupportChange> support;
 };
 
 /// The question before the window closes while it records.

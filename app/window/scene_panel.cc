@@ -63,7 +63,9 @@ void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands
   for (const std::string& name : organ_choices()) {
     if (!ImGui::Selectable(name.c_str(), name == now)) continue;
     take_organ(name, shown, commands);
-    commands.request->tissue.reset();  // the tissue of the new organ
+    if (shown.scene.support || !shown.request.organ_support.empty())
+      commands.request->organ_support = {"none"};  // that of the old organ
+    commands.request->tissue.reset();              // the tissue of the new organ
     commands.keep = {.noise = true};
   }
   ImGui::Separator();
@@ -202,6 +204,7 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
   ImGui::TextColored(shown.recording.empty() ? colour::kFaint : colour::kForce, "%s",
                      shown.recording_note.c_str());
   inclusion_rows(shown, commands);
+  support_panel(shown, commands);
   search_panel(shown, commands);
   ImGui::Spacing();
 }

@@ -263,6 +263,7 @@ PanelModel Window::shown() const {
   shown.tissue_note = tissue_note_;
   shown.can_undo = history_.can_undo();
   shown.can_redo = history_.can_redo();
+  if (support_ != nullptr) shown.support = support_->status(live_);
   if (search_ != nullptr) {
     shown.search = search_->status();
     if (steering_.mouse_steers()) shown.search->pointer_gain = search_->pointer_gain(*traces_);

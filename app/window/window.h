@@ -29,6 +29,7 @@
 #include "app/window/run_tape.h"
 #include "app/window/search.h"
 #include "app/window/steering.h"
+#include "app/window/support_editor.h"
 #include "app/window/traces.h"
 #include "app/window/viewport.h"
 
@@ -108,6 +109,8 @@ class Window final {
   void mouse_button(const SDL_MouseButtonEvent& button);
   void mouse_motion(std::pair<int, int> way);
   void point_the_tool();
+  [[nodiscard]] std::optional<devices::Ray> pointer_ray() const;
+  void attach_at_pointer();
   [[nodiscard]] double aspect() const {
     return static_cast<double>(layout_.picture.width) / std::max(1.0F, layout_.picture.height);
   }
@@ -126,6 +129,7 @@ class Window final {
   void poll_search();
   void grant(const Commands& commands);
   void take_file(const ChosenFile& file);
+  void keep_support();
   void pause_run();
   void apply_tissue(const model::TissueParameters& tissue);
   void apply_noise(const noise::NoiseSettings& noise);
@@ -176,10 +180,11 @@ class Window final {
   Steering steering_;
   std::unique_ptr<Traces> traces_;
   std::unique_ptr<LiveRun<RowObserver>> run_;
-  std::unique_ptr<RunTape> tape_;   // of the run; null: it is recorded from its start
-  bool run_closed_ = false;         // close_run() was called
-  bool ended_by_user_ = false;      // the user ended the search
-  std::unique_ptr<Search> search_;  // of the run; null: another task
+  std::unique_ptr<RunTape> tape_;           // of the run; null: it is recorded from its start
+  bool run_closed_ = false;                 // close_run() was called
+  bool ended_by_user_ = false;              // the user ended the search
+  std::unique_ptr<Search> search_;          // of the run; null: another task
+  std::unique_ptr<SupportEditor> support_;  // of the run; null: task palpate, whose map takes the colours
   std::vector<SearchOutcome> searches_;
   std::unique_ptr<NextSession> next_;
   haptics::Snapshot shown_;

@@ -43,6 +43,10 @@ void Window::mouse_button(const SDL_MouseButtonEvent& button) {
   if (down) panel_used_ = !over_picture(button.x, button.y);
   if (down && panel_used_) return;
   if (down) ImGui::SetWindowFocus(nullptr);  // returns the keyboard to the picture
+  if (button.button == SDL_BUTTON_LEFT && support_ != nullptr && support_->choosing()) {
+    if (down) attach_at_pointer();
+    return;
+  }
   if (button.button == SDL_BUTTON_LEFT) steering_.grip(down);
   camera_controller_.button(button, !steering_.mouse_steers());
 }
@@ -52,19 +56,37 @@ void Window::mouse_motion(std::pair<int, int> way) {
   (void)camera_controller_.mouse_moved(way, layout_.picture.height);
 }
 
-/// The tool rides under the pointer. On a panel and while the pointer turns the view, the tool stays.
-void Window::point_the_tool() {
+/// The line of sight through the pointer; nothing: it is not over the picture, or turns the view.
+std::optional<devices::Ray> Window::pointer_ray() const {
   const auto [x, y] = viewport_.mouse_at();
   const Rectangle& place = layout_.picture;
-  if (!mouse_inside_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) {
-    steering_.freeze();
-    return;
-  }
+  if (!mouse_inside_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) return std::nullopt;
   const auto share = [](int at, float from, float length) {
     return static_cast<double>((static_cast<float>(at) + 0.5F - from) / length);
   };
-  steering_.point_at(ray_through(camera_.camera(), aspect(), share(x, place.x, place.width),
-                                 share(y, place.y, place.height)));
+  return ray_through(camera_.camera(), aspect(), share(x, place.x, place.width),
+                     share(y, place.y, place.height));
+}
+
+/// The tool rides under the pointer. On a panel, while the pointer turns the view and while it chooses what
+/// holds the organ, the tool stays.
+void Window::point_the_tool() {
+  const std::optional<devices::Ray> ray = pointer_ray();
+  if (ray && !(support_ != nullptr && support_->choosing())) {
+    steering_.point_at(*ray);
+  } else {
+    steering_.freeze();
+  }
+}
+
+void Window::attach_at_pointer() {
+  const std::optional<devices::Ray> ray = pointer_ray();
+  if (!ray) return;
+  if (support_->pick(*ray, shown_.organ_W, live_)) {
+    keep_support();
+  } else {
+    viewport_.show_message("no organ under the pointer; H ends choosing what holds it");
+  }
 }
 
 std::optional<std::pair<float, float>> Window::in_window(const Vec3& point_W) const {
@@ -163,6 +185,8 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_m && search_ != nullptr) {
     steering_.press_button(run_->session().scene().search.mark_button);
   }
+  if (key == SDLK_h && support_ != nullptr)
+    commands_.support = SupportChange{.choosing = !support_->choosing()};
   if (key == SDLK_t && search_ != nullptr) commands_.map = !search_->shows_map;
   if (key == SDLK_n) {
     commands_.noise = now_.noise;

@@ -8,6 +8,7 @@
 #include <imgui.h>
 #include <sys/wait.h>
 
+#include "io/scene/support_reader.h"
 #include "io/system/child_process.h"
 #include "io/system/clock.h"
 #include "io/system/file_exists.h"
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
-  search_.reset();  // search and tape refer to the previous session
+  search_.reset();  // search, support and tape refer to the previous session
+  support_.reset();
   tape_.reset();
   run_ = std::make_unique<LiveRun<RowObserver>>(std::move(session), std::move(recording), options_.thread,
                                                 options_.igtl);
@@ -47,7 +49,11 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   tissue_waits_ = false;
   noise_waits_ = false;
   inclusions_wait_ = false;
-  if (scene.task == scene::Task::kPalpate) search_ = std::make_unique<Search>(run_->session());
+  if (scene.task == scene::Task::kPalpate) {
+    search_ = std::make_unique<Search>(run_->session());
+  } else {
+    support_ = std::make_unique<SupportEditor>(scene);
+  }
   steering_.take(run_->session());
   viewport_.display().set_title("Palpate: " + title_of(scene));
 }
@@ -63,12 +69,14 @@ void Window::begin() {
 /// those of the session's first tissue.
 void Window::make_renderer() {
   live_.take(subject());
+  if (support_ != nullptr) support_->draw_on(live_);
   reach_changed_ = false;
 }
 
 render::Subject Window::subject() const {
   render::Subject subject = report::subject_of(run_->session().scene());
   subject.reach = now_.tissue.reach;
+  if (support_ != nullptr) subject.support = support_->in_force();
   subject.inclusions = scene::visible_inclusions(now_.inclusions);
   return subject;
 }
@@ -319,6 +327,14 @@ void Window::pause_run() {
   }
 }
 
+/// Further runs of the same organ keep the support that the user chose.
+void Window::keep_support() {
+  if (!support_->changed()) return;
+  const std::optional<geometry::Support> support = support_->in_force();
+  if (support && !support->painted.empty()) return;  // no flag gives painted places again
+  request_.organ_support = support ? scene::support_flags(*support) : std::vector<std::string>{"none"};
+}
+
 void Window::take_file(const ChosenFile& file) {
   scene::Overrides request = request_;
   Keep keep = Keep::all();
@@ -327,6 +343,7 @@ void Window::take_file(const ChosenFile& file) {
       request.organ = file.path.string();
       request.organ_unit = file.unit;
       request.organ_frame.reset();  // that of the file's header
+      if (run_->session().scene().support || !request.organ_support.empty()) request.organ_support = {"none"};
       keep = {.noise = true};
       break;
     case FileUse::kTool:
@@ -376,6 +393,10 @@ void Window::grant(const Commands& commands) {
   if (commands.map && search_ != nullptr) {
     search_->shows_map = *commands.map;
     search_->draw_on(live_, true);
+  }
+  if (commands.support && support_ != nullptr) {
+    support_->apply(*commands.support, live_);
+    keep_support();
   }
   if (commands.end_search) {
     ended_by_user_ = true;

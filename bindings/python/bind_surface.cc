@@ -77,7 +77,8 @@ geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
                                         const std::vector<std::string>& organ_support) {
   const model::TissueParameters parameters = tissue_of(tissue);
   std::shared_ptr<const deform::OrganResponse> response;
-  if (const auto stated = scene::support_by_flags(organ_support)) {
+  if (auto stated = scene::support_by_flags(organ_support)) {
+    scene::read_painted(*stated, LengthUnit::kMillimetre);
     scene::check_support(*stated, mesh);
     response = deform::prepare_response(mesh, stated->support);
   }

@@ -88,6 +88,14 @@ struct SurfaceValues {
   double high = 1.0;           // value at the bright end, above `low`
 };
 
+/// What moves the organ's surface.
+enum class ResponseState : std::uint8_t {
+  kNone,       // the displacement profile: nothing is known to hold the organ
+  kPreparing,  // the profile, until the response is there
+  kShown,      // the response of the whole organ
+  kFailed,     // the profile, because too little is held
+};
+
 /// A mark on the organ's surface.
 struct SurfaceMark {
   enum class Kind : std::uint8_t {
@@ -166,6 +174,11 @@ class OffscreenRenderer final {
   /// [setup] Replaces the marks on the surface. They are drawn where they face the camera, as large as a
   /// fixed fraction of the picture. @throws InputError for more than kMaxMarks
   void show_marks(const std::vector<SurfaceMark>& marks);
+  /// [setup] Changes what holds the organ. Its response is prepared in the background; until then, and after
+  /// a support that holds too little, the displacement profile shows.
+  void set_support(std::optional<geometry::Support> support);
+  /// [any] Whether the surface gives way as a whole.
+  [[nodiscard]] ResponseState response() const noexcept;
   /// [setup] Replaces the inclusions that are drawn as translucent spheres inside the organ: pale where they
   /// are stiffer than the tissue, blue where softer.
   void show_inclusions(std::vector<model::Inclusion> inclusions);

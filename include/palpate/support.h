@@ -1,5 +1,8 @@
 #pragma once
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "palpate/mesh.h"
@@ -29,11 +32,15 @@ struct Support {
   std::optional<Bed> bed;
   std::optional<HeldFaces> faces;
   std::vector<Attachment> attachments;  // at most kMaxAttachments
+  std::vector<Attachment> painted;      // of a painted mesh, used as they are; at most kMaxPainted
 
-  [[nodiscard]] bool empty() const noexcept { return !bed && !faces && attachments.empty(); }
+  [[nodiscard]] bool empty() const noexcept {
+    return !bed && !faces && attachments.empty() && painted.empty();
+  }
 };
 
 inline constexpr std::size_t kMaxAttachments = 64;
+inline constexpr std::size_t kMaxPainted = 8192;
 inline constexpr double kDefaultBedShare = 0.3;
 inline constexpr double kLargestBedShare = 0.9;
 inline constexpr double kSmallestAttachment = 0.5e-3;  // m, radius
@@ -56,8 +63,13 @@ class HeldSurface final {
   [[nodiscard]] bool holds_inside(const Vec3& point) const noexcept;
 
  private:
-  Support support_;        // attachments moved to the surface
-  double bed_from_ = 0.0;  // coordinate along the bed's direction [m]
+  using Cell = std::array<int, 3>;
+  [[nodiscard]] Cell cell_of(const Vec3& point) const noexcept;
+
+  Support support_;            // attachments moved to the surface
+  double painted_edge_ = 0.0;  // of the cells by which painted places are found [m]; their largest radius
+  std::vector<std::pair<Cell, std::uint32_t>> painted_;  // places by their cells, sorted
+  double bed_from_ = 0.0;                                // coordinate along the bed's direction [m]
 };
 
 /// [setup] Share of the organ's area that is held, 0 to 1.

@@ -192,6 +192,26 @@ TEST_F(WindowTest, ARunIsSavedAfterItsEndAndARecordingEndsWithItsRun) {
   EXPECT_EQ(std::max(rows[0], rows[1]), 400U) << "the whole first run";
 }
 
+TEST_F(WindowTest, AClickAttachesTheOrganWhereItIsChosenAndFurtherRunsKeepIt) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("mouse"), small());
+  driven.frames(5);
+  driven.key(SDLK_h);
+  driven.move_to_picture();
+  driven.frames(5);
+  driven.click();
+  driven.frames(5);
+  driven.key(SDLK_RETURN);  // once more
+  ASSERT_TRUE(driven.until([&driven] {
+    const Window& window = driven.window();
+    return !window.preparing() && window.run().session().scene().support.has_value();
+  }));
+  const geometry::Support& support = *driven.window().run().session().scene().support;
+  ASSERT_EQ(support.attachments.size(), 1U);
+  EXPECT_DOUBLE_EQ(support.attachments[0].radius, 8e-3);  // on the surface of the ball of 30 mm
+  EXPECT_NEAR(support.attachments[0].point.norm(), 0.03, 0.5e-3);
+}
+
 TEST_F(WindowTest, AMarkWithoutContactIsRefusedInWords) {
   if (!display_is_there()) return;
   DrivenWindow driven(search_for_a_stone(), small());

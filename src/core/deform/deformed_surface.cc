@@ -362,6 +362,7 @@ void DeformedSurface::move_blocks(bool settle) {
 
 void DeformedSurface::set_response(std::shared_ptr<const OrganResponse> response) {
   whole_ = response ? std::make_unique<ResponseField>(std::move(response)) : nullptr;
+  for (BlockState& state : state_) state.error = kInfinityF;  // drawn by what moved it before
   groups_.clear();
   first_group_ = {0};
   block_nodes_.clear();

@@ -35,7 +35,8 @@ Vec3 nearest_point(const TriangleMesh& organ, const Vec3& p) {
 
 void validate(const Support& support) {
   if (support.empty())
-    throw InputError("organ.support: must have a bed, faces or an attachment (docs/support.md)");
+    throw InputError(
+        "organ.support: must have a bed, faces, an attachment or a painted mesh (docs/support.md)");
   if (support.bed) {
     check_direction("bed.direction", support.bed->direction);
     const double share = support.bed->share;
@@ -46,6 +47,13 @@ void validate(const Support& support) {
   if (support.attachments.size() > kMaxAttachments)
     throw InputError("attachment: there are " + std::to_string(support.attachments.size()) +
                      ", must be at most " + std::to_string(kMaxAttachments));
+  if (support.painted.size() > kMaxPainted)
+    throw InputError("painted: there are " + std::to_string(support.painted.size()) +
+                     " places, must be at most " + std::to_string(kMaxPainted));
+  for (const Attachment& place : support.painted)
+    if (!place.point.allFinite() || !(place.radius > 0.0 && place.radius <= kLargestAttachment))
+      throw InputError("painted: each place must be finite, with a radius > 0 and <= " +
+                       shortest(1e3 * kLargestAttachment) + " mm");
   for (const Attachment& attachment : support.attachments) {
     if (!attachment.point.allFinite()) throw InputError("attachment.point_mm: must be three finite numbers");
     if (!(attachment.radius >= kSmallestAttachment && attachment.radius <= kLargestAttachment))
@@ -53,6 +61,15 @@ void validate(const Support& support) {
                            "a number >= " + shortest(1e3 * kSmallestAttachment) +
                                " and <= " + shortest(1e3 * kLargestAttachment));
   }
+}
+
+HeldSurface::Cell HeldSurface::cell_of(const Vec3& point) const noexcept {
+  Cell cell{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double x = std::floor(point[static_cast<Eigen::Index>(k)] / painted_edge_);
+    cell[k] = static_cast<int>(std::clamp(x, -1e9, 1e9));
+  }
+  return cell;
 }
 
 HeldSurface::HeldSurface(const Support& support, const TriangleMesh& organ) : support_(support) {
@@ -70,6 +87,10 @@ HeldSurface::HeldSurface(const Support& support, const TriangleMesh& organ) : su
   }
   for (Attachment& attachment : support_.attachments)
     attachment.point = nearest_point(organ, attachment.point);
+  for (const Attachment& place : support_.painted) painted_edge_ = std::max(painted_edge_, place.radius);
+  for (std::size_t i = 0; i < support_.painted.size(); ++i)
+    painted_.emplace_back(cell_of(support_.painted[i].point), static_cast<std::uint32_t>(i));
+  std::sort(painted_.begin(), painted_.end());
 }
 
 bool HeldSurface::holds_inside(const Vec3& point) const noexcept {
@@ -79,9 +100,21 @@ bool HeldSurface::holds_inside(const Vec3& point) const noexcept {
 bool HeldSurface::holds(const Vec3& point, const Vec3& normal) const noexcept {
   if (holds_inside(point)) return true;
   if (support_.faces && normal.dot(support_.faces->away_from) < 0.0) return true;
-  return std::any_of(support_.attachments.begin(), support_.attachments.end(), [&point](const Attachment& a) {
+  const auto reaches = [&point](const Attachment& a) {
     return (point - a.point).squaredNorm() < a.radius * a.radius;
-  });
+  };
+  if (std::any_of(support_.attachments.begin(), support_.attachments.end(), reaches)) return true;
+  if (painted_.empty()) return false;
+  const Cell middle = cell_of(point);
+  for (int n = 0; n < 9; ++n) {  // rows of three cells along the last axis
+    const Cell first = {middle[0] + n / 3 - 1, middle[1] + n % 3 - 1, middle[2] - 1};
+    auto place = std::lower_bound(painted_.begin(), painted_.end(), std::pair(first, std::uint32_t{0}));
+    for (; place != painted_.end() && place->first[0] == first[0] && place->first[1] == first[1] &&
+           place->first[2] <= middle[2] + 1;
+         ++place)
+      if (reaches(support_.painted[place->second])) return true;
+  }
+  return false;
 }
 
 double held_share(const Support& support, const TriangleMesh& organ) {

@@ -261,6 +261,8 @@ void fields(auto& io, Is<geometry::Support> auto& support) {
   io("bed", support.bed);
   io("faces", support.faces);
   io.list("attachments", support.attachments, geometry::kMaxAttachments);
+  if (io.there("painted", !support.painted.empty()))
+    io.list("painted", support.painted, geometry::kMaxPainted);
 }
 
 void fields(auto& io, Is<model::RelaxationTerm> auto& term) {

@@ -164,6 +164,11 @@ void require_files_below(const std::filesystem::path& folder, const SceneFile& s
     const bool is_file = kind == nullptr || names_file(kind->path);
     if (device.path && is_file) named.push_back(&*device.path);
   }
+  std::optional<LocatedString> painted;
+  if (scene_file.support && !scene_file.support->painted.empty()) {
+    painted = LocatedString{to_text(scene_file.support->painted), scene_file.support->where + ".painted", {}};
+    named.push_back(&*painted);
+  }
   for (const LocatedString* name : named) require_below(folder, *name);
 }
 
@@ -483,6 +488,8 @@ void add_sources(const Overrides& request, const SceneFile& scene_file, Scene& s
   if (scene_file.organ) add_mesh_source(*scene_file.organ, scene);
   if (scene_file.stiffness_map)
     scene.files.push_back({scene_file.stiffness_map->where, scene_file.stiffness_map->file()});
+  if (scene_file.support && !scene_file.support->painted.empty())
+    scene.files.push_back({scene_file.support->where, scene_file.support->painted});
   for (const ToolTable& tool : scene_file.tools) {
     if (tool.mesh) add_mesh_source(*tool.mesh, scene);
     for (const JawTable& jaw : tool.jaws) add_mesh_source(jaw.mesh, scene);
@@ -516,8 +523,10 @@ Scene load(const Overrides& request) {
   load_organ(scene_file, scene, notes);
   turn_clients(scene_file, scene, notes);
   if (scene_file.support) {
-    check_support(*scene_file.support, scene.organ);
-    scene.support = scene_file.support->support;
+    LocatedSupport stated = *scene_file.support;
+    read_painted(stated, scene_file.organ_unit.value_or(LengthUnit::kMillimetre));
+    check_support(stated, scene.organ);
+    scene.support = stated.support;
   }
   add_questions(scene_file, paths, scene, notes);
   place_inclusions(scene_file.inclusions, scene);

@@ -94,7 +94,7 @@ class SceneReader final {
     scene.organ_pose = read_pose(*table, "pose");
     scene.organ_motion = read_organ_motions(*table);
     scene.inclusions = read_inclusions(*table);
-    scene.support = read_support(*table);
+    scene.support = read_support(*table, folder_);
     if (const std::optional<TomlTable> stiffness = table->table("stiffness")) {
       stiffness->allow_only(keys_in("organ.stiffness"));
       scene.stiffness_map = stated(*stiffness, "map");

@@ -46,6 +46,7 @@ std::vector<SceneKey> make_keys() {
       {"organ.inclusion.pulse_period_s", kNumber},
       {"organ.support.bed.share", kNumber, up_to(geometry::kLargestBedShare)},
       {"organ.support.attachment.radius_mm", kNumber, {0.5, 200.0}},
+      {"organ.support.painted", kText},
       {"organ.stiffness.map", kText},
       {"organ.stiffness.factor_at_black", kNumber, kFactor},
       {"organ.stiffness.factor_at_white", kNumber, kFactor},

@@ -292,6 +292,12 @@ void OffscreenRenderer::show_inclusions(std::vector<model::Inclusion> inclusions
   impl_->prepare_annotations();
 }
 
+void OffscreenRenderer::set_support(std::optional<geometry::Support> support) {
+  impl_->organ.set_support(std::move(support));
+}
+
+ResponseState OffscreenRenderer::response() const noexcept { return impl_->organ.response(); }
+
 void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
 
 void OffscreenRenderer::redraw_all() { impl_->painter.redraw_all(); }

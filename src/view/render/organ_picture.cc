@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "palpate/error.h"
 #include "view/render/display_mesh.h"
 
 namespace palpate::render {
@@ -111,10 +112,9 @@ std::size_t nearest_of(std::span<const deform::Indentation> indentations, const 
 
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                            Detail detail, const std::optional<geometry::Support>& support)
-    : reach_(reach), detail_(detail) {
+    : reach_(reach), detail_(detail), organ_(std::make_shared<const geometry::TriangleMesh>(rest)) {
   if (support && detail == Detail::kLive) {
-    awaited_ =
-        std::async(kPrepares, [rest, held = *support] { return deform::prepare_response(rest, held); });
+    prepare(*support);
   } else {
     response_ = deform::prepare_response(rest, support);
   }
@@ -133,10 +133,37 @@ void OrganPicture::take_surface(geometry::TriangleMesh rest) {
   surface_->set_response(response_);
 }
 
+void OrganPicture::prepare(const geometry::Support& support) {
+  awaited_ =
+      std::async(kPrepares, [organ = organ_, support] { return deform::prepare_response(*organ, support); });
+}
+
+void OrganPicture::set_support(std::optional<geometry::Support> support) {
+  response_.reset();
+  surface_->set_response(nullptr);
+  failed_ = false;
+  next_ = std::move(support);
+  outdated_ = awaited_.valid();
+  if (!outdated_ && next_) prepare(*std::exchange(next_, std::nullopt));
+}
+
+ResponseState OrganPicture::response() const noexcept {
+  if (response_ != nullptr) return ResponseState::kShown;
+  if (failed_) return ResponseState::kFailed;
+  return next_ || (awaited_.valid() && !outdated_) ? ResponseState::kPreparing : ResponseState::kNone;
+}
+
 void OrganPicture::take_response() {
   if (!awaited_.valid() || awaited_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
-  response_ = awaited_.get();
-  surface_->set_response(response_);
+  const bool outdated = std::exchange(outdated_, false);
+  try {
+    std::shared_ptr<const deform::OrganResponse> response = awaited_.get();
+    if (!outdated) response_ = std::move(response);
+  } catch (const InputError&) {  // the organ would turn away
+    failed_ = !outdated;
+  }
+  if (next_) prepare(*std::exchange(next_, std::nullopt));
+  if (response_ != nullptr) surface_->set_response(response_);
 }
 
 bool OrganPicture::divide_around(std::span<const deform::Indentation> indentations) {

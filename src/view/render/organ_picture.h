@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/deform/deformed_surface.h"
+#include "palpate/offscreen.h"
 #include "palpate/tool.h"
 #include "view/render/gl_objects.h"
 #include "view/render/grasped_fold.h"
@@ -36,6 +37,12 @@ class OrganPicture final {
   bool update(std::span<const deform::Indentation> indentations, std::span<const ToolImprint> imprints = {},
               std::span<const GraspedFold> folds = {});
 
+  /// [setup] Changes what holds the organ: the profile shows until the new response, which is prepared in the
+  /// background, is there; it then gives way over some pictures. @param support checked by
+  /// geometry::check_support(); empty: the profile alone
+  void set_support(std::optional<geometry::Support> support);
+  [[nodiscard]] ResponseState response() const noexcept;
+
   /// [any] The refined rest surface. It passes within a few hundredths of an edge length of the given one.
   [[nodiscard]] const geometry::TriangleMesh& rest() const noexcept { return surface_->rest(); }
   /// [any] Current vertex positions and unit normals, organ frame. `moved` is negative where the surface is
@@ -49,6 +56,7 @@ class OrganPicture final {
   }
 
  private:
+  void prepare(const geometry::Support& support);
   bool divide_around(std::span<const deform::Indentation> indentations);
   void take_surface(geometry::TriangleMesh rest);
   void take_response();
@@ -58,10 +66,14 @@ class OrganPicture final {
 
   model::FalloffRatios reach_;
   Detail detail_;
+  std::shared_ptr<const geometry::TriangleMesh> organ_;  // as given; for responses
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is refined
   std::unique_ptr<deform::DeformedSurface> surface_;
   std::future<std::shared_ptr<const deform::OrganResponse>> awaited_;  // of kLive, until it is ready
+  std::optional<geometry::Support> next_;  // prepared when the awaited one, which it replaces, is ready
+  bool outdated_ = false;                  // the awaited response is of a support that was replaced
+  bool failed_ = false;                    // too little is held
   std::shared_ptr<const deform::OrganResponse> response_;
 };
 

@@ -19,17 +19,39 @@ render::Subject subject_of(const scene::Scene& scene) {
           scene.organ_name};
 }
 
-render::Image draw_held(const geometry::TriangleMesh& organ, const geometry::Support& support, int height) {
+SurfacePlaces places_of(const geometry::TriangleMesh& organ) {
   constexpr double kEdge = 1.5e-3;  // m, between places that take a colour
   const geometry::TriangleMesh fine = geometry::refine(organ, kEdge);
-  const geometry::HeldSurface held(support, organ);
-  render::SurfaceValues values;
+  SurfacePlaces places;
   for (const geometry::Triangle& t : fine.triangles) {
-    const Vec3 middle = (fine.vertices[at(t[0])] + fine.vertices[at(t[1])] + fine.vertices[at(t[2])]) / 3.0;
-    values.points_S.push_back(middle);
-    const bool holds = held.holds(middle, geometry::area_vector_doubled(fine, t));
-    values.values.push_back(holds ? 1.0F : std::numeric_limits<float>::quiet_NaN());
+    places.points.emplace_back((fine.vertices[at(t[0])] + fine.vertices[at(t[1])] + fine.vertices[at(t[2])]) /
+                               3.0);
+    places.normals.push_back(geometry::area_vector_doubled(fine, t));
   }
+  return places;
+}
+
+std::vector<float> held_values(const geometry::TriangleMesh& organ, const SurfacePlaces& places,
+                               const geometry::Support& support) {
+  const geometry::HeldSurface held(support, organ);
+  std::vector<float> values;
+  values.reserve(places.points.size());
+  for (std::size_t i = 0; i < places.points.size(); ++i) {
+    const bool holds = held.holds(places.points[i], places.normals[i]);
+    values.push_back(holds ? 1.0F : std::numeric_limits<float>::quiet_NaN());
+  }
+  return values;
+}
+
+render::Image draw_held(const geometry::TriangleMesh& organ, const geometry::Support& support, int height) {
+  SurfacePlaces places = places_of(organ);
+  render::SurfaceValues values;
+  values.values = held_values(organ, places, support);
+  values.points_S = std::move(places.points);
+  return draw_both_sides(organ, std::move(values), height);
+}
+
+render::Image draw_both_sides(const geometry::TriangleMesh& organ, render::SurfaceValues values, int height) {
   const int width = height * 8 / 7;
   render::Subject subject;
   subject.organ = organ;

@@ -380,6 +380,22 @@ TEST(WholeOrgan, ADeepPressWithAThinToolMakesAFunnelAndNotAShaft) {
   EXPECT_LT(steepest, 68.0);
 }
 
+TEST(WholeOrgan, AResponseThatIsTakenAwayDuringAContactLeavesTheProfile) {
+  const geometry::TriangleMesh ball = geometry::make_ball(kBall, 5000);
+  const Indentation press = top_press(4e-3);
+  DeformedSurface profile(ball, {}, kRounding);
+  DeformedSurface surface(ball, {}, kRounding);
+  surface.set_response(ball_on_bed());
+  for (int frame = 0; frame < 3; ++frame) surface.update({&press, 1}, 4000);
+  surface.set_response(nullptr);
+  for (int frame = 0; frame < 3; ++frame) surface.update({&press, 1}, 4000);
+  for (int frame = 0; frame < 6; ++frame) profile.update({&press, 1}, 4000);
+  float apart = 0.0F;
+  for (std::size_t v = 0; v < ball.vertices.size(); ++v)
+    apart = std::max(apart, (surface.vertices()[v].position - profile.vertices()[v].position).norm());
+  EXPECT_LT(apart, 0.1e-3F);
+}
+
 TEST(WholeOrgan, AResponseThatArrivesDuringAContactFadesIn) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 5000);
   DeformedSurface surface(ball, {}, kRounding);

@@ -34,6 +34,15 @@ TEST(Support, AnAttachmentHoldsADiscAroundTheNearestPoint) {
   EXPECT_NEAR(held_share(support, box()), 25.0 * 3.14159265 / 2800.0, 2e-3);
 }
 
+TEST(Support, PaintedPlacesHoldWhatIsWithinTheirRadius) {
+  Support support;  // two discs on the top, apart, and one that is far larger beside the organ
+  support.painted = {
+      {Vec3(-0.01, 0.0, 0.005), 4e-3}, {Vec3(0.01, 0.0, 0.005), 2e-3}, {Vec3(0.2, 0, 0), 0.01}};
+  EXPECT_NEAR(held_share(support, box()), (16.0 + 4.0) * 3.14159265 / 2800.0, 2e-3);
+  support.painted.front().radius = -1.0;
+  EXPECT_THROW(validate(support), InputError);
+}
+
 TEST(Support, PartsAddUp) {
   Support support = bed(0.3);
   support.faces = HeldFaces{-Vec3::UnitZ()};  // the top

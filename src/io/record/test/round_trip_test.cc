@@ -130,6 +130,11 @@ TEST(RoundTrip, TheSupportOfTheOrganKeepsItsBits) {
   ASSERT_EQ(got.support->attachments.size(), 2U);
   EXPECT_EQ(got.support->attachments[0].point, support.attachments[0].point);
   EXPECT_EQ(got.support->attachments[0].radius, support.attachments[0].radius);
+  EXPECT_TRUE(got.support->painted.empty());
+  scene.support->painted = {{Vec3(1e-3 / 3, 0, 1), 2e-3 / 3}, {Vec3(0, 1e-3 / 7, 0), 2e-3}};
+  const scene::Scene painted = scene_from_json(scene_to_json(scene));
+  ASSERT_EQ(painted.support->painted.size(), 2U);
+  EXPECT_EQ(painted.support->painted[1].point, scene.support->painted[1].point);
 }
 
 TEST(RoundTrip, MotionsOfTheOrganKeepTheirBits) {

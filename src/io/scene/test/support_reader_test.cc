@@ -1,5 +1,7 @@
 #include "io/scene/support_reader.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,6 +54,63 @@ TEST(OrganSupport, FlagsAddUpAndReplaceTheScenes) {
   EXPECT_FALSE(held_scene("").support);
 }
 
+// A cube of 40 mm whose vertices at z = 40 have this colour, the others another.
+std::string painted_cube(const std::string& above, const std::string& below) {
+  std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 12\n"
+      "property list uchar int vertex_indices\nend_header\n";
+  for (const char* z : {"0 ", "40 "})
+    for (const char* corner : {"0 0 ", "40 0 ", "40 40 ", "0 40 "})
+      ply += corner + (z + (*z == '4' ? above : below)) + "\n";
+  return ply +
+         "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n"
+         "3 3 0 4\n3 3 4 7\n";
+}
+
+Scene painted_scene(const TemporaryFolder& folder, const std::string& ply) {
+  (void)folder.write("held.ply", ply);
+  Overrides request;
+  request.scene = folder.write("s.toml",
+                               "[[tool]]\nmesh = \"sphere:5\"\n[organ]\nmesh = \"held.ply\"\nunit = \"mm\"\n"
+                               "[organ.support]\npainted = \"held.ply\"\n");
+  return load(request);
+}
+
+TEST(OrganSupport, RedVerticesOfAPlyFileAreHeldAsFarAsTheirEdges) {
+  const TemporaryFolder folder;
+  const Scene scene = painted_scene(folder, painted_cube("200 90 0", "200 120 0"));
+  ASSERT_TRUE(scene.support);
+  ASSERT_EQ(scene.support->painted.size(), 4U);
+  for (const geometry::Attachment& place : scene.support->painted) {
+    EXPECT_NEAR(place.point.z(), 0.04, 1e-9);
+    EXPECT_NEAR(place.radius, 0.6 * 0.04 * std::sqrt(2.0), 1e-9);  // of the face's diagonal, or of an edge
+  }
+}
+
+TEST(OrganSupport, APaintedFileWithoutRedOrColoursIsRefusedWithItsName) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { (void)painted_scene(folder, painted_cube("120 0 0", "0 255 0")); }),
+              AllOf(HasSubstr("organ.support: painted: "), HasSubstr("held.ply: has no red vertex")));
+  EXPECT_THAT(support_error("", {"painted:a.stl"}), HasSubstr("a.stl: must be a PLY file"));
+  EXPECT_THAT(support_error("", {"painted:"}), HasSubstr("must be painted:FILE"));
+}
+
+TEST(OrganSupport, IsWrittenAsFlagsAndAsTomlThatGiveItAgain) {
+  geometry::Support support;
+  support.bed = geometry::Bed{Vec3(0.0, 0.5, -1.0), 0.35};
+  support.faces = geometry::HeldFaces{Vec3(1, 0, 0)};
+  support.attachments = {{Vec3(1.5e-3, -2e-3, 20e-3), 4.25e-3}, {Vec3(0.0, 0.0, 20e-3), 3e-3}};
+  for (const Scene& scene : {held_scene("", support_flags(support)), held_scene(support_toml(support))}) {
+    ASSERT_TRUE(scene.support);
+    EXPECT_EQ(support_flags(*scene.support), support_flags(support));
+    EXPECT_EQ(scene.support->bed->direction, support.bed->direction);
+    ASSERT_EQ(scene.support->attachments.size(), 2U);
+    EXPECT_LT((scene.support->attachments[0].point - support.attachments[0].point).norm(), 1e-12);
+    EXPECT_NEAR(scene.support->attachments[0].radius, 4.25e-3, 1e-12);
+  }
+}
+
 TEST(OrganSupport, IsDescribedByAPhraseForEachPart) {
   const auto stated = support_by_flags({"bed:0,0,-2,0.25", "faces:0,1,0", "at:45,-3.5,-2,6"});
   ASSERT_TRUE(stated);
@@ -62,7 +121,7 @@ TEST(OrganSupport, IsDescribedByAPhraseForEachPart) {
 }
 
 TEST(OrganSupport, ErrorsNameTheFieldAndWhatWouldBeRight) {
-  EXPECT_THAT(support_error("[organ.support]\n"), HasSubstr("must have a bed, faces or an attachment"));
+  EXPECT_THAT(support_error("[organ.support]\n"), HasSubstr("must have a bed, faces, an attachment or a painted mesh"));
   EXPECT_THAT(support_error("[organ.support]\nbed = { share = 0.2 }\n"),
               AllOf(HasSubstr("organ.support.bed.direction"), HasSubstr("missing")));
   EXPECT_THAT(support_error("[organ.support]\nbed = { direction = [0,0,1], share = 1.5 }\n"),
