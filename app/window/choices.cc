@@ -22,6 +22,16 @@ std::string short_text(const std::string& name) {
   return file.empty() ? name : file;
 }
 
+/// Each name once, without its detail.
+std::vector<std::string> bases_of(const std::vector<std::string>& names) {
+  std::vector<std::string> bases;
+  for (const std::string& name : names) {
+    std::string base = parts_of(name).base;
+    if (std::find(bases.begin(), bases.end(), base) == bases.end()) bases.push_back(std::move(base));
+  }
+  return bases;
+}
+
 std::string noise_text(const noise::NoiseSettings& noise) {
   if (!noise.enabled) return "off";
   return fmt::format("{:.1f} mN", 1e3 * noise.gain / noise.threshold);
@@ -29,33 +39,33 @@ std::string noise_text(const noise::NoiseSettings& noise) {
 
 }  // namespace
 
-OrganName parts_of(std::string_view name) {
-  const std::size_t dash = std::min(name.find('-'), name.size());
-  return {std::string(name.substr(0, dash)), std::string(name.substr(dash))};
-}
-
-std::vector<std::string> organ_choices() {
-  std::vector<std::string> organs;
-  for (const std::string& name : geometry::builtin_organ_names()) {
-    std::string organ = parts_of(name).organ;
-    if (std::find(organs.begin(), organs.end(), organ) == organs.end()) organs.push_back(std::move(organ));
+BuiltinName parts_of(std::string_view name) {
+  std::size_t end = name.size();
+  for (const std::string_view detail : {"-30k", "-300k"}) {
+    if (name.ends_with(detail)) end -= detail.size();
   }
-  return organs;
+  return {std::string(name.substr(0, end)), std::string(name.substr(end))};
 }
 
-std::vector<std::string> detail_choices(std::string_view organ) {
+std::vector<std::string> organ_choices() { return bases_of(geometry::builtin_organ_names()); }
+std::vector<std::string> tool_choices() { return bases_of(geometry::builtin_tool_names()); }
+
+std::vector<std::string> detail_choices(std::string_view base) {
   std::vector<std::string> details;
-  for (const std::string& name : geometry::builtin_organ_names()) {
-    OrganName parts = parts_of(name);
-    if (parts.organ == organ) details.push_back(std::move(parts.detail));
+  for (const std::vector<std::string>* names :
+       {&geometry::builtin_organ_names(), &geometry::builtin_tool_names()}) {
+    for (const std::string& name : *names) {
+      BuiltinName parts = parts_of(name);
+      if (parts.base == base) details.push_back(std::move(parts.detail));
+    }
   }
   std::sort(details.begin(), details.end(),
             [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
   return details;
 }
 
-std::string detail_text(std::string_view detail) {
-  if (detail.empty()) return "a few thousand triangles";
+std::string detail_text(std::string_view detail, const char* coarsest) {
+  if (detail.empty()) return coarsest;
   std::string number(detail.substr(1));  // "30k"
   if (!number.empty() && number.back() == 'k') number.replace(number.size() - 1, 1, ",000");
   return number + " triangles";

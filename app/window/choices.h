@@ -7,20 +7,24 @@
 
 namespace palpate::app {
 
-/// A built-in organ's name in two parts: "heart" and "-30k".
-struct OrganName {
-  std::string organ;
+/// A built-in organ's or tool's name in two parts: "heart" and "-30k".
+struct BuiltinName {
+  std::string base;
   std::string detail;  // empty, "-30k" or "-300k"
 };
 
-/// [any] The parts of a built-in organ's name.
-[[nodiscard]] OrganName parts_of(std::string_view name);
+/// [any] The parts of a built-in organ's or tool's name.
+[[nodiscard]] BuiltinName parts_of(std::string_view name);
 /// [setup] The built-in organs, each once.
 [[nodiscard]] std::vector<std::string> organ_choices();
-/// [setup] The details that a built-in organ exists in, the coarsest first; empty: it is no built-in organ.
-[[nodiscard]] std::vector<std::string> detail_choices(std::string_view organ);
-/// [any] A detail as text: "30,000 triangles".
-[[nodiscard]] std::string detail_text(std::string_view detail);
+/// [setup] The built-in tools, each once.
+[[nodiscard]] std::vector<std::string> tool_choices();
+/// [setup] The details that a built-in organ or tool exists in, the coarsest first; empty: it is not built
+/// in.
+/// @param base its name without a detail
+[[nodiscard]] std::vector<std::string> detail_choices(std::string_view base);
+/// [any] A detail as text: "30,000 triangles". @param coarsest the text of the detail without a number
+[[nodiscard]] std::string detail_text(std::string_view detail, const char* coarsest);
 
 /// [setup] The request for another task, which keeps organ and tool where they fit it: a pull needs jaws.
 /// @param scene of the session @param request of the session

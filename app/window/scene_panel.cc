@@ -1,7 +1,9 @@
 // The panel "Scene": organ, tool, task and recording.
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <imgui.h>
 
@@ -23,12 +25,19 @@ std::string short_name(const std::string& name) {
   return file.empty() ? name : file;
 }
 
-/// The built-in organ without its detail, or the file's name.
-std::string organ_now(const PanelModel& shown) {
-  const std::string& name = shown.scene.organ_name;
-  const std::vector<std::string>& known = geometry::builtin_organ_names();
+/// The name of a built-in organ or tool without its detail, or the file's name.
+std::string base_now(const std::string& name, const std::vector<std::string>& known) {
   const bool builtin = std::find(known.begin(), known.end(), name) != known.end();
-  return builtin ? parts_of(name).organ : short_name(name);
+  return builtin ? parts_of(name).base : short_name(name);
+}
+
+std::string organ_now(const PanelModel& shown) {
+  return base_now(shown.scene.organ_name, geometry::builtin_organ_names());
+}
+
+std::string tool_now(const PanelModel& shown) {
+  if (shown.scene.tools.empty()) return {};
+  return base_now(shown.scene.tools.front().name, geometry::builtin_tool_names());
 }
 
 void take_organ(const std::string& name, const PanelModel& shown, Commands& commands) {
@@ -39,22 +48,48 @@ void take_organ(const std::string& name, const PanelModel& shown, Commands& comm
   commands.request = std::move(request);
 }
 
-void choose_detail(const PanelModel& shown, Commands& commands) {
-  const std::string organ = organ_now(shown);
-  const std::vector<std::string> details = detail_choices(organ);
-  const std::string now =
-      details.empty() ? "of the file" : detail_text(parts_of(shown.scene.organ_name).detail);
+void take_tool(const std::string& name, const PanelModel& shown, Commands& commands) {
+  scene::Overrides request = shown.request;
+  request.tools = {name};
+  request.tool_unit.reset();
+  commands.request = std::move(request);
+  commands.keep = Keep::all();
+}
+
+/// Draws the choice of a detail. @param name in the scene @param base the name without it @return the chosen
+/// detail, if the user chose one
+std::optional<std::string> chosen_detail(const char* id, const std::string& name, const std::string& base,
+                                         const char* coarsest) {
+  std::optional<std::string> chosen;
+  const std::vector<std::string> details = detail_choices(base);
+  std::string now = details.empty() ? "of the file" : detail_text(parts_of(name).detail, coarsest);
+  if (name.starts_with("sphere:")) now = "of the ball";
   ImGui::BeginDisabled(details.size() < 2);
-  if (ImGui::BeginCombo("##detail", now.c_str())) {
+  if (ImGui::BeginCombo(id, now.c_str())) {
     for (const std::string& detail : details) {
-      const std::string text = detail_text(detail);
-      if (!ImGui::Selectable(text.c_str(), text == now)) continue;
-      take_organ(organ + detail, shown, commands);
-      commands.keep = {.tissue = true, .noise = true};
+      const std::string text = detail_text(detail, coarsest);
+      if (ImGui::Selectable(text.c_str(), text == now)) chosen = detail;
     }
     ImGui::EndCombo();
   }
   ImGui::EndDisabled();
+  return chosen;
+}
+
+void choose_detail(const PanelModel& shown, Commands& commands) {
+  const std::string organ = organ_now(shown);
+  if (const auto detail =
+          chosen_detail("##detail", shown.scene.organ_name, organ, "a few thousand triangles")) {
+    take_organ(organ + *detail, shown, commands);
+    commands.keep = {.tissue = true, .noise = true};
+  }
+}
+
+void choose_tool_detail(const PanelModel& shown, Commands& commands) {
+  const std::string tool = tool_now(shown);
+  const std::string name = shown.scene.tools.empty() ? std::string() : shown.scene.tools.front().name;
+  if (const auto detail = chosen_detail("##tool-detail", name, tool, "about 1,000 triangles"))
+    take_tool(tool + *detail, shown, commands);
 }
 
 void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands) {
@@ -74,18 +109,12 @@ void choose_organ(const PanelModel& shown, PanelState& state, Commands& commands
 }
 
 void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands) {
-  const std::string now =
-      shown.scene.tools.empty() ? std::string() : short_name(shown.scene.tools.front().name);
+  const std::string now = tool_now(shown);
   if (!ImGui::BeginCombo("##tool", now.c_str())) return;
-  std::vector<std::string> names = geometry::builtin_tool_names();
+  std::vector<std::string> names = tool_choices();
   for (const char* ball : {"sphere:3", "sphere:5", "sphere:10"}) names.emplace_back(ball);
   for (const std::string& name : names) {
-    if (!ImGui::Selectable(name.c_str(), name == now)) continue;
-    scene::Overrides request = shown.request;
-    request.tools = {name};
-    request.tool_unit.reset();
-    commands.request = std::move(request);
-    commands.keep = Keep::all();
+    if (ImGui::Selectable(name.c_str(), name == now)) take_tool(name, shown, commands);
   }
   ImGui::Separator();
   if (ImGui::Selectable("a file ...")) state.files.open(FileUse::kTool, fs::current_path());
@@ -195,6 +224,8 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     rows.name("Tool", "built in, or a mesh file; several tools stay as the scene has them");
     ImGui::BeginDisabled(shown.scene.tools.size() != 1);
     choose_tool(shown, state, commands);
+    rows.name("Detail", "of a built-in tool's surface");
+    choose_tool_detail(shown, commands);
     ImGui::EndDisabled();
     rows.name("Task",
               "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps");

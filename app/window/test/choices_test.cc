@@ -29,9 +29,18 @@ TEST(Choices, EachOrganIsOneNameWithItsDetails) {
   EXPECT_THAT(detail_choices("heart"), ElementsAre("", "-30k", "-300k"));
   EXPECT_THAT(detail_choices("ball"), ElementsAre(""));
   EXPECT_THAT(detail_choices("my-organ.stl"), IsEmpty());
-  EXPECT_EQ(parts_of("heart-300k").organ, "heart");
+  EXPECT_EQ(parts_of("heart-300k").base, "heart");
   EXPECT_EQ(parts_of("heart-300k").detail, "-300k");
-  EXPECT_EQ(detail_text("-30k"), "30,000 triangles");
+  EXPECT_EQ(detail_text("-30k", "few"), "30,000 triangles");
+}
+
+TEST(Choices, EachToolIsOneNameWithItsDetails) {
+  EXPECT_THAT(tool_choices(), ElementsAre("curved-forceps", "straight-forceps"));
+  EXPECT_THAT(detail_choices("straight-forceps"), ElementsAre("", "-30k", "-300k"));
+  EXPECT_THAT(detail_choices("sphere:5"), IsEmpty());
+  EXPECT_EQ(parts_of("curved-forceps-30k").base, "curved-forceps");
+  EXPECT_EQ(parts_of("curved-forceps").detail, "");
+  EXPECT_EQ(detail_text("", "about 1,000 triangles"), "about 1,000 triangles");
 }
 
 TEST(Choices, APullTakesJawsAndKeepsTheOrgan) {

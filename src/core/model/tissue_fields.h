@@ -199,7 +199,7 @@ inline constexpr auto kTissueFields = [] {
     {"contact", "grip_limit_N", "grip_limit", kNewton, kAtContact<&C::grip_limit>,
      "Grip limit", "pull force at which the jaws lose the tissue", {0.05, 0.1, 50, 2}},
     {kSourceSection, "max_depth_mm", "max_depth", kInMillimetres, kAt<&T::max_depth>,
-     "Deepest evidence", "past this depth F(D) goes on by its tangent there", {0.1, 1, 60, 1},
+     "Largest depth", "past this depth F(D) goes on by its tangent there", {0.1, 1, 60, 1},
      kPositive, "max_depth_m", true,
      [](const T&) noexcept { return std::numeric_limits<double>::infinity(); }, "none"},
   });
