@@ -29,7 +29,14 @@ const state = {
 };
 const history = new History();
 const worker = new Worker('worker.js', {type: 'module'});
-const send = (what, fields = {}) => worker.postMessage({do: what, ...fields});
+let ray = null, aimed = false;  // the pointer's line of sight; whether there was one since the beginning
+function send(what, fields = {}) {
+  if (what === 'point') {
+    ray = fields.ray;
+    aimed ||= ray !== null;
+  }
+  worker.postMessage({do: what, ...fields});
+}
 const stage = byId('stage'), picture = byId('picture');
 const task = () => state.scene?.task;
 
@@ -68,11 +75,11 @@ function take(fromDemonstration) {
 /** Place of the organ nearest to the tool [m], world frame. */
 const nearest = () => state.result?.contact ?? state.sim.surface().picture.organPosition;
 
-/** Takes the tool for the lever, which says no place: it stays over the nearest one. */
+/** Takes the tool for lever and keys, which say no place: without one it goes to the nearest. */
 function takeByLever() {
   const had = take(false);
   if (!take(true)) return false;
-  if (had) return true;
+  if (had && aimed) return true;
   const {x, y} = placeOf(state.view.camera, picture.clientWidth / picture.clientHeight, nearest());
   send('point', {ray: state.view.ray(x, y)});
   return true;
@@ -258,6 +265,7 @@ const hear = {
   },
   begun(message) {
     Object.assign(state, {mode: message.mode, result: null, closed: false, touched: false, pulled: false});
+    aimed = ray !== null;
     history.clear();
     controls.jaws(false);
     controls.begun(task());
@@ -368,7 +376,7 @@ function firstLink() {
 
 const toggled = id => () => { byId(id).click(); };
 listen(stage, picture, {
-  view: () => state.view, send, take,
+  view: () => state.view, send, take, takeByLever,
   nearest,
   moved: () => Object.assign(state, {stale: true, viewUsed: true}),
   primary(down) {

@@ -10,9 +10,10 @@ const KEY_TURN = 0.06, TURN = 0.008;  // rad per key press and per CSS pixel
 const NEARER = 0.88;         // factor of the distance per notch
 
 /**
- * Listens on the stage. @param page {view(): View or null, take(): takes the tool from the demonstration; whether the
- *   pointer holds the tool, send(what, fields): to the worker, nearest(): place of the organ nearest to the tool [m, world], moved(): the user moved
- *   the view, primary(down): left button of the mouse, touched(): a finger was used, commands: {KEY: function}}
+ * Listens on the stage. @param page {view(): View or null, take(fromDemonstration): whether the pointer holds the tool,
+ *   takeByLever(): takes it without a place, send(what, fields): to the worker, nearest(): place of the organ nearest to the
+ *   tool [m, world], moved(): the user moved the view, primary(down): left button of the mouse, touched(): a finger was used,
+ *   commands: {KEY: function}}
  */
 export function listen(stage, picture, page) {
   const fingers = new Map();
@@ -41,7 +42,7 @@ export function listen(stage, picture, page) {
     aim();
   };
   const press = (deeper, fine) => {
-    if (!page.take(true)) return;
+    if (place ? !page.take(true) : !page.takeByLever()) return;
     aim();
     page.send('press', {deeper: deeper * (fine ? FINE : 1)});
   };

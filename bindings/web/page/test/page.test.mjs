@@ -197,9 +197,14 @@ test('the tool stays when the pointer leaves the picture, turns the view, and is
   const contact = () => page.evaluate(() => window.noted.results.at(-1).contact);
   const first = await contact();
   const moved = async () => 1e3 * Math.hypot(...(await contact()).map((v, i) => v - first[i]));
-  await page.mouse.move(x + width + 100, y + 200);  // the panel
-  await page.waitForTimeout(600);
-  assert.ok(await moved() < 0.5, `${await moved()} mm beside the picture`);
+  // On to a place some 30 mm away, and off the picture at once: the tool does not go there.
+  await page.evaluate(() => {
+    const picture = document.getElementById('picture'), {x, y, width, height} = picture.getBoundingClientRect();
+    const at = {clientX: x + 0.25 * width, clientY: y + 0.6 * height, pointerId: 1, pointerType: 'mouse'};
+    for (const type of ['pointermove', 'pointerleave']) picture.dispatchEvent(new PointerEvent(type, at));
+  });
+  await page.waitForTimeout(1000);
+  assert.ok(await moved() < 5, `${await moved()} mm beside the picture`);
   await page.mouse.move(x + 0.45 * width, y + 0.55 * height);
   await page.waitForTimeout(600);
   await page.mouse.down({button: 'right'});
@@ -210,6 +215,10 @@ test('the tool stays when the pointer leaves the picture, turns the view, and is
   await page.mouse.move(x + width + 100, y + 200);
   await page.keyboard.press('f');
   await until(page, () => /^2\d\.\d mm from the tissue\. Parked|^3\d\.\d mm from the tissue\. Parked/.test(document.getElementById('state').textContent));
+  await page.locator('#restart').click();  // with the pointer on the panel
+  await until(page, () => /^Move/.test(document.getElementById('hint').textContent));
+  await page.locator('#depth').fill('5');
+  await pressing(page);
 });
 
 test('a hint says what to do until the first contact', async context => {
