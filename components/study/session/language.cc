@@ -8,7 +8,8 @@
 #include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
 #include "palpate/error.h"
-#include "palpate/study_languages.h"
+
+#include "study/session/study_languages.h"
 
 namespace palpate::study {
 namespace {

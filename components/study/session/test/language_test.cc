@@ -5,9 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "palpate/study_languages.h"
-
 #include "study/session/study.h"
+#include "study/session/study_languages.h"
 #include "study/session/test/study_text.h"
 
 namespace palpate::study {
