@@ -1,6 +1,8 @@
 #include "app/window/theme.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 namespace palpate::app {
@@ -13,13 +15,47 @@ constexpr ImWchar kLetters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2026, 
 /// Unicode range of digits and the colon of a clock.
 constexpr ImWchar kDigits[] = {0x0030, 0x003A, 0};
 
+/// Fonts with Chinese, Japanese and Korean letters, the first that is there.
+constexpr const char* kWideFonts[] = {
+    "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",  // fonts-droid-fallback
+    "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",             // fonts-wqy-microhei
+    "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc"};    // fonts-noto-cjk
+
+bool exists(const char* file) {
+  std::error_code error;  // an error counts as absent: there is another font
+  return std::filesystem::exists(file, error);
+}
+
+/// Ranges of the letters of a text and of kLetters. The atlas keeps the pointer. Main thread only.
+const ImWchar* ranges_of(const std::string& text) {
+  static std::map<std::string, ImVector<ImWchar>> known;
+  ImVector<ImWchar>& ranges = known[text];
+  if (!ranges.empty()) return ranges.Data;
+  ImFontGlyphRangesBuilder builder;
+  builder.AddRanges(kLetters);
+  builder.AddText(text.c_str());
+  builder.BuildRanges(&ranges);
+  return ranges.Data;
+}
+
+bool is_wide(const std::string& text) {
+  constexpr unsigned char kThreeBytes = 0xe2;  // UTF-8 from U+3000 on
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) > kThreeBytes; });
+}
+
+void add_wide_letters(ImGuiIO& io, float height, const ImWchar* letters) {
+  for (const char* file : kWideFonts) {
+    if (!exists(file)) continue;
+    ImFontConfig merged;
+    merged.MergeMode = true;
+    if (io.Fonts->AddFontFromFileTTF(file, height, &merged, letters) != nullptr) return;
+  }
+}
+
 void add_font(ImGuiIO& io, float height, const ImWchar* letters = kLetters) {
   constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // fonts-dejavu-core
-  std::error_code error;  // an error counts as absent: there is another font
-  if (std::filesystem::exists(kFont, error) &&
-      io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, letters) != nullptr) {
-    return;
-  }
+  if (exists(kFont) && io.Fonts->AddFontFromFileTTF(kFont, height, nullptr, letters) != nullptr) return;
   ImFontConfig plain;
   plain.SizePixels = height;
   io.Fonts->AddFontDefault(&plain);
@@ -81,11 +117,41 @@ void set_theme(float scale, float pixels_per_unit, const std::vector<ExtraFont>&
   ImGui::GetStyle() = style;
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
-  add_font(io, kFontHeight * scale * pixels_per_unit);
-  for (const ExtraFont& font : extra) {
-    add_font(io, font.height * scale * pixels_per_unit, font.digits_only ? kDigits : kLetters);
-  }
+  std::string letters;
+  for (const ExtraFont& font : extra) letters += font.letters;
+  const ImWchar* ranges = letters.empty() ? kLetters : ranges_of(letters);
+  const auto add = [&](float height, bool digits) {
+    add_font(io, height * scale * pixels_per_unit, digits ? kDigits : ranges);
+    if (!digits && is_wide(letters)) add_wide_letters(io, height * scale * pixels_per_unit, ranges);
+  };
+  add(kFontHeight, false);
+  for (const ExtraFont& font : extra) add(font.height, font.digits_only);
   io.FontGlobalScale = 1.0F / pixels_per_unit;
+}
+
+std::string letters_without_font(const std::string& text) {
+  constexpr int kNamed = 5;
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  if (!atlas.IsBuilt()) atlas.Build();
+  const ImFont& font = *atlas.Fonts.front();
+  std::string missing;
+  int count = 0;
+  for (std::size_t at = 0; at < text.size() && count < kNamed;) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t bytes = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+    const std::string letter = text.substr(at, bytes);
+    at += bytes;
+    if (lead < 0x80 || missing.find(letter) != std::string::npos) continue;
+    unsigned code = lead & (0xffU >> (bytes + 1));
+    for (std::size_t i = 1; i < letter.size(); ++i)
+      code = code << 6U | (static_cast<unsigned char>(letter[i]) & 0x3fU);
+    const bool found =
+        code <= IM_UNICODE_CODEPOINT_MAX && font.FindGlyphNoFallback(static_cast<ImWchar>(code)) != nullptr;
+    if (found) continue;
+    missing += letter;
+    ++count;
+  }
+  return missing;
 }
 
 }  // namespace palpate::app

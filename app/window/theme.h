@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include <imgui.h>
@@ -28,11 +29,17 @@ inline const ImVec4 kNotice{0.20F, 0.24F, 0.30F, 1.0F};
 struct ExtraFont {
   float height = 0.0F;       // window units at scale 1; the panels' font has kFontHeight
   bool digits_only = false;  // saves memory
+  std::string letters = {};  // UTF-8: text whose letters the fonts need besides Latin and Greek
 };
 inline constexpr float kFontHeight = 15.0F;  // window units at scale 1
 
 /// [setup] Sets style and fonts of the current ImGui context. @param scale of text and panels @param
 /// pixels_per_unit pixels per window unit @param extra fonts that follow the panels' font in ImGui's list
 void set_theme(float scale, float pixels_per_unit, const std::vector<ExtraFont>& extra = {});
+
+/// [setup] The first letters of a text that the panels' font of the current context lacks, for a message:
+/// "中文";
+/// "" for none.
+[[nodiscard]] std::string letters_without_font(const std::string& text);
 
 }  // namespace palpate::app

@@ -20,6 +20,7 @@
 #include "study/session/analysis.h"
 #include "study/session/analysis_text.h"
 #include "study/session/bids.h"
+#include "study/session/block_scene.h"
 #include "study/session/folder.h"
 #include "study/session/trial_table.h"
 
@@ -37,6 +38,7 @@ struct AnalyseFlags {
   bool early = false;
   std::string csv;
   std::string bids;
+  std::string preregistration;
   bool as_json = false;
 };
 
@@ -82,9 +84,22 @@ int unblind(const AnalyseFlags& flags) {
 }
 
 int export_trials(const AnalyseFlags& flags) {
-  if (flags.csv.empty() == flags.bids.empty()) throw InputError("give one of --csv FILE and --bids FOLDER");
+  const int outputs =
+      (flags.csv.empty() ? 0 : 1) + (flags.bids.empty() ? 0 : 1) + (flags.preregistration.empty() ? 0 : 1);
+  if (outputs != 1) throw InputError("give one of --csv FILE, --bids FOLDER and --preregistration FILE");
   const StudyFolder study = study::open_study(flags.folder);
-  const std::vector<Participant> people = study::read_people(study);
+  if (!flags.preregistration.empty()) {
+    require_absent(flags.preregistration, "--preregistration");
+    write_output(flags.preregistration, preregistration_text(study), "--preregistration");
+    report_message("preregistration: " + flags.preregistration);
+    return kDone;
+  }
+  std::vector<Participant> people = study::read_people(study);
+  const double rate_Hz = study::study_scene(study.study, "").rate_Hz;
+  for (Participant& person : people) {
+    if (!person.log.withdrawn())
+      person.renderings = study::renderings_of(study.study, study.key, person, rate_Hz);
+  }
   const study::ArmNames names(study.study, study.key, study.unblinded());
   if (!flags.csv.empty()) {
     require_absent(flags.csv, "--csv");
@@ -139,11 +154,14 @@ void add_study_export(CLI::App& study, int& exit_code) {
   CLI::App* command = study.add_subcommand("export", "All trials as one CSV file, or as a BIDS folder");
   command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
   command->add_option("--csv", flags->csv, "new CSV file, one row a trial");
+  command->add_option("--preregistration", flags->preregistration,
+                      "new text file for a registry: hypotheses, exclusions, number of people, hashes");
   command->add_option("--bids", flags->bids, "new or empty folder for the Brain Imaging Data Structure");
   command->footer(
       "Examples:\n"
       "  palpate study export touch --csv trials.csv\n"
       "  palpate study export touch --bids touch-bids\n"
+      "  palpate study export touch --preregistration registration.md\n"
       "Until unblinding, the CSV file has each person's own codes and the BIDS folder no conditions.\n"
       "Exit: 0 done, 2 bad input or an output that exists");
   command->callback([flags, &exit_code] { exit_code = export_trials(*flags); });

@@ -102,6 +102,14 @@ void check_surroundings(const std::string& file, CheckedStudy& made) {
   if (made.scene.devices.size() > 1) made.missing.emplace_back("the scene must have one tool");
   const bool noise = std::any_of(study.tasks.begin(), study.tasks.end(),
                                  [](const StudyTask& task) { return task.has_noise(); });
+  for (const StudyTask& task : study.tasks) {
+    if (task.two_intervals() && task.catch_share == 0.0) {
+      made.hints.push_back("task " + task.name + " has no catch trials: lapses are only modelled");
+    }
+    if (task.two_intervals() && task.practice == 0 && !task.practice_until) {
+      made.hints.push_back("task " + task.name + " has no practice: people learn while they are measured");
+    }
+  }
   if (noise && !study.check_audible) {
     made.hints.emplace_back("no [[check]] kind = \"audible\": nobody tests whether the noise is heard");
   }
@@ -154,9 +162,13 @@ void print_text(const CheckedStudy& made) {
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {
     const StudyTask& task = *checked.task;
+    const std::string practice = task.practice_until
+                                     ? fmt::format("{}-{}", std::max(task.practice, task.practice_until->of),
+                                                   task.practice_until->most)
+                                     : std::to_string(task.practice);
     std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8.1f}  {} + {} + {}\n", task.name,
                              describe(task.kind).name, task.arms.size(), checked.trials - task.practice,
-                             task.practice, checked.minutes, brief(checked.force.tissue, 3),
+                             practice, checked.minutes, brief(checked.force.tissue, 3),
                              brief(checked.force.commanded, 3), brief(checked.force.noise, 3));
   }
   std::cout << '\n';

@@ -3,7 +3,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "study/session/folder.h"
+
 namespace palpate::app {
+
+/// [setup] Text of a preregistration: hypotheses, design, number of people, exclusions and hashes.
+[[nodiscard]] std::string preregistration_text(const study::StudyFolder& folder);
 
 /// [setup] Adds `palpate study`, as the functions of app/commands.h.
 void add_study(CLI::App& program, const std::string& command_line, int& exit_code);

@@ -43,7 +43,7 @@ int power(PowerFlags& flags) {
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   study::Power found;
   {
-    Progress bar("power");
+    Progress bar("power", WithoutTerminal::kLines);
     found = study::simulate_power(study, flags.request, ranks.get(),
                                   [&bar](double share) { bar.update(share, "simulated groups"); });
   }
@@ -76,7 +76,8 @@ void add_study_power(CLI::App& study, int& exit_code) {
       "  palpate study power touch-noise.toml\n"
       "  palpate study power touch-noise.toml --effect jnd=0.8 --participants 16,24,32 --groups 400\n"
       "  mpirun -n 8 palpate study power touch-noise.toml --effect sr=0.35 --json\n"
-      "The table is the same on any number of processes.\n"
+      "The table says whether its test is one- or two-sided, and is the same on any number of threads and\n"
+      "processes.\n"
       "Exit: 0 done, 2 bad input");
   command->callback([flags, &exit_code] { exit_code = power(*flags); });
 }

@@ -175,6 +175,14 @@ void write_curves(Page& page, const Study& study, const StudyAnalysis& analysis,
   }
 }
 
+void write_own_level(Page& page, const Study& study, const StudyAnalysis& analysis) {
+  if (!analysis.own_level) return;
+  page.section("own-level", "Own level of the noise");
+  page.paragraph(
+      escaped(study::own_level_text(study, *analysis.own_level)) +
+      ". A level that was chosen and judged in the same trials would seem to help without any effect.");
+}
+
 void write_tasks(Page& page, const Study& study, const StudyAnalysis& analysis, const fs::path& folder) {
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     page.section("task-" + std::to_string(task), "Each person: " + study.tasks[task].name);
@@ -224,6 +232,7 @@ fs::path write_study_report(const StudyFolder& study, const StudyAnalysis& analy
   write_who(page, study, analysis);
   write_effects(page, of, analysis, folder);
   write_curves(page, of, analysis, folder);
+  write_own_level(page, of, analysis);
   write_tasks(page, of, analysis, folder);
   write_shares(page, of, analysis);
   write_cues(page, of, analysis);

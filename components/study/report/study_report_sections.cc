@@ -272,20 +272,17 @@ void write_cues(Page& page, const Study& study, const StudyAnalysis& analysis) {
 void write_blinding(Page& page, const StudyAnalysis& analysis) {
   page.section("blinding", "Blinding and audibility");
   page.paragraph(
-      "After each block participant and experimenter guess whether its last trial had noise. Bang's index is "
-      "the share of right guesses less that of wrong ones in an arm: 0 as by chance, 1 all right, -1 all "
-      "wrong. The blind analysis shows the guesses alone.");
-  TableRows rows{{"who", "blocks", "yes", "no", "unsure", "confidence 1 to 5", "Bang's index (95 %)"}};
+      "After each block participant and experimenter guess whether its last trial had noise. Arms alternate "
+      "within a block, so a guess is about one trial, and no index of blinding follows from it: compare the "
+      "shares of yes after trials with and without noise. The blind analysis shows the guesses alone.");
+  TableRows rows{{"who", "blocks", "yes", "no", "unsure", "confidence 1 to 5"}};
   for (const study::Guesses& guesses : analysis.guesses) {
     rows.push_back({escaped(guesses.who),
                     guesses.pooled  ? "all"
-                    : guesses.noise ? "with noise"
-                                    : "without noise",
+                    : guesses.noise ? "last trial with noise"
+                                    : "last trial without noise",
                     std::to_string(guesses.yes), std::to_string(guesses.no), std::to_string(guesses.unsure),
-                    fixed(guesses.confidence, 1),
-                    guesses.index ? fmt::format("{:.2f} ({:.2f} to {:.2f})", guesses.index->mean,
-                                                guesses.index->low, guesses.index->high)
-                                  : "-"});
+                    fixed(guesses.confidence, 1)});
   }
   if (rows.size() > 1) page.table(rows);
   if (rows.size() == 1) page.paragraph("Nobody was asked.");
@@ -363,7 +360,7 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
                   "stochastic resonance is not shown.",
                   "The curve does not fall again at strong noise: then it is not the inverted U of "
                   "stochastic resonance.",
-                  "The interval of Bang's index lies above 0, or people hear the noise: then expectation may "
+                  "People say yes more often after trials with noise, or hear it: then expectation may "
                   "explain the difference.",
                   "Spoiled trials or response times differ between the conditions as the effect does.",
                   "The effect vanishes with the excluded people, or comes from them alone."});

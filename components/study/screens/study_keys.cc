@@ -142,15 +142,15 @@ bool StudyKeys::uses_gamepad() const noexcept { return !first_.buttons.empty() |
 
 void check_keys(const Study& study) { (void)StudyKeys(study); }
 
-std::string text_of_keys(const std::vector<std::string>& names) {
+std::string text_of_keys(const std::vector<std::string>& names, const study::Language& say) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    if (i > 0) text += i + 1 == names.size() ? say(" or ") : ", ";
     std::string name = lower_case(names[i]);
     if (name.starts_with(kPad)) {
       name = "pad " + name.substr(kPadLength);
     } else if (name.starts_with("pedal-")) {
-      name = name.substr(6) + " pedal";
+      name = say(name.substr(6) + " pedal");
     } else if (name.size() <= 3) {
       name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
     }

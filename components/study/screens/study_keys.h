@@ -18,7 +18,8 @@ namespace palpate::app {
 void check_keys(const study::Study& study);
 
 /// [any] Keys for a sentence: "1, F or left pedal".
-[[nodiscard]] std::string text_of_keys(const std::vector<std::string>& names);
+[[nodiscard]] std::string text_of_keys(const std::vector<std::string>& names,
+                                       const study::Language& say = {});
 
 /// What the keys of a study mean. All members: [setup].
 class StudyKeys final {

@@ -28,29 +28,31 @@ struct Page {
 };
 
 /// What to do while a stimulus interval lasts.
-std::string interval_action(const study::TrialView& trial, const study::StudyTask* task) {
-  const std::string number = fmt::format("Interval {}", trial.interval);
+std::string interval_action(const study::TrialView& trial, const study::StudyTask* task,
+                            const study::Language& say) {
+  const std::string number = fmt::format(fmt::runtime(say("Interval {}")), trial.interval);
   if (task == nullptr) return number;
   if (task->free) return number;
-  return trial.deep_enough ? "Come up" : describe(task->kind).action;
+  return say(trial.deep_enough ? "Come up" : describe(task->kind).action);
 }
 
-std::string action_of(const ScreenContent& content, const study::StudyTask* task) {
+std::string action_of(const ScreenContent& content, const study::StudyTask* task,
+                      const study::Language& say) {
   const bool lifts = task != nullptr && task->leaves_tissue();
   switch (content.trial.state) {
     case TrialState::kIdle:
     case TrialState::kFinished:
       return {};
     case TrialState::kHome:
-      return "Move back to the start and hold still";
+      return say("Move back to the start and hold still");
     case TrialState::kReach:
-      return content.trial.bar ? "Press until the force is in the band" : "Press";
+      return say(content.trial.bar ? "Press until the force is in the band" : "Press");
     case TrialState::kInterval:
-      return interval_action(content.trial, task);
+      return interval_action(content.trial, task, say);
     case TrialState::kGap:
-      return lifts ? "Come up" : task == nullptr || task->free ? "Wait" : "Keep this force";
+      return say(lifts ? "Come up" : task == nullptr || task->free ? "Wait" : "Keep this force");
     case TrialState::kAnswer:
-      return "Which one?";
+      return say("Which one?");
   }
   return {};
 }
@@ -105,7 +107,8 @@ void draw_boxes(const ParticipantView& view, const Page& page) {
   }
 }
 
-void draw_force_bar(const ParticipantView::ForceBar& bar, const Page& page) {
+void draw_force_bar(const ParticipantView& view, const Page& page) {
+  const ParticipantView::ForceBar& bar = *view.bar;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float left = 0.22F * page.size.x;
   const float right = 0.78F * page.size.x;
@@ -127,20 +130,20 @@ void draw_force_bar(const ParticipantView::ForceBar& bar, const Page& page) {
                        ImVec2(at(edge) + 0.06F * page.text, bottom + 0.3F * page.text),
                        packed(colour::kText));
   }
-  const char* advice = inside ? "good" : bar.force < bar.low ? "press more" : "press less";
+  const std::string& advice = inside ? view.good : bar.force < bar.low ? view.more : view.less;
   (void)draw_text(list, StudyFont::kText, ImVec2(right + 0.6F * page.text, middle - 0.55F * page.text),
                   Align::kLeft, page.size.x, packed(colour::kText), advice);
 }
 
-void draw_break(double left, const std::string& heading, const Page& page) {
+void draw_break(double left, const ParticipantView& view, const Page& page) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const int seconds = static_cast<int>(std::ceil(std::max(0.0, left)));
   (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(0.30F)), Align::kCentre, page.size.x,
-                  packed(colour::kText), heading.empty() ? "Break" : heading);
+                  packed(colour::kText), view.message);
   (void)draw_text(list, StudyFont::kDigits, ImVec2(page.middle, page.y(0.40F)), Align::kCentre, page.size.x,
                   packed(colour::kText), fmt::format("{}:{:02}", seconds / 60, seconds % 60));
   (void)draw_text(list, StudyFont::kText, ImVec2(page.middle, page.y(0.62F)), Align::kCentre,
-                  0.8F * page.size.x, packed(colour::kText), "Take your hand off the device and rest.");
+                  0.8F * page.size.x, packed(colour::kText), view.rest);
 }
 
 }  // namespace
@@ -149,35 +152,50 @@ ParticipantView participant_view(const ScreenContent& content, const Study& stud
   const std::optional<std::size_t> found = study.find_task(content.task);
   const study::StudyTask* task = found ? &study.tasks[*found] : nullptr;
   const study::TrialView& trial = content.trial;
+  const study::Language& say = study.language;
   ParticipantView view;
   if (content.position.parts > 0) {
-    view.progress = fmt::format("part {} of {}", std::min(content.position.part + 1, content.position.parts),
-                                content.position.parts);
+    view.progress =
+        fmt::format(fmt::runtime(say("part {} of {}")),
+                    std::min(content.position.part + 1, content.position.parts), content.position.parts);
     view.part_done =
         content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 0.0;
   }
-  view.message = content.message;
+  view.message = say(content.message);
+  view.rest = say(view.rest);
+  view.more = say(view.more);
+  view.less = say(view.less);
+  view.good = say(view.good);
   if (content.break_left > 0.0) {
     view.break_left = content.break_left;
+    if (view.message.empty()) view.message = say("Break");
     return view;
   }
-  view.sentence = content.sentence;
+  view.sentence = say(content.sentence);
+  if (content.example != 0) {
+    const bool stiffer = task != nullptr && task->comparison();
+    view.message = fmt::format(
+        fmt::runtime(say(stiffer ? "Example: interval {} is stiffer" : "Example: it is in interval {}")),
+        content.example);
+  }
   if (trial.fault != 0) {
-    view.action = "The device has stopped. Let go of it and wait.";
+    view.action = say("The device has stopped. Let go of it and wait.");
     return view;
   }
-  view.action = action_of(content, task);
+  view.action = action_of(content, task, say);
   view.boxes = trial.state != TrialState::kIdle && (task == nullptr || task->two_intervals());
   if (trial.state == TrialState::kInterval) view.lit = trial.interval;
   if (trial.state == TrialState::kAnswer) {
-    view.first = text_of_keys(study.first_keys);
-    view.second = text_of_keys(study.second_keys);
+    view.first = text_of_keys(study.first_keys, say);
+    view.second = text_of_keys(study.second_keys, say);
   }
   if (trial.bar) view.bar = ParticipantView::ForceBar{trial.force, trial.low, trial.high};
   return view;
 }
 
-std::vector<ExtraFont> study_fonts() { return {{22.0F, false}, {58.0F, true}}; }
+std::vector<ExtraFont> study_fonts(const std::string& letters) {
+  return {{22.0F, false, letters}, {58.0F, true, {}}};
+}
 
 ImFont* study_font(StudyFont which) { return ImGui::GetIO().Fonts->Fonts[static_cast<int>(which)]; }
 
@@ -216,7 +234,7 @@ void draw_participant(const ParticipantView& view) {
                   0.84F * page.size.x, packed(colour::kText), view.sentence);
   if (view.boxes) draw_boxes(view, page);
   if (view.break_left) {
-    draw_break(*view.break_left, view.message, page);
+    draw_break(*view.break_left, view, page);
     return;
   }
   // Without boxes, the text is in the middle of the page.
@@ -224,7 +242,7 @@ void draw_participant(const ParticipantView& view) {
                   Align::kCentre, 0.9F * page.size.x, packed(colour::kText), view.action);
   (void)draw_text(list, StudyFont::kLarge, ImVec2(page.middle, page.y(view.boxes ? 0.79F : 0.55F)),
                   Align::kCentre, 0.9F * page.size.x, packed(colour::kDepth), view.message);
-  if (view.bar) draw_force_bar(*view.bar, page);
+  if (view.bar) draw_force_bar(view, page);
 }
 
 void draw_notice(const std::string& text, std::optional<double> part) {

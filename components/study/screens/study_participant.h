@@ -27,6 +27,8 @@ struct ParticipantView {
   std::string first, second;  // keys of the answers, while an answer is awaited
   std::string action;         // what to do now
   std::string message;        // "correct"
+  std::string rest = "Take your hand off the device and rest.";  // in a break
+  std::string more = "press more", less = "press less", good = "good";
   std::optional<ForceBar> bar;
   std::optional<double> break_left;  // s
 };
@@ -39,7 +41,8 @@ struct ParticipantView {
 enum class StudyFont : int { kText, kLarge, kDigits };
 
 /// Extra fonts for Viewport: kLarge and kDigits.
-[[nodiscard]] std::vector<ExtraFont> study_fonts();
+/// @param letters text whose letters the fonts need besides Latin
+[[nodiscard]] std::vector<ExtraFont> study_fonts(const std::string& letters);
 [[nodiscard]] ImFont* study_font(StudyFont which);
 
 /// [setup] Height of the text of the participant's window in a window of this size: 44 px at 1920 x 1080.

@@ -115,7 +115,7 @@ std::vector<Paragraph> paragraphs_of(const std::string& text) {
   return all;
 }
 
-std::optional<std::size_t> draw_question(const study::Question& question) {
+std::optional<std::size_t> draw_question(const study::Question& question, const std::string& more) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(0.0F, 0.0F));
   ImGui::SetNextWindowSize(size);
@@ -142,7 +142,7 @@ std::optional<std::size_t> draw_question(const study::Question& question) {
     ImGui::SetCursorPos(ImVec2(0.5F * (size.x - width), 1.2F * text));
     if (draw_paragraphs(paragraphs, width, space)) {
       (void)draw_text(list, StudyFont::kText, ImVec2(0.5F * size.x, answers_y - 1.8F * text), Align::kCentre,
-                      size.x, packed(colour::kDepth), "↓  more below: Page Down or wheel");
+                      size.x, packed(colour::kDepth), more);
     }
     pressed = draw_answers(grid, ImVec2(answers_x, answers_y));
   }

@@ -22,6 +22,7 @@ struct Paragraph {
 
 /// [setup] Draws a question over the whole window: the text, which scrolls by wheel, arrows and Page Down,
 /// and a button for each answer, with its number. @return the answer whose button was pressed
-std::optional<std::size_t> draw_question(const study::Question& question);
+std::optional<std::size_t> draw_question(const study::Question& question,
+                                         const std::string& more = "↓  more below: Page Down or wheel");
 
 }  // namespace palpate::app

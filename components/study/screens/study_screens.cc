@@ -8,6 +8,8 @@
 #include <imgui.h>
 
 #include "io/system/clock.h"
+#include "io/system/file_exists.h"
+#include "io/system/input_file.h"
 #include "palpate/error.h"
 
 #include "study/screens/study_question.h"
@@ -50,6 +52,16 @@ void fit_text(Viewport& window, bool participant) {
   if (scale != window.scale()) window.set_scale(scale);
 }
 
+/// Text whose letters the participant's window shows: sentences and consent.
+std::string letters_of(const study::Study& study) {
+  constexpr InputKind kConsent{"a consent text", std::uint64_t{1} << 20U};
+  std::string letters = study.language.letters();
+  const std::filesystem::path consent = study.file.parent_path() / study.consent_file;
+  if (!study.consent_file.empty() && file_exists(consent))
+    letters += InputFile(consent, kConsent).read_rest();
+  return letters;
+}
+
 }  // namespace
 
 StudyScreens::StudyScreens(const study::Study& study, StudyScreensOptions options)
@@ -75,10 +87,17 @@ StudyScreens::~StudyScreens() {
 void StudyScreens::open_windows() {
   const Display::Size size = options_.size.value_or(kUsualSize);
   const bool two_windows = study_.experimenter_screen == "second-display";
-  participant_ = std::make_unique<Viewport>("Palpate study", size, 1.0F, study_fonts());
+  const std::string letters = letters_of(study_);
+  participant_ = std::make_unique<Viewport>("Palpate study", size, 1.0F, study_fonts(letters));
+  participant_->activate();
+  if (const std::string missing = letters_without_font(letters); !missing.empty()) {
+    throw InputError(fmt::format("{}: screen.language: no font has {}: install fonts-droid-fallback",
+                                 study_.file.string(), missing));
+  }
   const bool two_displays = SDL_GetNumVideoDisplays() > 1;
   if (two_windows) {
-    experimenter_ = std::make_unique<Viewport>("Palpate study: experimenter", size, 1.0F, study_fonts());
+    experimenter_ =
+        std::make_unique<Viewport>("Palpate study: experimenter", size, 1.0F, study_fonts(letters));
     SDL_GL_SetSwapInterval(0);  // only the participant's window waits for its display
   }
   if (options_.size) return;
@@ -145,12 +164,13 @@ std::optional<int> StudyScreens::listen(bool second, const std::function<void(bo
   };
   constexpr Step kSteps[] = {{1.0, 0}, {2.0, 1}, {2.5, 0}, {3.5, 2}};  // pause, interval, gap, interval
   view_ = {};
-  view_.sentence = "Take your hand off the device. In which interval do you hear it?";
+  view_.sentence = study_.language("Take your hand off the device. In which interval do you hear it?");
   view_.boxes = true;
   const double began = seconds_now();
   for (const Step& step : kSteps) {
     view_.lit = step.lit;
-    view_.action = step.lit == 0 ? "Wait" : fmt::format("Interval {}", step.lit);
+    view_.action = step.lit == 0 ? study_.language("Wait")
+                                 : fmt::format(fmt::runtime(study_.language("Interval {}")), step.lit);
     noise(step.lit == (second ? 2 : 1));
     while (seconds_now() < began + step.until) {
       next_frame();
@@ -159,9 +179,9 @@ std::optional<int> StudyScreens::listen(bool second, const std::function<void(bo
   }
   noise(false);
   view_.lit = 0;
-  view_.action = "Which one?";
-  view_.first = text_of_keys(study_.first_keys);
-  view_.second = text_of_keys(study_.second_keys);
+  view_.action = study_.language("Which one?");
+  view_.first = text_of_keys(study_.first_keys, study_.language);
+  view_.second = text_of_keys(study_.second_keys, study_.language);
   forget_answers();  // given during the intervals
   while (!interrupted()) {
     next_frame();
@@ -231,11 +251,18 @@ void StudyScreens::draw_participants() {
   window.begin_panels();
   if (question_ && !asks_experimenter()) {
     study::Question shown = *question_;
-    if (shown.who == "experimenter") shown.text = "For the experimenter:\n\n" + shown.text;
-    if (const auto pressed = draw_question(shown)) answer_ = pressed;
+    const study::Language& say = study_.language;
+    if (shown.who == "experimenter") {
+      shown.text = "For the experimenter:\n\n" + shown.text;
+    } else {
+      shown.text = say(shown.text);
+      for (std::string& answer : shown.answers) answer = say(answer);
+    }
+    if (const auto pressed = draw_question(shown, say("↓  more below: Page Down or wheel")))
+      answer_ = pressed;
   } else if (question_) {
     ParticipantView waits;
-    waits.action = "Please wait";
+    waits.action = study_.language("Please wait");
     draw_participant(waits);
   } else {
     draw_participant(view_);
@@ -268,8 +295,9 @@ void StudyScreens::draw_experimenters() {
 void StudyScreens::draw_notices() const {
   const double held = withdraw_.part(seconds_now());
   if (held > 0.0) {
-    draw_notice(
-        fmt::format("Keep holding {} to withdraw from the study", text_of_keys({study_.withdraw_key})), held);
+    draw_notice(fmt::format(fmt::runtime(study_.language("Keep holding {} to withdraw from the study")),
+                            text_of_keys({study_.withdraw_key}, study_.language)),
+                held);
   } else if (asks_to_stop_) {
     draw_notice("Stop the session?\nEnter: stop     Esc: go on", std::nullopt);
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -15,11 +16,25 @@
 
 namespace palpate::study {
 
+/// What a trial rendered besides what its line of the log says.
+struct TrialRendering {
+  double noise = 0.0;               // N, standard deviation in contact
+  std::optional<double> threshold;  // N, own noise threshold that it follows from
+  std::array<double, 2> onset{-1.0,
+                              -1.0};  // s in the recording of the block; < 0: the interval was not reached
+};
+
 /// One person's log and number.
 struct Participant {
   std::uint32_t number = 0;
   ParticipantLog log;
+  std::vector<TrialRendering> renderings = {};  // of each trial of the log; empty: not asked for
 };
+
+/// [setup] Replays a log. @param rate_Hz of the scene @throws InputError when a trial does not follow from
+/// those before it
+[[nodiscard]] std::vector<TrialRendering> renderings_of(const Study& study, SealedKey key,
+                                                        const Participant& person, double rate_Hz);
 
 /// [setup] Everybody's log, by number. @throws InputError as read_log()
 [[nodiscard]] std::vector<Participant> read_people(const StudyFolder& study);
@@ -75,6 +90,7 @@ struct SessionThreshold {
 };
 
 struct PersonTask {
+  std::optional<double> own_level_gain;      // of Study::own_level
   std::vector<ArmResult> arms;               // as TaskResult::arms
   std::vector<SessionThreshold> thresholds;  // of the task that sets the threshold, by session
   std::vector<CueWeight> cues;
@@ -162,8 +178,6 @@ struct Guesses {
   int no = 0;
   int unsure = 0;
   double confidence = 0.0;  // mean, 1 to 5
-  // Bang's index and its 95 % interval, after unblinding: 1 all right, 0 as by chance [Bang 2004]
-  std::optional<psychophysics::Estimate> index;
 };
 
 /// A mean over the group that would be 0 if nobody tired, learned, adapted or answered by a cue.
@@ -186,6 +200,9 @@ struct StudyAnalysis {
   std::vector<Curve> curves;
   std::vector<GroupChange> changes;
   std::vector<Guesses> guesses;
+  // d' at each person's own level less that without noise; the level is that with the largest d' in one half
+  // of the trials, and d' is of the other half, both ways. After unblinding
+  std::optional<Effect> own_level;
   int consented = 0;
   int refused = 0;
   int withdrawn = 0;
@@ -233,7 +250,7 @@ class ArmNames final {
   /// [setup] Index in TaskResult::arms of a participant's code. @throws InputError for an unknown code
   [[nodiscard]] std::size_t index_of(std::uint32_t participant, std::size_t task,
                                      const std::string& code) const;
-  /// [setup] Whether the arm behind a code has noise; only for Bang's index.
+  /// [setup] Whether the arm behind a code has noise; only for the guesses.
   [[nodiscard]] bool has_noise(std::uint32_t participant, std::size_t task, const std::string& code) const;
 
  private:

@@ -180,6 +180,7 @@ std::string analysis_json(const Study& study, const StudyAnalysis& analysis) {
                {"excluded", analysis.excluded},
                {"contrasts", contrasts_json(study, analysis)},
                {"curves", curves_json(study, analysis)}};
+  if (analysis.own_level) json["own_level"] = json_of(analysis.own_level, true);
   json["changes"] = Json::array();
   for (const GroupChange& change : analysis.changes) {
     json["changes"].push_back({{"task", study.tasks[change.task].name},
@@ -194,7 +195,6 @@ std::string analysis_json(const Study& study, const StudyAnalysis& analysis) {
                 {"unsure", guesses.unsure},
                 {"confidence", guesses.confidence}};
     if (!guesses.pooled) one["noise"] = guesses.noise;
-    if (guesses.index) one["bang_index"] = json_of(*guesses.index);
     json["blinding"].push_back(one);
   }
   json["people"] = Json::array();

@@ -49,6 +49,10 @@ void flag_person(const Study& study, const Participant& person, const std::vecto
 void analyse_group(const Study& study, const std::vector<std::optional<psychophysics::QuestPlus>>& quests,
                    StudyAnalysis& analysis);
 
+/// [setup] d' of a person at the own level less that without noise, see StudyAnalysis::own_level. Empty with
+/// fewer than 20 trials at a level.
+[[nodiscard]] std::optional<double> own_level_gain(const StudyTask& task, const std::vector<Trials>& arms);
+
 /// [setup] Guesses about the noise.
 [[nodiscard]] std::vector<Guesses> count_guesses(const Study& study, std::span<const Participant> people,
                                                  const ArmNames& names);

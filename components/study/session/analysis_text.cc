@@ -163,17 +163,20 @@ std::string inverted_u_text(const Curve& curve) {
       curve.found ? "an inverted U is found" : "no inverted U is shown");
 }
 
+std::string own_level_text(const Study& study, const Effect& effect) {
+  Contrast contrast;
+  contrast.measure = "d_prime";
+  return fmt::format(
+      "Own level in {}, chosen in one half of the trials and judged in the other, less no noise: {}",
+      study.own_level, effect_text(contrast, effect));
+}
+
 std::string guesses_text(const Guesses& guesses) {
-  std::string text = fmt::format("{}, {}: {} yes, {} no, {} unsure, confidence {:.1f}", guesses.who,
-                                 guesses.pooled  ? "all blocks"
-                                 : guesses.noise ? "blocks with noise"
-                                                 : "blocks without noise",
-                                 guesses.yes, guesses.no, guesses.unsure, guesses.confidence);
-  if (guesses.index) {
-    text += fmt::format("; Bang's index {:.2f} ({:.2f} to {:.2f})", guesses.index->mean, guesses.index->low,
-                        guesses.index->high);
-  }
-  return text;
+  return fmt::format("{}, {}: {} yes, {} no, {} unsure, confidence {:.1f}", guesses.who,
+                     guesses.pooled  ? "all blocks"
+                     : guesses.noise ? "last trial with noise"
+                                     : "last trial without noise",
+                     guesses.yes, guesses.no, guesses.unsure, guesses.confidence);
 }
 
 std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
@@ -185,6 +188,7 @@ std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
                   simulated ? ", SIMULATED: no result about people" : "",
                   counted(analysis.people.size(), "person", "people"), analysis.withdrawn, analysis.excluded);
   text += contrasts_text(study, analysis) + curves_text(study, analysis);
+  if (analysis.own_level) text += own_level_text(study, *analysis.own_level) + '\n';
   for (const GroupChange& change : analysis.changes) {
     text += fmt::format("Group mean in {}, {}: {:+.2f} ({:+.2f} to {:+.2f})\n", study.tasks[change.task].name,
                         change.quantity, change.test.mean, change.test.low, change.test.high);

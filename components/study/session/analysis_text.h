@@ -27,7 +27,9 @@ namespace palpate::study {
 [[nodiscard]] std::string estimate_text(const StudyTask& task, const std::optional<ThresholdFit>& fit);
 /// [setup] The two one-sided tests of a curve, after unblinding.
 [[nodiscard]] std::string inverted_u_text(const Curve& curve);
-/// [setup] Guesses about the noise with Bang's index.
+/// [setup] The effect of StudyAnalysis::own_level.
+[[nodiscard]] std::string own_level_text(const Study& study, const Effect& effect);
+/// [setup] Guesses about the noise.
 [[nodiscard]] std::string guesses_text(const Guesses& guesses);
 /// [setup] A p value: "p = 0.021", "p < 0.001".
 [[nodiscard]] std::string p_text(double p_value);

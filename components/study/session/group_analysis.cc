@@ -335,6 +335,13 @@ void analyse_group(const Study& study, const std::vector<std::optional<QuestPlus
       analysis.curves.push_back(std::move(*curve));
     }
     add_changes(task, kept, analysis.changes);
+    std::vector<double> gains;
+    for (const PersonResult* person : kept) {
+      if (const auto& gain = person->tasks[task].own_level_gain) gains.push_back(*gain);
+    }
+    if (gains.size() < 2) continue;
+    analysis.own_level = effect_of(psychophysics::paired_t(gains), gains.size());
+    finish(*analysis.own_level, "two-sided");
   }
   std::stable_partition(analysis.contrasts.begin(), analysis.contrasts.end(),
                         [](const Contrast& contrast) { return contrast.primary; });

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <utility>
 
@@ -16,19 +14,6 @@ struct Sums {
   int unsure = 0;
   double confidence = 0.0;
 };
-
-// Bang's index of one arm: share of right guesses less share of wrong ones [Bang, Ni, Davis 2004].
-psychophysics::Estimate bang_index(const Guesses& guesses) {
-  const double all = guesses.yes + guesses.no + guesses.unsure;
-  const double right = (guesses.noise ? guesses.yes : guesses.no) / all;
-  const double wrong = (guesses.noise ? guesses.no : guesses.yes) / all;
-  psychophysics::Estimate index;
-  index.mean = right - wrong;
-  index.sd = std::sqrt((right * (1.0 - right) + wrong * (1.0 - wrong) + 2.0 * right * wrong) / all);
-  index.low = std::max(-1.0, index.mean - 1.96 * index.sd);
-  index.high = std::min(1.0, index.mean + 1.96 * index.sd);
-  return index;
-}
 
 }  // namespace
 
@@ -58,7 +43,6 @@ std::vector<Guesses> count_guesses(const Study& study, std::span<const Participa
     guesses.no = of.no;
     guesses.unsure = of.unsure;
     guesses.confidence = of.confidence / (of.yes + of.no + of.unsure);
-    if (names.unblinded()) guesses.index = bang_index(guesses);
     all.push_back(guesses);
   }
   return all;

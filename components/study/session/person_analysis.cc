@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -130,6 +131,22 @@ double lapses_often(const std::vector<PersonTask>& tasks, const psychophysics::G
     if (axis.values[i] >= kOften) often += probability;
   }
   return often / all;
+}
+
+// d' of each half of the trials at a level: the even and the odd ones of their order.
+std::array<double, 2> halves_of(const StudyTask& task, const Trials& trials) {
+  std::array<std::array<Count, 2>, 2> counts{};
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    count_answer(counts[i % 2][target_second(task, *trials[i]) ? 1 : 0], is_correct(task, *trials[i]));
+  }
+  std::array<double, 2> halves{};
+  for (std::size_t half = 0; half < 2; ++half) {
+    for (Count& count : counts[half]) {
+      if (count.trials == 0) count = {2, 1};  // by chance: nothing is known
+    }
+    halves[half] = psychophysics::two_interval(counts[half][0], counts[half][1], true).d_prime;
+  }
+  return halves;
 }
 
 PersonTask analyse_task(const StudyTask& task, const SortedTrials& sorted, QuestPlus* quest) {
@@ -267,6 +284,28 @@ void count_events(const ParticipantLog& log, PersonResult& result) {
 
 }  // namespace
 
+std::optional<double> own_level_gain(const StudyTask& task, const std::vector<Trials>& arms) {
+  constexpr std::size_t kLeast = 20;
+  std::vector<std::array<double, 2>> levels;
+  std::array<double, 2> off{};
+  for (std::size_t arm = 0; arm < arms.size(); ++arm) {
+    if (arms[arm].size() < kLeast) return std::nullopt;
+    const std::array<double, 2> halves = halves_of(task, arms[arm]);
+    if (task.arms[arm].share == 0.0) {
+      off = halves;
+    } else {
+      levels.push_back(halves);
+    }
+  }
+  double gain = 0.0;
+  for (const std::size_t chosen : {0U, 1U}) {
+    const auto own = std::max_element(levels.begin(), levels.end(),
+                                      [&](const auto& a, const auto& b) { return a[chosen] < b[chosen]; });
+    gain += 0.5 * ((*own)[1 - chosen] - off[1 - chosen]);
+  }
+  return gain;
+}
+
 psychophysics::QuestPlusGrid grid_with_levels(const StudyTask& task, std::span<const Participant> people) {
   psychophysics::QuestPlusGrid grid = grid_of(task);
   for (const Participant& person : people) {
@@ -317,6 +356,9 @@ PersonResult analyse_person(const Study& study, const Participant& person, const
   for (std::size_t task = 0; task < study.tasks.size(); ++task) {
     QuestPlus* quest = quests[task] ? &*quests[task] : nullptr;
     result.tasks.push_back(analyse_task(study.tasks[task], sorted[task], quest));
+    if (names.unblinded() && study.tasks[task].name == study.own_level) {
+      result.tasks.back().own_level_gain = own_level_gain(study.tasks[task], sorted[task].main);
+    }
   }
   const auto fitted = std::find_if(quests.begin(), quests.end(), [](const auto& quest) { return quest; });
   if (fitted != quests.end()) {

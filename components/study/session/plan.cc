@@ -120,6 +120,7 @@ class Planner final {
       const int added = add_part(index, done);
       done += added;
       if (done == trials_of(task)) break;
+      if (added == 0 && sessions_.back().parts.size() == first_parts_) fail_round(task);
       if (task.each_session) {
         throw InputError(
             fmt::format("{}: task {}: each_session: its {} must fit into the first session of {} min",
@@ -127,7 +128,6 @@ class Planner final {
                         counted(static_cast<std::uint64_t>(trials_of(task)), "trial", "trials"),
                         shortest(study_.max_minutes)));
       }
-      if (added == 0 && sessions_.back().parts.size() == first_parts_) fail_round(task);
       end_session();
       if (sessions_.size() == kMaxSessions) return;
       begin_session();

@@ -193,13 +193,18 @@ Power simulate_power(const Study& study, PowerRequest request, tasks::Communicat
   power.groups = request.groups;
   if (request.jnd_ratio) {
     power.rows = rows_of("jnd=" + brief(*request.jnd_ratio),
-                         fmt::format("JND in {}, {} - {}", study.primary->task, study.primary->condition,
-                                     study.primary->reference),
+                         fmt::format("JND in {}, {} - {}, {}", study.primary->task, study.primary->condition,
+                                     study.primary->reference,
+                                     study.primary->alternative == "two-sided"
+                                         ? "two-sided test at 5 %"
+                                         : "one-sided test at 5 % (" + study.primary->alternative + ")"),
                          request, results, 0);
   }
   if (request.internal_noise) {
     std::ranges::move(rows_of("sr=" + brief(*request.internal_noise),
-                              "inverted U in " + study.inverted_u->task, request, results, jnd_groups),
+                              fmt::format("inverted U in {}, two one-sided tests at {}",
+                                          study.inverted_u->task, percent(study.inverted_u->alpha, 0)),
+                              request, results, jnd_groups),
                       std::back_inserter(power.rows));
   }
   for (const PlannedSession& session : plan_sessions(study)) power.hours_per_person += session.minutes / 60.0;

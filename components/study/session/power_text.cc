@@ -14,7 +14,9 @@ constexpr const char* kAssumptions =
     "the\n"
     "samples above its threshold; its own noise threshold and the weak force are measured with their "
     "errors.\n"
-    "No pooled effect size of touch noise exists in the literature: the effects are assumptions too.\n";
+    "No pooled effect size of touch noise is known for what a hand feels (for posture: Hedges g 0.31 to "
+    "0.66), so\n"
+    "the effects are assumptions too.\n";
 
 bool of_jnd(const PowerRow& row) { return row.effect.starts_with("jnd"); }
 

@@ -160,6 +160,8 @@ void fill_folder(const Study& study, int participants, Preparation& made) {
   lock["scene"] = request.scene ? copy_scene(*request.scene, read.files, made).generic_string() : study.scene;
   made.copy(study.file, "study.toml");
   copy_consent(study, made, lock);
+  if (!study.language_file.empty())
+    made.copy(study.file.parent_path() / study.language_file, study.language_file);
   lock["files"] = made.hashes;
   lock["organ"] = read.organ_name;
   lock["organ_sha256"] = hash_of_builtin(read.organ_name);

@@ -62,6 +62,7 @@ class RunningSession final {
   void note();
   void withdraw();
   [[nodiscard]] bool note_threshold();
+  [[nodiscard]] bool instruct();
 
   const StudyFolder& study_;
   const SessionOptions& options_;
@@ -74,6 +75,7 @@ class RunningSession final {
   int block_ = 0;
   bool stop_ = false;
   bool threshold_noted_ = false;  // of this session
+  std::optional<std::size_t> instructed_;
   bool last_second_ = false;
   std::uint64_t late_ticks_ = 0;
   std::string message_;
@@ -222,6 +224,11 @@ void RunningSession::show(const TrialView& trial, const std::string& message, do
   if (const auto next = course_.next()) {
     content.sentence = describe(study_.study.tasks[next->task].kind).sentence;
     content.task = study_.study.tasks[next->task].name;
+    if (next->example && trial.state != TrialState::kFinished) {
+      content.example = next->second ? 2 : 1;
+      if (study_.study.tasks[next->task].comparison() && next->level < 0.0)
+        content.example = 3 - content.example;
+    }
   }
   content.session = outcome_.session;
   content.block = block_;
@@ -432,13 +439,21 @@ bool RunningSession::note_threshold() {
   return goes_on;
 }
 
+// Before the first trial of a task, and of an interrupted session.
+bool RunningSession::instruct() {
+  const std::size_t task = course_.next()->task;
+  if (instructed_ == task) return true;
+  instructed_ = task;
+  return questions().instruct(study_.study.tasks[task]);
+}
+
 SessionOutcome RunningSession::run() {
   open_session();
   if (stop_) return outcome_;
   const bool agreed = options_.screens == nullptr ||
                       (questions().consent_and_bands() && questions().audibility(outcome_.session));
   while (agreed && course_.next() && !stop_) {
-    if (!note_threshold()) break;
+    if (!note_threshold() || !instruct()) break;
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;
@@ -453,7 +468,7 @@ SessionOutcome RunningSession::run() {
 }  // namespace
 
 void require_ethics(const Study& study) {
-  if (study.consent_file.empty()) {
+  if (study.consent_file.empty() && study.language.consent.empty()) {
     throw InputError(study.file.string() +
                      ": ethics.consent_file: is missing; without it only simulated people take part");
   }

@@ -20,6 +20,7 @@ struct ScreenContent {
   std::string sentence;  // what to do in this task
   std::string message;   // "correct", "break: 24 s", ...; empty: none
   std::string task;      // for the experimenter
+  int example = 0;       // interval of the answer, which is shown before an example; 0: none
   int session = 1;
   int block = 1;
   CoursePosition position;

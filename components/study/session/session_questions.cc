@@ -58,8 +58,11 @@ bool SessionQuestions::has(const std::string& event, const std::string& answer) 
 }
 
 bool SessionQuestions::consent_and_bands() {
-  if (!study_.study.consent_file.empty() && !has("consent", "yes")) {
-    const std::string text = InputFile(study_.folder / study_.study.consent_file, kConsentInput).read_rest();
+  const bool file = !study_.study.consent_file.empty();
+  if ((file || !study_.study.language.consent.empty()) && !has("consent", "yes")) {
+    const std::string text =
+        file ? InputFile(study_.folder / study_.study.consent_file, kConsentInput).read_rest()
+             : study_.study.language.consent;
     const auto answer = options_.screens->ask({"participant", text, {"I agree", "I do not agree"}});
     if (!answer) return false;
     log_.append(event_of("consent", {{"answer", *answer == 0 ? "yes" : "no"}, {"hash", sha256(text)}}));
@@ -76,6 +79,11 @@ bool SessionQuestions::consent_and_bands() {
     if (!answers.empty()) log_.append(event_of("answers", answers));
   }
   return true;
+}
+
+bool SessionQuestions::instruct(const StudyTask& task) {
+  if (options_.screens == nullptr) return true;
+  return options_.screens->ask({"participant", describe(task.kind).instructions, {"Go on"}}).has_value();
 }
 
 bool SessionQuestions::threshold_at_edge(const Course::Threshold& threshold) {

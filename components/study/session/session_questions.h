@@ -29,6 +29,8 @@ class SessionQuestions final {
   /// closed
   [[nodiscard]] bool audibility(int session);
 
+  /// Shows the instructions of a task. @return false: the window was closed, or stop or withdraw was pressed
+  [[nodiscard]] bool instruct(const StudyTask& task);
   /// Says that the threshold lies at the edge of the stimuli, and asks the experimenter what to do.
   /// @return whether the session goes on
   [[nodiscard]] bool threshold_at_edge(const Course::Threshold& threshold);

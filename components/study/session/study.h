@@ -10,6 +10,7 @@
 #include "palpate/scene.h"
 
 #include "study/psychophysics/psychophysics.h"
+#include "study/session/language.h"
 #include "study/session/task_kind.h"
 
 namespace palpate::study {
@@ -146,6 +147,8 @@ struct Study {
   double max_continuous_noise = 3.0;  // s
 
   std::string participant_screen = "blank";
+  std::string language_file;  // beside the study file; empty: a built-in language
+  Language language;          // of the participant's screens
   std::string experimenter_screen = "second-display";
   std::string sound_mask = "pink";  // pink | white | none
   double sound_level_dB = -20.0;
@@ -168,6 +171,8 @@ struct Study {
 
   std::optional<PrimaryAnalysis> primary;
   std::optional<InvertedUAnalysis> inverted_u;
+  std::string
+      own_level;  // task of one force and several shares: each person's own level is tested; empty: none
   double exclude_catch_below = 0.7;
   double exclude_lost_above = 0.1;
   bool exclude_threshold_at_edge =

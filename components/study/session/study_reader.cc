@@ -74,7 +74,21 @@ void read_safety(const TomlTable& root, Study& study) {
 }
 
 void read_screen_and_sound(const TomlTable& root, Study& study) {
-  const TomlTable screen = table_or_empty(root, "screen", {"participant", "experimenter"});
+  const TomlTable screen = table_or_empty(root, "screen", {"participant", "experimenter", "language"});
+  const std::string language = screen.text("language").value_or("en");
+  if (language.ends_with(".toml")) {
+    if (language.find('/') != std::string::npos) {
+      screen.fail("language", "must be a file beside the study file, without a folder");
+    }
+    study.language_file = language;
+    const std::filesystem::path file = study.file.parent_path() / language;
+    study.language = read_language(InputFile(file, kTomlInput).read_rest(), file.string());
+  } else {
+    const std::vector<std::string> known = builtin_languages();
+    if (std::find(known.begin(), known.end(), language) == known.end())
+      fail_choice(screen, "language", language, known);
+    study.language = builtin_language(language);
+  }
   study.participant_screen = choice(screen, "participant", {"blank"}, "blank");
   study.experimenter_screen =
       choice(screen, "experimenter", {"second-display", "file", "none"}, "second-display");
@@ -125,6 +139,7 @@ std::vector<TomlTable> tables_of(const TomlTable& root, std::string_view key) {
 
 void read_conditions(const TomlTable& root, Study& study) {
   constexpr double kMilli = 1e-3;            // m/mm
+  constexpr double kContactReach = 2e-5;     // m: 1 mm from the tissue a fiftieth of the noise is left
   constexpr Range kShares{0.0, 10.0};        // of the threshold
   constexpr Range kLengths{0.0, 1e3, true};  // mm
   for (const TomlTable& table : tables_of(root, "condition")) {
@@ -135,10 +150,13 @@ void read_conditions(const TomlTable& root, Study& study) {
       if (other.name == arm.name) table.fail("name", "is the name of an earlier condition, must be another");
     }
     arm.share = table.required_number("share", kShares);
-    const bool proximity = choice(table, "profile", {"constant", "proximity"}, "constant") == "proximity";
-    arm.profile = proximity ? NoiseProfile::kProximity : NoiseProfile::kConstant;
+    const bool proximity =
+        choice(table, "profile", {"constant", "proximity", "contact"}, "constant") == "proximity";
+    const bool contact = table.text("profile") == "contact";
+    arm.profile = proximity || contact ? NoiseProfile::kProximity : NoiseProfile::kConstant;
+    if (contact) arm.d0 = kContactReach;
     if (!proximity && table.has("d0_mm")) table.fail("d0_mm", "needs profile = \"proximity\"");
-    arm.d0 = table.number("d0_mm", kLengths).value_or(arm.d0 / kMilli) * kMilli;
+    if (proximity) arm.d0 = table.number("d0_mm", kLengths).value_or(arm.d0 / kMilli) * kMilli;
     study.conditions.push_back(arm);
   }
 }
@@ -236,9 +254,19 @@ void read_inverted_u(const TomlTable& table, Study& study) {
 }
 
 void read_analysis(const TomlTable& root, Study& study) {
-  const TomlTable table = table_or_empty(root, "analysis", {"primary", "inverted_u", "exclude"});
+  const TomlTable table = table_or_empty(root, "analysis", {"primary", "inverted_u", "own_level", "exclude"});
   if (const auto primary = table.table("primary")) read_primary(*primary, study);
   if (const auto inverted_u = table.table("inverted_u")) read_inverted_u(*inverted_u, study);
+  if (const auto own = table.table("own_level")) {
+    own->allow_only({"task"});
+    const StudyTask& task = task_in(*own, study);
+    const bool silent =
+        std::any_of(task.arms.begin(), task.arms.end(), [](const Arm& a) { return a.share == 0.0; });
+    if (!task.signal || task.arms.size() < 3 || !silent) {
+      own->fail("task", "must be a force-detection task with `signal`, the share 0 and two or more others");
+    }
+    study.own_level = task.name;
+  }
   const TomlTable exclude =
       table_or_empty(table, "exclude", {"catch_below", "lost_trials_above", "threshold_at_edge"});
   constexpr Range kFractions{0.0, 1.0};

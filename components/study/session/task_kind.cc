@@ -36,18 +36,30 @@ const std::array<TaskDescription, kTaskKinds>& task_kinds() {
   static const std::array<TaskDescription, kTaskKinds> kinds{{
       {.name = "noise-threshold",
        .sentence = "Press gently and hold. In which interval did it tingle?",
+       .instructions = "You will feel two intervals, one after the other, and two boxes light up with them. "
+                       "In one of them the tool tingles, often very weakly. Press gently until the bar is in "
+                       "the band, keep that force through both intervals, and then choose the interval that "
+                       "tingled. If you are not sure, guess: there is always one.",
        .stimulus = Stimulus::kNoise,
        .scale = kAmplitudes,
        .axis = "standard deviation of the noise [mN]",
        .grid = amplitude_grid},
       {.name = "force-detection",
        .sentence = "Press gently and hold. In which interval was there an extra force?",
+       .instructions = "You will feel two intervals, one after the other. In one of them a weak extra force "
+                       "pushes against your hand. Press gently until the bar is in the band, keep that force "
+                       "through both intervals, and then choose the interval with the extra force. If you "
+                       "are not sure, guess: there is always one.",
        .stimulus = Stimulus::kForce,
        .scale = kAmplitudes,
        .axis = "force [mN]",
        .grid = amplitude_grid},
       {.name = "stiffness",
        .sentence = "Press once in each interval, until \"come up\". Which was stiffer?",
+       .instructions =
+           "You will press twice, once in each interval. Press down at your own pace until the screen says "
+           "\"come up\", then leave the tissue. One of the two is stiffer: choose it. Judge by how hard the "
+           "tissue feels. If you are not sure, guess: they always differ.",
        .action = "Press",
        .stimulus = Stimulus::kTissue,
        .hand = HandAction::kPress,
@@ -61,6 +73,9 @@ const std::array<TaskDescription, kTaskKinds>& task_kinds() {
                     double ratio) { return TissueChange{.k1 = task.standard_k1 * ratio}; }},
       {.name = "inclusion",
        .sentence = "Search in each interval; Space ends a search. Which had the lump?",
+       .instructions =
+           "Move the tool over the organ in each interval and look for a hard lump under the surface. Space "
+           "ends a search. One of the two intervals has a lump: choose it. If you are not sure, guess.",
        .action = "Search. Space: done",
        .stimulus = Stimulus::kTissue,
        .hand = HandAction::kSearch,
@@ -71,6 +86,8 @@ const std::array<TaskDescription, kTaskKinds>& task_kinds() {
        .tissue = [](const StudyTask& /*task*/, double ratio) { return TissueChange{.inclusion = ratio}; }},
       {.name = "force-control",
        .sentence = "Press until the bar is in the band. Keep that force when the bar goes.",
+       .instructions = "Press until the bar is in the band and remember how that feels. Then the bar goes: "
+                       "keep the same force for six seconds.",
        .action = "Hold this force",
        .stimulus = Stimulus::kTarget,
        .measures = {"ln_rms", "ln_variation"},

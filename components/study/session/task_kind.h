@@ -56,6 +56,7 @@ struct LevelScale {
 struct TaskDescription {
   const char* name;                        // in a study file
   const char* sentence;                    // the task, for the participant
+  const char* instructions;                // before the first trial, for the participant
   const char* action = "Keep this force";  // what to do while an interval lasts
   Stimulus stimulus;
   HandAction hand = HandAction::kHold;

@@ -1,5 +1,6 @@
 #include "study/session/trial_table.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -38,9 +39,29 @@ void add_interval_cells(const std::string& number, const std::string& which, con
   add("work_", "mJ", "work of the hand in the " + which + " interval", kMilli * cues.work);
 }
 
+// @param rendering null: unknown @param shows_noise false while it would reveal the arm
+void add_rendering_cells(const TrialRendering* rendering, bool shows_noise, bool choice,
+                         std::vector<Cell>& cells) {
+  const auto onset = [&](std::size_t i) {
+    return rendering == nullptr || rendering->onset[i] < 0.0 ? "" : shortest(rendering->onset[i]);
+  };
+  const bool known = rendering != nullptr && rendering->threshold.has_value();
+  cells.push_back({{"noise_sd", "N",
+                    "standard deviation of the noise in contact; empty until unblinding where "
+                    "it would reveal the condition"},
+                   rendering != nullptr && shows_noise ? brief(rendering->noise, 6) : ""});
+  cells.push_back({{"threshold_sd", "N", "the own noise threshold that the noise is a share of"},
+                   known ? brief(*rendering->threshold, 6) : ""});
+  cells.push_back({{"onset_1", "s",
+                    "start of the first interval in the block's recording; the fade of 50 ms is before it"},
+                   onset(0)});
+  cells.push_back(
+      {{"onset_2", "s", "start of the second interval in the block's recording"}, choice ? onset(1) : ""});
+}
+
 // All columns in their order. @param id of the participant
 std::vector<Cell> cells_of(const StudyTask& task, const TrialRecord& trial, const std::string& id,
-                           const std::string& condition) {
+                           const std::string& condition, const TrialRendering* rendering, bool shows_noise) {
   const bool choice = task.two_intervals();
   const Readable stimulus = readable_level(task, trial.level);
   const auto if_choice = [&](const std::string& text) { return choice ? text : ""; };
@@ -78,15 +99,39 @@ std::vector<Cell> cells_of(const StudyTask& task, const TrialRecord& trial, cons
       {{"observer", "", "simulated observer; empty: a person"}, trial.observer}};
   add_interval_cells("1", "first", trial.intervals[0], true, cells);
   add_interval_cells("2", "second", trial.intervals[1], choice, cells);
+  add_rendering_cells(rendering, shows_noise, choice, cells);
   return cells;
 }
 
 }  // namespace
 
+std::vector<TrialRendering> renderings_of(const Study& study, SealedKey key, const Participant& person,
+                                          double rate_Hz) {
+  std::vector<TrialRendering> renderings;
+  Course course(study, key, person.number);
+  std::optional<double> threshold;
+  int session = 0;
+  course.replay(person.log, [&](const Trial& planned, const TrialRecord& record) {
+    if (record.session != session && study.tasks[planned.task].has_noise()) {
+      threshold.reset();
+      if (const auto own = course.threshold()) threshold = std::pow(10.0, own->log10.mean);
+      session = record.session;
+    }
+    TrialRendering& made = renderings.emplace_back();
+    made.noise = planned.noise;
+    if (study.tasks[planned.task].has_noise()) made.threshold = threshold;
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (record.intervals[i].from_tick == 0) continue;
+      made.onset[i] = static_cast<double>(record.intervals[i].from_tick) / rate_Hz;
+    }
+  });
+  return renderings;
+}
+
 const std::vector<TrialColumn>& trial_columns() {
   static const std::vector<TrialColumn> columns = [] {
     std::vector<TrialColumn> all;
-    for (Cell& cell : cells_of({}, {}, "", "")) all.push_back(std::move(cell.column));
+    for (Cell& cell : cells_of({}, {}, "", "", nullptr, false)) all.push_back(std::move(cell.column));
     return all;
   }();
   return columns;
@@ -100,7 +145,10 @@ std::vector<std::string> trial_row(const Study& study, const Participant& person
   const std::size_t arm = names.index_of(person.number, *found, trial.code);
   const std::string& condition = names.unblinded() || arms.size() == 1 ? arms[arm] : trial.code;
   std::vector<std::string> row;
-  for (Cell& cell : cells_of(study.tasks[*found], trial, person.log.id, condition)) {
+  const auto index = static_cast<std::size_t>(&trial - person.log.trials.data());
+  const TrialRendering* rendering = index < person.renderings.size() ? &person.renderings[index] : nullptr;
+  for (Cell& cell : cells_of(study.tasks[*found], trial, person.log.id, condition, rendering,
+                             names.unblinded() || arms.size() == 1)) {
     row.push_back(std::move(cell.text));
   }
   return row;

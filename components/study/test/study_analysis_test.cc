@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/system/sha256.h"
+
 #include "study/session/test/forbidden_words.h"
 #include "tests/program.h"
 
@@ -101,12 +103,29 @@ TEST(StudyExportCommand, WritesATableOrABidsFolderOnce) {
   EXPECT_EQ(run(folder, {"study", "export", "study", "--bids", "b"}).exit_code, 2);
 }
 
+TEST(StudyExportCommand, APreregistrationHasTestsExclusionsPeopleAndHashesBeforeAnybodyAnswers) {
+  const Folder folder;
+  write_study(folder);
+  ASSERT_EQ(run(folder, {"study", "prepare", "s.toml", "study", "--participants", "2"}).exit_code, 0);
+  ASSERT_EQ(run(folder, {"study", "export", "study", "--preregistration", "r.md"}).exit_code, 0);
+  const std::string text = text_of(folder / "r.md");
+  EXPECT_THAT(text, HasSubstr("- Primary: ln_jnd in task stiffness, steady-arm - sham-arm, "));
+  EXPECT_THAT(text, HasSubstr("2 people, fixed when the study was prepared."));
+  EXPECT_THAT(
+      text,
+      HasSubstr("- fewer than 70 % of the catch trials correct\n- more than 10 % of the trials spoiled"));
+  EXPECT_THAT(text, HasSubstr("- study.toml " + sha256(text_of(folder / "study/study.toml")) + "\n"));
+  EXPECT_THAT(text, HasSubstr("- lock.json " + sha256(text_of(folder / "study/lock.json")) + "\n"));
+  EXPECT_EQ(run(folder, {"study", "export", "study", "--preregistration", "r.md"}).exit_code, 2);
+}
+
 TEST(StudyPowerCommand, PrintsATableAndRefusesUnknownEffects) {
   const Folder folder;
   write_study(folder);
   const Outcome text = run(folder, {"study", "power", "s.toml", "--participants", "3,4", "--groups", "2"});
   ASSERT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("jnd=0.85: JND in stiffness, steady-arm - sham-arm\n"));
+  EXPECT_THAT(text.out, HasSubstr("jnd=0.85: JND in stiffness, steady-arm - sham-arm, "));
+  EXPECT_THAT(text.out, HasSubstr("-sided test at 5 %"));
   EXPECT_THAT(text.out, HasSubstr("No pooled effect size"));
   const Outcome wrong = run(folder, {"study", "power", "s.toml", "--effect", "jnd"});
   EXPECT_EQ(wrong.exit_code, 2);

@@ -32,7 +32,7 @@ TEST(StudyCheckCommand, ShowsThePlanAndForcesOfTheExample) {
   const Folder folder;
   const Outcome text = run(folder, {"study", "check", kExample});
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  EXPECT_THAT(text.out, HasSubstr("stiffness 1-75, threshold again 60\n"));
+  EXPECT_THAT(text.out, HasSubstr("hold 1-45, stiffness 1-33, threshold again 40\n"));
   EXPECT_THAT(text.out, HasSubstr("largest force 4.6 N, of task hold; limit 6 N of the study\n"));
   EXPECT_THAT(text.out, HasSubstr("hint: task lump: the noise is faded out for 0.5 s after every 3 s\n"));
   EXPECT_THAT(text.out, HasSubstr("hint: palpate study power "));

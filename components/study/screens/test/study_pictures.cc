@@ -1,5 +1,5 @@
-// Draws the study's windows on a virtual display: palpate_study_pictures FOLDER [WIDTH HEIGHT]. With a size
-// all states are drawn, else the pictures of docs/pictures.
+// Draws the study's windows on a virtual display: palpate_study_pictures FOLDER [WIDTH HEIGHT [LANGUAGE]].
+// With a size all states are drawn, else the pictures of docs/pictures.
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -24,8 +24,9 @@ namespace contents = palpate::app::contents;
 
 class Pictures {
  public:
-  Pictures(std::filesystem::path folder, palpate::app::Display::Size size)
+  Pictures(std::filesystem::path folder, palpate::app::Display::Size size, const std::string& language = "en")
       : study_(contents::study()), folder_(std::move(folder)) {
+    study_.language = palpate::study::builtin_language(language);
     StudyScreensOptions options;
     options.title = "touch-noise-1: PK7Q2";
     options.size = size;
@@ -131,6 +132,8 @@ void draw_all(Pictures& pictures) {
   pictures.save("idle");
   pictures.withdraw(contents::moment(TrialState::kInterval));
   pictures.ask(contents::consent(), "question-consent", "experimenter-consent");
+  pictures.ask({"participant", describe(palpate::study::TaskKind::kStiffness).instructions, {"Go on"}},
+               "question-instructions");
   pictures.ask(contents::blinding("participant"), "question-blinding");
   pictures.ask(contents::ages(), "question-ages");
   pictures.ask(contents::blinding("experimenter"), "question-waits", "experimenter-blinding");
@@ -141,12 +144,12 @@ void draw_all(Pictures& pictures) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc != 2 && argc != 4)
-      throw std::runtime_error("usage: palpate_study_pictures FOLDER [WIDTH HEIGHT]");
+    if (argc != 2 && argc != 4 && argc != 5)
+      throw std::runtime_error("usage: palpate_study_pictures FOLDER [WIDTH HEIGHT [LANGUAGE]]");
     const palpate::app::VirtualDisplay display;
     if (!display.there()) throw std::runtime_error("there is no Xvfb (Debian package xvfb)");
-    if (argc == 4) {
-      Pictures pictures(argv[1], {std::stoi(argv[2]), std::stoi(argv[3])});
+    if (argc >= 4) {
+      Pictures pictures(argv[1], {std::stoi(argv[2]), std::stoi(argv[3])}, argc == 5 ? argv[4] : "en");
       draw_all(pictures);
       return 0;
     }

@@ -34,6 +34,28 @@ TEST(Plan, OfTheExampleFitsIntoFourSessionsOfAnHour) {
   for (const PlannedSession& session : sessions) EXPECT_LE(session.minutes, 60.0);
 }
 
+TEST(Plan, OfTheShortExampleIsOneSessionOf45Minutes) {
+  const Study study = load_study(PALPATE_EXAMPLES "/study/one-session.toml");
+  const std::vector<PlannedSession> sessions = plan_sessions(study);
+  ASSERT_EQ(sessions.size(), 1U);
+  ASSERT_EQ(sessions[0].parts.size(), 2U);
+  const StudyTask& stiffness = study.tasks[1];
+  const int more = stiffness.practice_until->most - stiffness.practice_until->of;
+  EXPECT_LE(sessions[0].minutes + more * trial_seconds(study, stiffness) / 60.0, 45.0);
+  EXPECT_EQ(study.primary->task, stiffness.name);
+}
+
+// Every task of the shipped studies with two intervals has practice and catch trials.
+TEST(Plan, OfTheExamplesHasPracticeAndCatchTrials) {
+  for (const char* name : {"/study/one-session.toml", "/study/touch-noise.toml"}) {
+    for (const StudyTask& task : load_study(std::string(PALPATE_EXAMPLES) + name).tasks) {
+      if (!task.two_intervals()) continue;
+      EXPECT_TRUE(task.practice > 0 || task.practice_until) << task.name;
+      EXPECT_GT(task.catch_share, 0.0) << task.name;
+    }
+  }
+}
+
 TEST(Plan, IsRefusedWithTooFewSessionsNamingTheirNumber) {
   Study study = example();
   study.sessions = 2;
@@ -56,6 +78,8 @@ TEST(Plan, HasEachTrialOnceInWholeRoundsAndInOrder) {
     Study study = example();
     study.sessions = 50;
     study.max_minutes = minutes;
+    study.latin_order = false;
+    study.tasks[0].each_session = false;
     std::vector<int> next(study.tasks.size(), 0);
     std::size_t last_task = 0;
     for (const PlannedSession& session : plan_sessions(study)) {
@@ -83,7 +107,7 @@ TEST(Plan, RepeatsATaskAtTheEndOfItsSession) {
   const PlannedPart& last = sessions[0].parts.back();
   EXPECT_EQ(last.run, kRunAtEnd);
   EXPECT_EQ(last.task, 0U);
-  EXPECT_EQ(last.trials, 60);
+  EXPECT_EQ(last.trials, 40);
   EXPECT_EQ(sessions[0].parts.front().task, 0U);
 }
 

@@ -1,6 +1,7 @@
 #include "study/session/trial_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <string>
@@ -10,7 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "study/session/simulate.h"
 #include "study/session/test/simulated_log.h"
+#include "study/session/test/small_study.h"
 
 namespace palpate::study {
 namespace {
@@ -64,11 +67,11 @@ TEST(TrialTable, ARowHasTheTrialInUnitsThatPeopleRead) {
       "participant,session,block,task,trial_number,time,practice,repetition,catch_trial,condition,level,"
       "stimulus,stimulus_unit,second,answer,correct,response_time_s,spoiled,rms_error_N,variation,"
       "observer,peak_force_1_N,mean_force_1_N,depth_1_mm,work_1_mJ,peak_force_2_N,mean_force_2_N,"
-      "depth_2_mm,work_2_mJ");
+      "depth_2_mm,work_2_mJ,noise_sd_N,threshold_sd_N,onset_1_s,onset_2_s");
   // exp(-0.5) = 0.6065: the comparison, in the second interval, is softer; "first" is correct.
   EXPECT_EQ(lines[1],
             "P1002,1,3,stiffness,7,2026-03-01T09:00:00.000Z,0,0,0,constant,-0.5,0.6065,ratio,1,1,1,0.75,"
-            "band;late,,,,1.5,1.25,8,6,0,0,0,0");
+            "band;late,,,,1.5,1.25,8,6,0,0,0,0,,,,");
 }
 
 TEST(TrialTable, ConditionIsTheOwnCodeUntilUnblinding) {
@@ -139,6 +142,36 @@ TEST(TrialTable, BlindTableDoesNotPredictTheCondition) {
     EXPECT_GE(scored.size(), 2000U);
     EXPECT_NEAR(area(scored), 0.5, 0.05) << column;
   }
+}
+
+TEST(TrialTable, NoiseAndItsThresholdAreShownWhereTheyDoNotRevealTheCondition) {
+  const Study study = small_study();
+  Participant person{0, simulate_trials(study, kTestKey, 0, make_person("sr", study.seed, 0))};
+  person.log.trials.back().intervals[0].from_tick = 1500;
+  person.renderings = renderings_of(study, kTestKey, person, 1000.0);
+  ASSERT_EQ(person.renderings.size(), person.log.trials.size());
+  double threshold = 0.0;
+  for (const bool unblinded : {false, true}) {
+    const ArmNames names(study, kTestKey, unblinded);
+    for (const TrialRecord& trial : person.log.trials) {
+      const std::vector<std::string> row = trial_row(study, person, trial, names);
+      const std::string& noise = row[row.size() - 4];
+      const std::string& own = row[row.size() - 3];
+      if (trial.task == "threshold") {
+        EXPECT_NEAR(std::stod(noise), std::min(0.1, std::pow(10.0, trial.level)), 1e-4);
+        EXPECT_EQ(own, "");
+      } else if (trial.task == "stiffness") {
+        threshold = std::stod(own);
+        EXPECT_EQ(noise.empty(), !unblinded);
+        if (!unblinded) continue;
+        // The arms are off with 0, constant and paper with 0.6.
+        const double share = row[9] == "off" ? 0.0 : 0.6;
+        EXPECT_NEAR(std::stod(noise), share * threshold, 1e-5 * threshold);
+      }
+    }
+    EXPECT_EQ(trial_row(study, person, person.log.trials.back(), names).end()[-2], "1.5");
+  }
+  EXPECT_NEAR(std::log10(threshold / make_person("sr", study.seed, 0).noise_threshold), 0.0, 0.3);
 }
 
 }  // namespace
