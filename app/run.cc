@@ -382,9 +382,9 @@ void add_run(CLI::App& program, const std::string& command_line, int& exit_code)
   add_scene_flags(*command, flags->request);
   add_run_flags(*command, *flags);
   command->footer(
-      "Example: palpate run --organ liver.stl --organ-unit mm --tissue liver --tool sphere:3 \\\n"
-      "           --record liver.h5 --report out\n"
-      "A fault keeps the force at zero until it is reset; kill -USR1 PID resets the faults of all hands.\n"
+      std::string("Example: palpate run --organ liver.stl --organ-unit mm --tissue liver --tool sphere:3 \\\n"
+                  "           --record liver.h5 --report out\n") +
+      describe_faults() +
       "Exit: 0 done, 2 bad input, 3 a fault was latched (even if it was reset),\n"
       "      4 more than --max-missed deadlines missed");
   command->callback([flags, &command_line, &exit_code] {

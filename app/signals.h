@@ -41,6 +41,8 @@ class ResetOnSignal final {
 
 /// [setup] How the user resets a fault, at the end of a message: "until it is reset: kill -USR1 4242".
 [[nodiscard]] std::string describe_reset();
+/// [any] What a command's help says about faults, one line.
+[[nodiscard]] const char* describe_faults() noexcept;
 
 /// [setup] Ignores signals that would end the program: of a file that is too large, and resets outside a run.
 void ignore_signals() noexcept;

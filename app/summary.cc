@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/path_text.h"
 #include "palpate/tool_contact.h"
 #include "run/session/run_quantities.h"
 
@@ -181,11 +182,11 @@ nlohmann::ordered_json summary_json(const RunResult& run, const OutputFiles& fil
                {"further_faults", run.loop.further_faults},
                {"watchdog_stops", run.loop.watchdog_stops},
                {"igtl", igtl_json(igtl)},
-               {"recording", text_or_null(files.recording)},
+               {"recording", text_or_null(to_text(files.recording))},
                {"recording_failure", text_or_null(run.recording_failure)},
-               {"report", text_or_null(files.report)},
-               {"screenshot", text_or_null(files.screenshot)},
-               {"fault_recording", text_or_null(run.fault_recording)},
+               {"report", text_or_null(to_text(files.report))},
+               {"screenshot", text_or_null(to_text(files.screenshot))},
+               {"fault_recording", text_or_null(to_text(run.fault_recording))},
                {"remarks", remarks(run)}});
   return json;
 }

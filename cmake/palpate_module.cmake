@@ -4,30 +4,25 @@
 # link a module see only the public headers in include/; sources of this repository that use src/ link palpate::private.
 # TEST_PROPERTIES: CTest properties of each suite. The folders posix/ and windows/ implement the same functions for their system.
 # NOT_PORTABLE: sources that the portable build leaves out (PALPATE_PORTABLE), there or in the system's folder. It takes those of
-# the folder portable/ instead. NOT_WINDOWS: sources that palpate.exe leaves out. It takes those of the same name in portable/.
+# the folder portable/ instead. NOT_WINDOWS: sources that palpate.exe leaves out. It takes those of the same name in portable/, and
+# all in windows/.
 add_library(palpate_private INTERFACE)
 add_library(palpate::private ALIAS palpate_private)
 target_include_directories(palpate_private INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR} ${PALPATE_SYSTEM_HEADERS})
-
-# palpate_leave_out(SOURCES NAME...): removes NAME.cc of the current folder and of the system's from the list SOURCES.
-function(palpate_leave_out sources)
-  foreach(name IN LISTS ARGN)
-    list(REMOVE_ITEM ${sources} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cc ${CMAKE_CURRENT_SOURCE_DIR}/${PALPATE_SYSTEM}/${name}.cc)
-  endforeach()
-  set(${sources} ${${sources}} PARENT_SCOPE)
-endfunction()
 
 function(palpate_module name)
   cmake_parse_arguments(ARG "" "" "HEADERS;SUBFOLDERS;NOT_PORTABLE;NOT_WINDOWS;DEPS;PRIVATE_DEPS;TEST_DEPS;TEST_PROPERTIES" ${ARGN})
   list(TRANSFORM ARG_SUBFOLDERS APPEND "/*.cc")
   file(GLOB sources CONFIGURE_DEPENDS *.cc ${PALPATE_SYSTEM}/*.cc ${ARG_SUBFOLDERS})
   if(PALPATE_PORTABLE)
-    palpate_leave_out(sources ${ARG_NOT_PORTABLE})
+    foreach(name IN LISTS ARG_NOT_PORTABLE)
+      list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cc ${CMAKE_CURRENT_SOURCE_DIR}/${PALPATE_SYSTEM}/${name}.cc)
+    endforeach()
     file(GLOB instead CONFIGURE_DEPENDS portable/*.cc)
     list(APPEND sources ${instead})
   elseif(WIN32)
-    palpate_leave_out(sources ${ARG_NOT_WINDOWS})
     foreach(name IN LISTS ARG_NOT_WINDOWS)
+      list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cc)
       cmake_path(GET name FILENAME file)
       if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/portable/${file}.cc)
         list(APPEND sources ${CMAKE_CURRENT_SOURCE_DIR}/portable/${file}.cc)

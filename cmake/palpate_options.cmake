@@ -41,7 +41,7 @@ if(WIN32)
   set(PALPATE_SYSTEM windows)
   # No library of the compiler is needed beside a program.
   add_link_options(-static)
-  add_compile_definitions(_WIN32_WINNT=0x0A00 _CRT_RAND_S)
+  add_compile_definitions(_WIN32_WINNT=0x0A00 _CRT_RAND_S NOMINMAX WIN32_LEAN_AND_MEAN)
 endif()
 set(PALPATE_SYSTEM_HEADERS ${PROJECT_SOURCE_DIR}/src/io/system/${PALPATE_SYSTEM})
 

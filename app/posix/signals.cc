@@ -61,6 +61,11 @@ bool ResetOnSignal::take() noexcept {
 
 std::string describe_reset() { return "until it is reset: kill -USR1 " + std::to_string(getpid()); }
 
+const char* describe_faults() noexcept {
+  return "A fault keeps the force at zero until it is reset; kill -USR1 PID resets the faults of all "
+         "hands.\n";
+}
+
 void ignore_signals() noexcept {
   // With SIGXFSZ ignored, write() returns an error for a file over the limit of `ulimit -f`, as for a full
   // disk.

@@ -40,6 +40,8 @@ bool ResetOnSignal::take() noexcept { return false; }
 
 std::string describe_reset() { return "until the run ends"; }
 
+const char* describe_faults() noexcept { return "A fault keeps the force at zero until the run ends.\n"; }
+
 void ignore_signals() noexcept {}
 
 }  // namespace palpate::app

@@ -7,8 +7,11 @@
 
 #include <fcntl.h>
 #include <io.h>
-#include <shellapi.h>
+// The second header needs the first.
+// clang-format off
 #include <windows.h>
+#include <shellapi.h>
+// clang-format on
 
 #include "io/system/path_text.h"
 

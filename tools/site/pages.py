@@ -11,7 +11,7 @@ LANGUAGES = {'.cc': 'cpp', '.h': 'cpp', '.c': 'c', '.py': 'python', '.toml': 'to
              '.cff': 'yaml', '.rules': 'text', '.cmake': 'cmake'}
 # Sections and their pages. Other pages go to "More".
 SECTIONS = (
-    ('Start', ('README.md', 'docs/start.md', 'docs/install.md', 'docs/doors.md', 'docs/first-organ.md', 'docs/first-device.md',
+    ('Start', ('README.md', 'docs/start.md', 'docs/install.md', 'docs/windows.md', 'docs/doors.md', 'docs/first-organ.md', 'docs/first-device.md',
                'docs/first-tissue.md')),
     ('Use', ('docs/file-formats.md', 'docs/odd-data.md', 'api/commands.md', 'docs/window.md', 'docs/devices.md', 'docs/organs.md',
              'docs/lumps.md', 'docs/tissues.md', 'docs/fitting.md', 'docs/sweeps.md', 'docs/photographs.md', 'docs/safety.md', 'docs/realtime.md',

@@ -66,6 +66,7 @@ fs::path link_target(const fs::path& file) {
 }
 
 bool is_special_file(const fs::path& file) {
+  if (is_device_name(file)) return true;
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   return fs::exists(status) && !fs::is_regular_file(status);  // an error counts as absent: opening reports it

@@ -55,6 +55,8 @@ inline bool is_open_to_others(const FileStatus& status) noexcept {
 inline bool is_usable_by_others(const FileStatus& status) noexcept {
   return (status.st_mode & (S_IRWXG | S_IRWXO)) != 0;
 }
+/// [setup] Whether the system opens a device for this name in any folder: NUL, COM1.txt, ... on Windows.
+inline bool is_device_name(const std::filesystem::path& /*file*/) noexcept { return false; }
 /// [setup] Whether this process may write to a file, or create files in a folder.
 inline bool may_write(const std::filesystem::path& path) noexcept {
   return ::access(path.c_str(), W_OK) == 0;

@@ -6,11 +6,10 @@ namespace palpate {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-constexpr std::int64_t kNanosecondsPerStep = 100;    // of Windows' timers and file times
-constexpr std::int64_t kUnixEpoch = 11'644'473'600;  // s between 1601 and 1970
+constexpr std::int64_t kNanosecondsPerStep = 100;             // of Windows' timers and file times
+constexpr std::int64_t kUnixEpoch = 116'444'736'000'000'000;  // steps between 1601 and 1970
 // A timer of high resolution ends up to half a millisecond late, so the rest is spent polling the clock.
-constexpr std::int64_t kPolled = 600'000;    // ns
-constexpr std::int64_t kPolledByOthers = 0;  // ns
+constexpr std::int64_t kPolled = 600'000;  // ns
 
 std::int64_t ticks_per_second() noexcept {
   static const std::int64_t rate = [] {
@@ -66,14 +65,14 @@ std::int64_t unix_ns() noexcept {
   FILETIME now{};
   GetSystemTimePreciseAsFileTime(&now);
   const std::int64_t steps = (static_cast<std::int64_t>(now.dwHighDateTime) << 32) | now.dwLowDateTime;
-  return steps * kNanosecondsPerStep - kUnixEpoch * kNanosecondsPerSecond;
+  return (steps - kUnixEpoch) * kNanosecondsPerStep;
 }
 
 void sleep_until_ns(std::int64_t deadline) noexcept {
   static thread_local ThreadTimer timer;
   // Only a thread of high priority must wake in time; others would waste a processor.
   const bool urgent = GetThreadPriority(GetCurrentThread()) >= THREAD_PRIORITY_HIGHEST;
-  const std::int64_t polled = urgent ? kPolled : kPolledByOthers;
+  const std::int64_t polled = urgent ? kPolled : 0;
   for (std::int64_t left = deadline - monotonic_ns(); left > polled; left = deadline - monotonic_ns()) {
     timer.sleep(left - polled < kNanosecondsPerStep ? kNanosecondsPerStep : left - polled);
   }

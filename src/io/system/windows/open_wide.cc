@@ -9,21 +9,23 @@
 #include <io.h>
 #include <windows.h>
 
-namespace {
+#include "system_files.h"
 
-/// Whether the last part of a path is the name of a device (NUL, COM1, ...), which Windows opens in any
-/// folder and with any ending.
-bool is_device_name(const wchar_t* path) {
-  std::wstring name = path;
-  if (name.starts_with(L"\\\\.\\")) return false;  // the caller asks for a device
-  const std::size_t slash = name.find_last_of(L"/\\:");
-  if (slash != std::wstring::npos) name.erase(0, slash + 1);
+namespace palpate {
+
+// NUL, COM1, ..., with any ending
+bool is_device_name(const std::filesystem::path& file) {
+  std::wstring name = file.filename().wstring();
   name.resize(std::min(name.size(), name.find_first_of(L".: ")));
   for (wchar_t& letter : name) letter = static_cast<wchar_t>(std::towupper(letter));
   if (name == L"CON" || name == L"PRN" || name == L"AUX" || name == L"NUL") return true;
   const bool numbered = name.size() == 4 && name[3] >= L'0' && name[3] <= L'9';
   return numbered && (name.starts_with(L"COM") || name.starts_with(L"LPT"));
 }
+
+}  // namespace palpate
+
+namespace {
 
 int error_of(DWORD error) noexcept {
   switch (error) {
@@ -53,7 +55,7 @@ DWORD creation_of(int flags) noexcept {
 }  // namespace
 
 extern "C" int palpate_open_wide(const wchar_t* path, int flags, int /*mode*/) {
-  if (is_device_name(path)) {
+  if (palpate::is_device_name(path)) {
     errno = ENXIO;
     return -1;
   }

@@ -7,8 +7,11 @@
 #include <stdexcept>
 #include <vector>
 
-#include <bcrypt.h>
+// The second header needs the first.
+// clang-format off
 #include <windows.h>
+#include <bcrypt.h>
+// clang-format on
 
 #include "io/system/input_file.h"
 

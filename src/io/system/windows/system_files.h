@@ -58,6 +58,7 @@ inline int make_folder(const std::filesystem::path& folder) noexcept { return ::
 inline bool is_of_this_user(const FileStatus& /*status*/) noexcept { return true; }
 inline bool is_open_to_others(const FileStatus& /*status*/) noexcept { return false; }
 inline bool is_usable_by_others(const FileStatus& /*status*/) noexcept { return false; }
+bool is_device_name(const std::filesystem::path& file);
 inline bool may_write(const std::filesystem::path& path) noexcept { return ::_waccess(path.c_str(), 2) == 0; }
 inline void set_rights(int /*descriptor*/, mode_t /*mode*/) noexcept {}
 inline mode_t less_the_umask(mode_t mode) noexcept { return mode; }

@@ -3,8 +3,11 @@
 #include <system_error>
 #include <thread>
 
-#include <powrprof.h>
+// The second header needs the first.
+// clang-format off
 #include <windows.h>
+#include <powrprof.h>
+// clang-format on
 
 #include "io/system/files.h"
 #include "run/realtime/realtime.h"

@@ -3,8 +3,11 @@
 #include <cstddef>
 #include <system_error>
 
-#include <timeapi.h>
+// The second header needs the first.
+// clang-format off
 #include <windows.h>
+#include <timeapi.h>
+// clang-format on
 
 #include "io/system/shared_library.h"
 
