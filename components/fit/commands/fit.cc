@@ -29,6 +29,7 @@
 #include "fit/commands/commands.h"
 #include "fit/commands/fit_summary.h"
 #include "fit/identify/fit_many.h"
+#include "fit/identify/map_check.h"
 #include "fit/identify/map_choice.h"
 #include "fit/identify/map_fit.h"
 #include "fit/identify/map_tissue.h"
@@ -271,13 +272,15 @@ void fit_one_map(const FitFlags& flags) {
         fmt::format("--max-inclusions {}: must be at most {}", flags.max_inclusions, model::kMaxInclusions));
   }
   const MapOutputs files = map_outputs_of(flags);
-  const std::vector<identify::MapRow> rows = identify::read_map(flags.files.front());
+  std::vector<identify::MapRow> rows = identify::read_map(flags.files.front());
   identify::DescribedMap map;
   std::optional<identify::MapTissue> tissue;
   try {
+    std::vector<std::string> doubts = identify::check_map(rows, settings.tip_radius);
     Progress bar("fit", WithoutTerminal::kLines);
     map = identify::describe_map(rows, settings,
                                  [&bar](double share, const std::string& what) { bar.update(share, what); });
+    map.warnings.insert(map.warnings.begin(), doubts.begin(), doubts.end());
     if (!files.tissue.empty()) tissue = identify::tissue_of_map(map.predictor, deepest_row(rows));
   } catch (const InputError& error) {
     throw InputError(flags.files.front() + ": " + error.what());

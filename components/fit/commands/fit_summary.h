@@ -47,11 +47,12 @@ struct MapFiles {
 struct MapValidation {
   std::size_t probes = 0;
   std::size_t rows = 0;
-  double range = 0.0;              // of the measured force [N]
-  double rms = 0.0;                // error [N]
-  double largest = 0.0;            // error [N]
-  std::size_t outside_probes = 0;  // farther from every fitted probe than a stiffness map may be
-  std::size_t deeper_rows = 0;     // than the fitted ones
+  double range = 0.0;                 // of the measured force [N]
+  double rms = 0.0;                   // error [N]
+  double largest = 0.0;               // error [N]
+  std::size_t outside_probes = 0;     // farther from every fitted probe than a stiffness map may be
+  std::size_t deeper_rows = 0;        // than the fitted ones
+  std::vector<std::string> warnings;  // about the measured rows
 };
 
 /// [setup] Predicts the probes of a file. @param scene_file as palpate fit --map wrote it @throws InputError

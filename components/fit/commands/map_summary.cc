@@ -143,6 +143,7 @@ std::string map_text(const DescribedMap& map) {
   text += choice_text(map);
   for (std::size_t i = 0; i < fit.inclusions.size(); ++i) text += inclusion_text(fit.inclusions[i], i + 1);
   if (any_undetermined(fit)) text += std::string(kAdvice) + '\n';
+  for (const std::string& warning : map.warnings) text += "! " + warning + '\n';
   return text;
 }
 
@@ -178,6 +179,7 @@ std::string map_json(const DescribedMap& map) {
         {{"x_mm", at.x()}, {"y_mm", at.y()}, {"z_mm", at.z()}, {"factor", one.factor}});
   }
   if (any_undetermined(fit)) json["advice"] = kAdvice;
+  json["warnings"] = map.warnings;
   return json_text(json) + '\n';
 }
 

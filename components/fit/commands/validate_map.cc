@@ -19,6 +19,7 @@
 
 #include "app/output.h"
 #include "fit/commands/fit_summary.h"
+#include "fit/identify/map_check.h"
 #include "fit/identify/map_choice.h"
 
 namespace palpate::app {
@@ -82,9 +83,14 @@ double distance_to(const std::vector<model::StiffnessPoint>& points, const Vec3&
 
 MapValidation validate_map(const std::string& data, const std::string& scene_file) {
   const WrittenMap written = read_written_map(scene_file);
-  const std::vector<MapRow> rows = identify::read_map(data);
-  const std::vector<double> forces = identify::predicted_forces(written.map, rows, rows);
+  std::vector<MapRow> rows = identify::read_map(data);
   MapValidation made;
+  try {
+    made.warnings = identify::check_map(rows, written.map.tip_radius);
+  } catch (const InputError& error) {
+    throw InputError(data + ": " + error.what());
+  }
+  const std::vector<double> forces = identify::predicted_forces(written.map, rows, rows);
   std::set<int> probes;
   std::set<int> outside;
   double low = std::numeric_limits<double>::infinity();
@@ -107,6 +113,7 @@ MapValidation validate_map(const std::string& data, const std::string& scene_fil
   made.outside_probes = outside.size();
   made.range = high - low;
   made.rms = std::sqrt(sum / static_cast<double>(rows.size()));
+  if (!std::isfinite(made.rms)) throw InputError(data + ": the map predicts no number for a force");
   if (!(made.range > 0.0)) throw InputError(data + ": force_N is the same in all rows");
   if (made.outside_probes == made.probes) {
     throw InputError(
@@ -131,6 +138,7 @@ std::string map_validation_text(const MapValidation& map, const std::vector<std:
     text += fmt::format("{} rows are deeper than the fitted ones: their forces are extrapolated\n",
                         map.deeper_rows);
   }
+  for (const std::string& one : map.warnings) text += "! " + one + '\n';
   for (const std::string& one : missed) text += "missed: " + one + '\n';
   return text;
 }
@@ -145,6 +153,7 @@ std::string map_validation_json(const MapValidation& map, const std::vector<std:
                                          {"max_error_N", map.largest},
                                          {"probes_outside", map.outside_probes},
                                          {"rows_deeper", map.deeper_rows}}},
+                                       {"warnings", map.warnings},
                                        {"missed", missed}};
   return json_text(json) + '\n';
 }

@@ -100,6 +100,7 @@ std::string force_text(const report::ForceSet& set) {
         "  ! {} points are deeper than the tissue's layers allow: the law stays at its largest force there\n",
         force.beyond);
   }
+  for (const std::string& note : force.measured.preparation.notes) text += "  ! " + note + '\n';
   return text + baselines_text(set.cost_ns, set.baselines, 1.0, "N");
 }
 

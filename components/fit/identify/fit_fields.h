@@ -59,6 +59,7 @@ void for_each_field(Fit& fit, const Visit& visit) {
   visit(F{.key = "points", .place = 3, .phrase = ", {} points", .column = "points"}, fit.points);
   visit(F{.key = "rows", .outputs = kInJson | kInRecord}, fit.rows);
   visit(F{.key = "warnings"}, fit.warnings);
+  visit(F{.key = "poor", .outputs = kInRecord}, fit.poor);
   visit(F{.key = "curve", .outputs = kInPython | kInRecord}, fit.curve);
   visit(F{.key = "shared", .outputs = kInRecord}, fit.shared);
   visit(F{.key = "own", .outputs = kInRecord}, fit.own);

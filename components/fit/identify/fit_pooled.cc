@@ -13,8 +13,11 @@
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
+#include "palpate/spring_law.h"
+#include "palpate/units.h"
 #include "run/tasks/for_each_task.h"
 
+#include "fit/identify/finite_result.h"
 #include "fit/identify/fit_record.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/least_squares.h"
@@ -213,6 +216,33 @@ std::vector<SpecimenFit> at_reference_stiffness(std::vector<SpecimenFit> fits,
   return fits;
 }
 
+/// A question when the specimens' own fits give forces of very different size at a depth that all reach; ""
+/// otherwise. Organs differ by a factor of two or three, units by more.
+std::string unlike(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
+                   const std::vector<double>& factors, const Settings& settings) {
+  constexpr double kUnlike = 5.0;
+  double depth = kInfinity;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const Ranges ranges = ranges_of(specimens[i]);
+    depth = std::min(depth,
+                     ranges.lowest_displacement + ranges.displacement - fits[i].own[0] * ranges.displacement);
+  }
+  std::vector<double> forces;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const model::SpringLaw law(tissue_of(fits[i].shared, settings), settings.direction, settings.period);
+    forces.push_back(law.force_at(depth).force / factors[i]);
+  }
+  const auto [least, most] = std::minmax_element(forces.begin(), forces.end());
+  if (!(*most > kUnlike * *least)) return "";
+  const auto name = [&](const auto& at) { return fits[static_cast<std::size_t>(at - forces.begin())].name; };
+  return fmt::format(
+      "the specimens differ by a factor {}: {} mm below contact {} carries {} N and {} {} N. One tissue is "
+      "no "
+      "good mean of them: are all in N and mm?",
+      brief(*most / *least, 2), brief(depth / kMillimetre, 3), name(least), brief(*least, 3), name(most),
+      brief(*most, 3));
+}
+
 /// An error above the limit, as a sentence; rounded up, so that it does not print as the limit.
 std::string poor_sentence(const std::string& name, double nrmse, double limit, const char* reason) {
   return fmt::format("the fit of {} has an error of {} of the force range, must be at most {}: {}", name,
@@ -235,6 +265,11 @@ std::string poor_fit(std::span<const SpecimenFit> fits, const PooledFit& pooled,
   if (worst != fits.end() && worst->nrmse > limit) {
     return poor_sentence("specimen " + worst->name, worst->nrmse, limit,
                          "the data do not have the law's shape");
+  }
+  if (limit == kPoorFit) {
+    const auto poor =
+        std::find_if(fits.begin(), fits.end(), [](const auto& one) { return !one.poor.empty(); });
+    if (poor != fits.end()) return poor->poor;
   }
   if (!(pooled.nrmse > limit)) return "";
   return poor_sentence("all specimens together", pooled.nrmse, limit, "the specimens differ");
@@ -271,8 +306,14 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
   pooled.own = optima.all.front().own;
   pooled.tissue = tissue_of(pooled.shared, settings);
   add_size(specimens, size, pooled);
+  require_finite_result("error of all specimens together", pooled.nrmse);
+  for (const Estimate& one : pooled.estimates)
+    require_finite_result("parameters of all specimens", one.value);
   require_fit({}, pooled);
   if (const std::string poor = poor_fit({}, pooled); !poor.empty()) pooled.warnings.push_back(poor);
+  if (const std::string question = unlike(specimens, fits, factors, settings); !question.empty()) {
+    pooled.warnings.push_back(question);
+  }
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {
     pooled.warnings.push_back(

@@ -167,7 +167,7 @@ double number_of(const nlohmann::ordered_json& json) {
 }
 
 std::string record_key(const Specimen& specimen, const Settings& settings, std::uint32_t job) {
-  constexpr std::uint64_t kFormat = 6;  // version of the line format
+  constexpr std::uint64_t kFormat = 7;  // version of the line format
   const std::string version = kVersion;
   ContentHasher hasher;
   hasher.add(kFormat);

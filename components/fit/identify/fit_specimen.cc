@@ -8,22 +8,25 @@
 #include "palpate/error.h"
 #include "palpate/identify.h"
 
+#include "fit/identify/finite_result.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/least_squares.h"
 #include "fit/identify/local_optima.h"
+#include "fit/identify/misfit.h"
+#include "fit/identify/plausible_specimen.h"
 #include "fit/identify/warnings.h"
 
 namespace palpate::identify {
 namespace {
 
-void check(const Specimen& specimen, const Settings& settings) {
-  if (specimen.size() < kFewestPoints) {
-    throw InputError(fmt::format("specimen {}: has {} points, must have at least {}", specimen.name,
-                                 specimen.size(), kFewestPoints));
-  }
+/// The specimen with the checks of a file's reader, which programs have not made. @throws InputError
+Specimen checked(Specimen specimen, const Settings& settings) {
+  const std::string where = "specimen " + specimen.name;
   if (settings.relaxation && specimen.time.empty()) {
-    throw InputError("specimen " + specimen.name + ": has no column time_s, which --relaxation needs");
+    throw InputError(where + ": has no column time_s, which --relaxation needs");
   }
+  check_specimen(specimen, where);
+  return specimen;
 }
 
 /// Bayesian information criterion: a penalty of ln(effective number of points) per parameter.
@@ -169,9 +172,9 @@ void add_errors(const LocalOptima& optima, SpecimenFit& fit) {
 
 }  // namespace
 
-SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std::uint32_t job,
+SpecimenFit fit_specimen(const Specimen& given, const Settings& settings, std::uint32_t job,
                          const Progress& progress, tasks::Communicator* ranks) {
-  check(specimen, settings);
+  const Specimen specimen = checked(given, settings);
   const auto reported = [&progress](double from, double to, const char* what) {
     return [&progress, from, to, what](double share) {
       if (progress) progress(from + share * (to - from), what);
@@ -208,8 +211,14 @@ SpecimenFit fit_specimen(const Specimen& specimen, const Settings& settings, std
     fit.estimates[i].determined = determined[i] == Identifiability::kIdentifiable;
   }
   add_errors(optima, fit);
+  require_finite_result("error", fit.nrmse);
+  for (const Estimate& one : fit.estimates) require_finite_result("parameters", one.value);
   fit.curve = curve_of(optima, profiles);
+  Misfit misfit = misfit_of(optima, fit);
+  fit.poor = std::move(misfit.poor);
   fit.warnings = warnings_of(optima, profiles, curvature, fit);
+  fit.warnings.insert(fit.warnings.begin(), misfit.warnings.begin(), misfit.warnings.end());
+  for (std::string& question : unit_questions(specimen)) fit.warnings.push_back(std::move(question));
   if (specimen.empty_rows > 0) {
     fit.warnings.push_back(
         fmt::format("{} of 0 mm and 0 N after others left out",

@@ -6,12 +6,16 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <ceres/ceres.h>
+#include <fmt/core.h>
 
 #include "palpate/units.h"
 
 #include "fit/identify/factor_field.h"
+#include "fit/identify/finite_result.h"
 #include "fit/identify/map_model.h"
 #include "fit/identify/map_problem.h"
 
@@ -63,7 +67,8 @@ FittedMap map_of(const MapFit& fit, const std::vector<MapRow>& rows, double tip_
   Values uniform = fit.values;
   std::fill(uniform.begin() + kMapTissue, uniform.end(), 0.0);
   if (fit.map_terms > 1) {
-    for (const MapRow& probe : probes_of(rows)) {
+    for (MapRow probe : probes_of(rows)) {
+      probe.depth = kMillimetre;  // the factor is the same at every depth that has a force
       const double factor = model.background(fit.values, probe) / model.background(uniform, probe);
       made.stiffness.push_back(
           {probe.point, std::clamp(factor, model::kSmallestFactor, model::kLargestFactor)});
@@ -134,7 +139,8 @@ struct ShapeCost {
   bool operator()(double const* const* blocks, double* out) const {
     Values forces;
     for (const MapRow& row : *rows) {
-      forces.push_back(std::pow(row.depth / kMillimetre + blocks[0][1], blocks[0][0]));
+      // Numerical derivatives step below D_0 = 0, where a row of depth 0 has no power.
+      forces.push_back(std::pow(std::max(0.0, row.depth / kMillimetre + blocks[0][1]), blocks[0][0]));
     }
     const std::map<int, double> factors = factors_of(forces, *weights, *rows);
     for (std::size_t i = 0; i < rows->size(); ++i) {
@@ -244,6 +250,45 @@ void hold_out(const std::vector<MapRow>& rows, const MapSettings& settings, cons
   }
 }
 
+/// No map may be written that has no numbers. @throws InputError
+void require_finite(const DescribedMap& map) {
+  const MapFit& fit = map.fit;
+  std::vector<std::pair<std::string, double>> numbers = {{"error", fit.error},
+                                                         {"error of the uniform tissue", fit.uniform_error},
+                                                         {"stiffness", fit.stiffness},
+                                                         {"exponent", fit.exponent},
+                                                         {"first depth", fit.first_depth}};
+  for (std::size_t i = 0; i < kMapKinds; ++i) {
+    numbers.emplace_back(fmt::format("error of held-out probes, {}", to_string(static_cast<MapKind>(i))),
+                         map.held_error[i]);
+  }
+  for (const model::StiffnessPoint& one : fit.stiffness_map)
+    numbers.emplace_back("factor of a probe", one.factor);
+  for (const FoundInclusion& one : fit.inclusions) {
+    numbers.emplace_back("radius of an inclusion", one.radius.value);
+    numbers.emplace_back("stiffness ratio of an inclusion", one.ratio.value);
+    numbers.emplace_back("depth of an inclusion", one.depth.value);
+    for (const Estimate& centre : one.centre) numbers.emplace_back("centre of an inclusion", centre.value);
+  }
+  for (const auto& [name, value] : numbers) require_finite_result(name, value);
+}
+
+/// Warns where the background's first depth or exponent ended at the bound of the search.
+void add_bounds(const std::vector<MapRow>& rows, const MapSettings& settings, DescribedMap& map) {
+  constexpr double kAtBound = 1e-3;  // of the bound
+  const MapBounds bounds = MapProblem(rows, settings, 1, weights_of(rows)).bounds(kMapTissue);
+  if (map.fit.first_depth / kMillimetre > (1.0 - kAtBound) * bounds.high[2]) {
+    map.warnings.push_back(fmt::format(
+        "first contact is as far above the first rows as the search goes, {} mm: is the sensor tared?",
+        bounds.high[2]));
+  }
+  if (map.fit.exponent > (1.0 - kAtBound) * bounds.high[1]) {
+    map.warnings.push_back(fmt::format(
+        "the force grows as steeply as the search goes, as D^{}: is depth_mm counted from contact?",
+        bounds.high[1]));
+  }
+}
+
 }  // namespace
 
 const char* to_string(MapKind kind) noexcept {
@@ -305,6 +350,8 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
   if (map.fit.stiffness_map.empty()) {
     for (const MapRow& probe : probes_of(rows)) map.fit.stiffness_map.push_back({probe.point, 1.0});
   }
+  require_finite(map);
+  add_bounds(rows, settings, map);
   return map;
 }
 

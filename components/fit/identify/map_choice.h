@@ -2,6 +2,7 @@
 #include <array>
 #include <functional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct DescribedMap {
   std::size_t held_out = 0;                    // probes; 0: the map has too few for it
   std::array<double, kMapKinds> held_error{};  // RMS error of each kind at the held-out probes [N]
   std::vector<FoundInclusion> left_out;        // inclusions that predict no better, without intervals
+  std::vector<std::string> warnings;           // of check_map(), and where the background ended at a bound
 };
 
 /// [setup] Fits tissue, inclusions and stiffness map to every second probe, predicts the others, and fits to

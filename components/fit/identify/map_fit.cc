@@ -45,10 +45,11 @@ std::pair<Vec3, double> most_wanted(const MapProblem& map, std::span<const doubl
     double total = 0.0;
     for (const auto& [other, sums] : by_probe) {
       const double weight = std::exp(-(place[other] - at).squaredNorm() / near);
+      if (!(sums.second > 0.0)) continue;  // no row with a force
       sum += weight * sums.first / sums.second;
       total += weight;
     }
-    const double wanted = sum / std::sqrt(total);
+    const double wanted = total > 0.0 ? sum / std::sqrt(total) : 0.0;
     if (std::abs(wanted) > std::abs(best.second)) best = {at, wanted};
   }
   return best;
@@ -184,8 +185,8 @@ std::vector<model::StiffnessPoint> stiffness_points(const MapModel& model, const
   }
   std::vector<model::StiffnessPoint> points;
   for (const auto& [probe, both] : sums) {
-    points.push_back(
-        {place[probe], std::clamp(both.first / both.second, model::kSmallestFactor, model::kLargestFactor)});
+    const double factor = both.second > 0.0 ? both.first / both.second : 1.0;
+    points.push_back({place[probe], std::clamp(factor, model::kSmallestFactor, model::kLargestFactor)});
   }
   return points;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "io/system/plausible.h"
 #include "palpate/identify.h"
@@ -13,5 +14,19 @@ namespace palpate::identify {
 /// unit than their column says, by the table of plausible ranges (io/system/plausible.h). @param where file
 /// and specimen, for the message @throws InputError with the unit that would make the numbers usual
 void require_plausible(Specimen& specimen, const std::string& where);
+
+/// [setup] Everything that a specimen must be, whether from a file or from a program: finite numbers,
+/// increasing times, a curve that rises, plausible units, rows between shallow and deep. @param where file
+/// and specimen, for the message @throws InputError
+void check_specimen(Specimen& specimen, const std::string& where);
+
+/// [setup] Whether the force does not rise out of its noise anywhere.
+[[nodiscard]] bool is_flat(const Specimen& s);
+
+/// [setup] One sentence for each range that is possible but unusual, with the unit that would make it usual.
+[[nodiscard]] std::vector<std::string> unit_questions(const Specimen& specimen);
+
+/// [setup] The radius of an indenter must be possible. @param name of the flag or column @throws InputError
+void require_tip_radius(const std::string& name, double radius);
 
 }  // namespace palpate::identify

@@ -14,6 +14,7 @@
 #include "palpate/units.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/loading.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/start.h"
 
@@ -24,84 +25,6 @@ constexpr std::size_t kMaxUntimedPoints = 1000;  // per specimen, without relaxa
 constexpr std::size_t kMaxTimedPoints = 2000;    // per specimen, with relaxation, whose fast terms need
                                                  // dense samples
 constexpr std::size_t kMaxPooledPoints = 400;    // per specimen, in the pooled fit
-
-/// First and last row of a loading.
-struct Loading {
-  std::size_t first = 0;
-  std::size_t last = 0;
-};
-
-/// Loadings of a specimen, by the order of its rows.
-struct Loadings {
-  std::vector<Loading> all;
-  bool has_unloading = false;
-};
-
-/// A change of direction counts when the displacement moves back by a quarter of its range.
-Loadings loadings_of(const Specimen& specimen, const Ranges& ranges) {
-  constexpr double kTurn = 0.25;  // of the range of displacement
-  const double turn = kTurn * ranges.displacement;
-  const std::vector<double>& at = specimen.displacement;
-  Loadings found;
-  enum class Phase { kUnknown, kLoading, kUnloading } phase = Phase::kUnknown;
-  std::size_t first = 0;  // of the current loading
-  std::size_t low = 0;    // rows of the extremes since the last turn
-  std::size_t high = 0;
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    if (at[i] <= at[low]) low = i;
-    if (at[i] >= at[high]) high = i;
-    if (phase != Phase::kUnloading && at[i] < at[high] - turn) {
-      if (phase == Phase::kLoading) found.all.push_back({first, high});
-      found.has_unloading = true;
-      phase = Phase::kUnloading;
-      low = i;
-    } else if (phase != Phase::kLoading && at[i] > at[low] + turn) {
-      first = phase == Phase::kUnknown ? 0 : low;
-      phase = Phase::kLoading;
-      high = i;
-    }
-  }
-  if (phase == Phase::kLoading) found.all.push_back({first, high});
-  return found;
-}
-
-/// The rows of a loading.
-Specimen rows_of(const Specimen& specimen, const Loading& loading) {
-  Specimen part = specimen;
-  for (std::vector<double>* column : {&part.time, &part.displacement, &part.force}) {
-    if (column->empty()) continue;
-    column->resize(loading.last + 1);
-    column->erase(column->begin(), column->begin() + static_cast<std::ptrdiff_t>(loading.first));
-  }
-  return part;
-}
-
-/// The last whole loading of a loop; all rows where the specimen is no loop, or has no whole loading.
-Specimen last_loading(const Specimen& specimen, const Ranges& ranges) {
-  constexpr double kWhole = 0.8;  // of the range of displacement
-  const Loadings loadings = loadings_of(specimen, ranges);
-  Specimen used = specimen;
-  const bool sorted = loadings.all.empty() && specimen.time.empty();  // from deep to shallow
-  if (!loadings.has_unloading || sorted) return used;
-  for (std::size_t cycle = loadings.all.size(); cycle > 0; --cycle) {
-    const Loading& loading = loadings.all[cycle - 1];
-    const double rise = specimen.displacement[loading.last] - specimen.displacement[loading.first];
-    if (loading.last - loading.first + 1 < kFewestPoints || rise < kWhole * ranges.displacement) continue;
-    used = rows_of(specimen, loading);
-    used.preparation.notes.push_back(fmt::format(
-        "the displacement decreases again: of {} rows {} to {} are fitted, the {}; the other rows are left "
-        "out (--relaxation fits all)",
-        specimen.size(), loading.first + 1, loading.last + 1,
-        loadings.all.size() == 1 ? "loading"
-                                 : fmt::format("loading of cycle {} of {}", cycle, loadings.all.size())));
-    return used;
-  }
-  used.preparation.notes.push_back(fmt::format(
-      "the displacement decreases, and no loading has {} rows over 80 % of the range: all rows are fitted as "
-      "one curve, which is right only without hysteresis",
-      kFewestPoints));
-  return used;
-}
 
 std::string millimetres(double metres) { return brief(metres / kMillimetre, 3) + " mm"; }
 
@@ -254,21 +177,13 @@ bool fits_better_with_lead(const Specimen& loading, const Settings& settings, co
          kCertain + unknowns * portable::log(as_lead.points);
 }
 
-/// The rows that begin the measurement: with relaxation, of the first loading.
-Specimen beginning_of(const Specimen& used, const Ranges& ranges) {
-  const Loadings loadings = loadings_of(used, ranges);
-  if (!loadings.has_unloading || loadings.all.empty()) return used;
-  return rows_of(used, loadings.all.front());
-}
-
 }  // namespace
 
 Specimen prepared(const Specimen& specimen, const Settings& settings) {
-  const Ranges whole = ranges_of(specimen);
-  Specimen used = settings.relaxation ? specimen : last_loading(specimen, whole);
+  Specimen used = settings.relaxation ? specimen : last_loading(specimen);
   used.preparation.rows = used.size();
   const Ranges ranges = ranges_of(used);
-  const Specimen loading = settings.relaxation ? beginning_of(used, whole) : used;
+  const Specimen loading = settings.relaxation ? first_loading(used) : used;
   if (loading.size() < kFewestPoints) return used;
   const Start start = start_of(loading, ranges);
   used.preparation.noise = start.noise;

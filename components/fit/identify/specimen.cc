@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <string_view>
@@ -6,7 +7,7 @@
 
 #include <fmt/core.h>
 
-#include "core/base/statistics.h"
+#include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
 #include "palpate/error.h"
@@ -19,16 +20,35 @@
 namespace palpate::identify {
 namespace {
 
-/// Means of `block` neighbours each.
-std::vector<double> means(const std::vector<double>& values, std::size_t block) {
+/// Means of the values between the ends of blocks.
+std::vector<double> means(const std::vector<double>& values, const std::vector<std::size_t>& ends) {
   std::vector<double> out;
-  for (std::size_t begin = 0; begin < values.size(); begin += block) {
-    const std::size_t end = std::min(begin + block, values.size());
+  if (values.empty()) return out;
+  std::size_t begin = 0;
+  for (const std::size_t end : ends) {
     double sum = 0.0;
     for (std::size_t i = begin; i < end; ++i) sum += values[i] - values[begin];
     out.push_back(values[begin] + sum / static_cast<double>(end - begin));
+    begin = end;
   }
   return out;
+}
+
+/// Ends of blocks of `block` neighbours. With times, a block also ends where the displacement has moved by a
+/// hundredth of its range: a mean over a step would be a place where the tool never was.
+std::vector<std::size_t> block_ends(const Specimen& specimen, std::size_t block) {
+  constexpr double kMostMotion = 0.01;  // of the range of displacement
+  const std::vector<double>& at = specimen.displacement;
+  const auto [near, far] = std::minmax_element(at.begin(), at.end());
+  const double most = specimen.time.empty() ? kInfinity : kMostMotion * (*far - *near);
+  std::vector<std::size_t> ends;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= at.size(); ++i) {
+    if (i < at.size() && i - begin < block && !(std::abs(at[i] - at[begin]) > most)) continue;
+    ends.push_back(i);
+    begin = i;
+  }
+  return ends;
 }
 
 enum Column : std::size_t { kTime, kDisplacement, kForce, kSpecimen, kRadius };
@@ -61,60 +81,13 @@ void add_row(Specimen& specimen, const CsvTable& table) {
 
 /// The row's radius of the indenter [m]; 0 without that column. @throws InputError
 double radius_of(const CsvTable& table) {
-  constexpr double kSmallest = 1e-3;  // mm
-  constexpr double kLargestTip = 1e3;
   if (!table.has(kRadius)) return 0.0;
   const double radius = table.number(kRadius);
   if (!(radius > 0.0)) table.fail(kRadius, "must be > 0");
-  if (radius < kSmallest || radius > kLargestTip) {
+  if (!kTipRadius.possible.contains(radius * kMillimetre)) {
     table.fail(kRadius, "must be within 0.001 and 1000: is it in mm?");
   }
   return radius * kMillimetre;
-}
-
-/// Whether the force does not rise out of its noise anywhere.
-bool is_flat(const Specimen& s) {
-  const Ranges ranges = ranges_of(s);
-  return flat_until(s, ranges) >= ranges.lowest_displacement + ranges.displacement;
-}
-
-/// The specimen with the sign of its force inverted.
-Specimen negated(Specimen s) {
-  for (double& force : s.force) force = -force;
-  return s;
-}
-
-/// Rejects data that no law can be fitted to. @param where file and specimen, for the message
-void check_specimen(const Specimen& s, const std::string& where) {
-  if (s.size() < kFewestPoints) {
-    throw InputError(fmt::format(
-        "{}: has {}{}{}, must have at least {}", where, s.size(), s.size() == 1 ? " row" : " rows",
-        s.empty_rows > 0 ? fmt::format(" and {} of 0 mm and 0 N", s.empty_rows) : "", kFewestPoints));
-  }
-  const auto [low, high] = std::minmax_element(s.displacement.begin(), s.displacement.end());
-  const auto [weak, strong] = std::minmax_element(s.force.begin(), s.force.end());
-  if (!(*high > *low)) {
-    throw InputError(fmt::format("{}: displacement_mm is {} in every row, must change", where,
-                                 shortest(*low / kMillimetre)));
-  }
-  if (!(*strong > *weak)) {
-    throw InputError(fmt::format("{}: force_N is {} in every row, must change", where, shortest(*weak)));
-  }
-  if (*high <= 0.0) {
-    throw InputError(where +
-                     ": displacement_mm is never above 0; pressing in and pulling out both count "
-                     "positive, with --direction for which");
-  }
-  const bool flat = is_flat(s);
-  if (flat ? !is_flat(negated(s)) : !(correlation(s.displacement, s.force) > 0.0)) {
-    throw InputError(where +
-                     ": force_N falls as displacement_mm rises; pressing in and pulling out both "
-                     "count positive, with --direction for which");
-  }
-  if (flat) {
-    throw InputError(where +
-                     ": force_N does not rise out of its noise anywhere: the tool seems not to have touched");
-  }
 }
 
 }  // namespace
@@ -138,10 +111,11 @@ Specimen thinned(const Specimen& specimen, std::size_t most) {
   if (specimen.size() <= most) return specimen;
   const std::size_t block = (specimen.size() + most - 1) / most;
   const Specimen ordered = specimen.time.empty() ? by_displacement(specimen) : specimen;
+  const std::vector<std::size_t> ends = block_ends(ordered, block);
   Specimen few = ordered;
-  few.time = means(ordered.time, block);
-  few.displacement = means(ordered.displacement, block);
-  few.force = means(ordered.force, block);
+  few.time = means(ordered.time, ends);
+  few.displacement = means(ordered.displacement, ends);
+  few.force = means(ordered.force, ends);
   return few;
 }
 
@@ -180,7 +154,6 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
   for (Specimen& specimen : all) {
     const std::string where = all.size() == 1 ? name : name + ": specimen " + specimen.name;
     check_specimen(specimen, where);
-    require_plausible(specimen, where);
   }
   return all;
 }

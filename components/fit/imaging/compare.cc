@@ -8,6 +8,9 @@
 
 #include "palpate/error.h"
 
+#include "fit/identify/loading.h"
+#include "fit/identify/plausible_specimen.h"
+
 namespace palpate::imaging {
 namespace {
 
@@ -42,9 +45,22 @@ std::vector<double> depths_of(const Request& request, const RequestNames& names,
 }
 
 double tip_radius_of(const Request& request, const RequestNames& names) {
-  if (request.tip_radius) return *request.tip_radius;
+  if (request.tip_radius) {
+    identify::require_tip_radius(names.tip_radius, *request.tip_radius);
+    return *request.tip_radius;
+  }
   if (request.law.tissue.source) return request.law.tissue.source->radius;
   throw InputError(std::string(names.tip_radius) + ": missing, a profile needs the radius of the tool's tip");
+}
+
+/// The rows that a tissue without relaxation describes, as `palpate fit` takes them, with the doubts about
+/// them as notes. @throws InputError as a reader of specimens
+identify::Specimen comparable(identify::Specimen specimen, bool relaxes) {
+  identify::check_specimen(specimen, "specimen " + specimen.name);
+  identify::Specimen used = relaxes ? specimen : identify::last_loading(specimen);
+  for (std::string& doubt : identify::unit_questions(specimen))
+    used.preparation.notes.push_back(std::move(doubt));
+  return used;
 }
 
 }  // namespace
@@ -57,7 +73,8 @@ Validation compare(const Request& request, const RequestNames& names) {
   for (const identify::Specimen& specimen : request.forces) {
     validate::Law law = request.law;
     if (specimen.tip_radius > 0.0) law.tissue = model::for_tool(law.tissue, specimen.tip_radius);
-    validation.forces.push_back(validate::compare_forces(specimen, law, zeros, request.zeros_fitted));
+    const identify::Specimen used = comparable(specimen, !law.tissue.relaxation.empty());
+    validation.forces.push_back(validate::compare_forces(used, law, zeros, request.zeros_fitted));
   }
   if (!request.profiles.empty()) {
     std::vector<validate::Deformation> profiles;

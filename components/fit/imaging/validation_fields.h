@@ -82,6 +82,7 @@ void for_each_field(const ForceSet& set, const Visit& visit) {
   visit(F{.key = "within_jnd", .place = 9, .phrase = "; {} of the points within 7 % of their force (just noticeable difference)",
           .column = "within 7 %", .as_percent = true}, ours.within_jnd);
   visit(F{.key = "extrapolated_points"}, ours.beyond);
+  visit(F{.key = "warnings"}, ours.measured.preparation.notes);
   visit(F{.key = "zeros"}, std::string(set.zeros_fitted ? "fitted" : "given"));
   visit(F{.key = "zeros_given"}, set.given);
   visit(F{.key = "zeros_fitted"}, set.fitted);

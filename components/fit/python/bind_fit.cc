@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/system/plausible.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"
@@ -29,7 +30,9 @@ Specimen make_specimen(std::string name, const Numbers& displacement, const Numb
                        const std::optional<Numbers>& time, std::optional<double> tip_radius) {
   Specimen specimen{std::move(name), {}, list_of(displacement, "displacement"), list_of(force, "force")};
   if (time) specimen.time = list_of(*time, "time");
-  if (tip_radius && !(*tip_radius > 0.0)) throw ParameterError("tip_radius", *tip_radius, "> 0 (m)");
+  if (tip_radius && !kTipRadius.possible.contains(*tip_radius)) {
+    throw ParameterError("tip_radius", *tip_radius, "within 1e-06 and 1 (m)");
+  }
   specimen.tip_radius = tip_radius.value_or(0.0);
   const std::size_t size = specimen.force.size();
   if (size < identify::kFewestPoints) {

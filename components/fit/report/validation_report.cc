@@ -182,6 +182,7 @@ void write_sets(Page& page, const Validation& validation, const std::filesystem:
       note += std::to_string(set.ours.beyond) +
               " points are deeper than the tissue's layers go: the law holds its largest force there.";
     }
+    for (const std::string& doubt : set.ours.measured.preparation.notes) note += " " + doubt + ".";
     const TableRows table =
         error_table(set.ours.errors, set.cost_ns, "tissue " + tissue.name, set.baselines, 1.0, "N");
     write_set(page, set.ours.measured.name, number, figure, table, !set.baselines.empty(), note);

@@ -9,6 +9,7 @@
 #include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "io/system/plausible.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 #include "palpate/validate.h"
@@ -47,6 +48,13 @@ void check_deformation(Deformation& deformation, const std::string& where) {
   if (!(deformation.distance.back() > deformation.distance.front())) {
     throw InputError(fmt::format("{}: r_mm is {} in every row, must change", where,
                                  shortest(deformation.distance.front() / kMillimetre)));
+  }
+  const double farthest = deformation.distance.back();
+  if (!kProfileReach.possible.contains(farthest)) {
+    throw InputError(fmt::format(
+        "{}: r_mm goes to {}, must be within {} and {}{}", where, in_unit(kProfileReach, farthest),
+        brief(kProfileReach.possible.low / kMillimetre), in_unit(kProfileReach, kProfileReach.possible.high),
+        column_question(kProfileReach, farthest, "r_mm", kMillimetre)));
   }
   const auto [least, most] =
       std::minmax_element(deformation.displacement.begin(), deformation.displacement.end());

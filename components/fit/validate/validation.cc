@@ -89,6 +89,9 @@ Errors errors_of(const std::vector<double>& measured, const std::vector<double>&
   }
   errors.rms = std::sqrt(squares / static_cast<double>(measured.size()));
   errors.nrmse = errors.rms / scale;
+  if (!std::isfinite(errors.nrmse) || !std::isfinite(errors.max)) {
+    throw InputError("the comparison gives no number: look at the units of the data and of the tissue");
+  }
   return errors;
 }
 

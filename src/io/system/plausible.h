@@ -49,6 +49,10 @@ inline constexpr PlausibleRange kOrganDistance{{0.0, 50.0}, {0.0, 2.0}, {"m", 1.
 inline constexpr PlausibleRange kPathDistance{{0.0, kNoLimit}, {0.0, 0.2}, {"m", 1.0}, kLengthUnits};
 /// Depth of a press, and deformation of a layer.
 inline constexpr PlausibleRange kDepthRange{{1e-9, 0.5}, {0.2e-3, 0.1}, {"mm", 1e-3}, kLengthUnits};
+/// Farthest place of a displacement profile from the contact.
+inline constexpr PlausibleRange kProfileReach{{0.1e-3, 2.0}, {1e-3, 0.5}, {"mm", 1e-3}, kLengthUnits};
+/// Radius of an indenter or a tool's tip.
+inline constexpr PlausibleRange kTipRadius{{1e-6, 1.0}, {0.5e-3, 0.1}, {"mm", 1e-3}, kLengthUnits};
 /// Force of a press. The strongest device in docs/devices.md gives 20 N.
 inline constexpr PlausibleRange kForceRange{{1e-9, 1e3}, {5e-3, 100.0}, {"N", 1.0}, kForceUnits};
 /// Stiffness of tissue under an indenter: brain has some N/m, cartilage 1e4 N/m.

@@ -21,6 +21,7 @@ namespace palpate::identify {
 namespace {
 
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -195,11 +196,38 @@ TEST(Prepared, APartialUnloadingAtTheEndLeavesTheLastLoadingTheLast) {
               Contains(HasSubstr("rows 241 to 361 are fitted, the loading of cycle 2")));
 }
 
+TEST(Prepared, AHoldAtTheEndIsLeftOut) {
+  Specimen specimen = pressed({});
+  const std::size_t rows = specimen.size();
+  const double deepest = specimen.displacement.back();
+  const double force = specimen.force.back();
+  for (int i = 0; i < 100; ++i) {
+    specimen.displacement.push_back(deepest);
+    specimen.force.push_back(force * (0.6 + 0.4 * std::exp(-0.05 * i)));
+  }
+  const Specimen used = prepared(specimen, smooth());
+  EXPECT_EQ(used.size(), rows);
+  EXPECT_THAT(used.preparation.notes, Contains(HasSubstr("--relaxation fits all")));
+}
+
+TEST(Prepared, AForceThatStopsAtTheSensorsLimitIsLeftOutFromThere) {
+  Specimen specimen = pressed({});
+  const double limit = 0.4 * specimen.force.back();
+  const auto below = static_cast<std::size_t>(std::count_if(specimen.force.begin(), specimen.force.end(),
+                                                            [limit](double force) { return force < limit; }));
+  for (double& force : specimen.force) force = std::min(force, limit);
+  const Specimen used = prepared(specimen, smooth());
+  EXPECT_NEAR(static_cast<double>(used.size()), static_cast<double>(below), 3.0);
+  EXPECT_THAT(used.preparation.notes, Contains(HasSubstr("the sensor's limit, a slip or a puncture?")));
+}
+
 TEST(Prepared, RowsSortedFromDeepToShallowAreNoLoop) {
   Specimen specimen = pressed({});
   std::reverse(specimen.displacement.begin(), specimen.displacement.end());
   std::reverse(specimen.force.begin(), specimen.force.end());
-  EXPECT_THAT(prepared(specimen, smooth()).preparation.notes, IsEmpty());
+  EXPECT_EQ(prepared(specimen, smooth()).size(), specimen.size());
+  EXPECT_THAT(prepared(specimen, smooth()).preparation.notes,
+              ElementsAre(HasSubstr("sorted from deep to shallow. The unloading of a loop looks the same")));
   for (std::size_t i = 0; i < specimen.size(); ++i) specimen.time.push_back(0.1 * static_cast<double>(i));
   EXPECT_THAT(prepared(specimen, smooth()).preparation.notes, Contains(HasSubstr("without hysteresis")));
 }

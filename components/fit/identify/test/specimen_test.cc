@@ -187,9 +187,16 @@ TEST(Thinned, AveragesNeighboursInDisplacementWithoutTimes) {
 
 TEST(Thinned, AveragesNeighboursInTime) {
   const Specimen few =
-      thinned(Specimen{"a", {0.0, 1.0, 2.0, 3.0}, {1.0, 3.0, 5.0, 1.0}, {1.0, 2.0, 3.0, 4.0}}, 2);
+      thinned(Specimen{"a", {0.0, 1.0, 2.0, 3.0}, {0.0, 0.0, 4.0, 4.0}, {1.0, 2.0, 3.0, 4.0}}, 2);
   EXPECT_EQ(few.time, (std::vector<double>{0.5, 2.5}));
-  EXPECT_EQ(few.displacement, (std::vector<double>{2.0, 3.0}));
+  EXPECT_EQ(few.force, (std::vector<double>{1.5, 3.5}));
+}
+
+TEST(Thinned, WithTimesAveragesNoRowsAcrossAStep) {
+  const Specimen few = thinned(
+      Specimen{"a", {0.0, 1.0, 2.0, 3.0, 4.0}, {0.0, 4.0, 4.0, 4.0, 4.0}, {1.0, 2.0, 3.0, 4.0, 5.0}}, 3);
+  EXPECT_EQ(few.displacement, (std::vector<double>{0.0, 4.0, 4.0}));
+  EXPECT_EQ(few.time, (std::vector<double>{0.0, 1.5, 3.5}));
 }
 
 }  // namespace

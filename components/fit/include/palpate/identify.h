@@ -194,6 +194,7 @@ struct SpecimenFit {
   std::size_t points = 0;           // number of points fitted
   std::size_t rows = 0;             // number of rows in the file
   std::vector<std::string> warnings;
+  std::string poor;  // why no tissue may come from this fit although its error is small; empty: one may
   Curve curve;
   Point shared;  // of the best fit
   Point own;
@@ -233,8 +234,8 @@ struct PooledFit {
 inline constexpr double kPoorFit = 0.2;  // no tissue comes from a fit with a larger error
 inline constexpr double kNoFit = 1.0;    // a larger error is refused: a constant force has a smaller one
 
-/// [setup] What is wrong with these fits: the one with the largest error, if that is over `limit`; otherwise
-/// empty.
+/// [setup] What is wrong with these fits: the one with the largest error, if that is over `limit`, or the
+/// first that is poor for another reason, with kPoorFit; otherwise empty.
 [[nodiscard]] std::string poor_fit(std::span<const SpecimenFit> fits, const PooledFit& pooled,
                                    double limit = kPoorFit);
 

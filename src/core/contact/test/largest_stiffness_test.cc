@@ -131,5 +131,21 @@ TEST(LargestStiffness, ALayerTooStiffForDoublesIsRefused) {
   EXPECT_NO_THROW(TissueLaws(tissue, kLoopPeriod));
 }
 
+TEST(LargestStiffness, ASecondLayerTooStiffForANumberIsRefusedAlthoughItsLawHasOneLayer) {
+  model::TissueParameters tissue = model::tissue_preset("gallbladder");
+  tissue.max_depth.reset();
+  tissue.beta = 1e-3;  // e^1000 is no double; the first layer ends at 18 N/m x 8 mm = 0.144 N
+  EXPECT_THROW(TissueLaws(tissue, kLoopPeriod), ParameterError);
+}
+
+TEST(LargestStiffness, ASmoothLawThatReachesAForceOfNoTissueIsRefused) {
+  model::TissueParameters tissue = model::tissue_preset("liver");
+  tissue.max_depth.reset();
+  tissue.beta = 0.01;  // six layers: e^500 times as stiff at the end
+  EXPECT_THROW(TissueLaws(tissue, kLoopPeriod), ParameterError);
+  tissue.beta = 0.2;  // the softest that a fit looks for
+  EXPECT_NO_THROW(TissueLaws(tissue, kLoopPeriod));
+}
+
 }  // namespace
 }  // namespace palpate::contact::test
