@@ -64,8 +64,8 @@ struct TissueLaws {
   /// Whether the law's layers end within reach because the next one is too stiff for a number.
   [[nodiscard]] static bool ends_in_rigid_layer(const model::TissueParameters& tissue,
                                                 const model::SpringLaw& law) noexcept {
-    const double layers = law.layers_allowed();
-    return std::isinf(std::exp(layers / tissue.beta)) && law.max_force() < kForceWithinReach;
+    constexpr double kLargestExponent = 709.78;  // of e, for a finite number
+    return law.layers_allowed() / tissue.beta > kLargestExponent && law.max_force() < kForceWithinReach;
   }
 };
 static_assert(std::is_trivially_copyable_v<TissueLaws>, "a tick copies it without memory of its own");

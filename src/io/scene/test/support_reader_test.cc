@@ -121,7 +121,8 @@ TEST(OrganSupport, IsDescribedByAPhraseForEachPart) {
 }
 
 TEST(OrganSupport, ErrorsNameTheFieldAndWhatWouldBeRight) {
-  EXPECT_THAT(support_error("[organ.support]\n"), HasSubstr("must have a bed, faces, an attachment or a painted mesh"));
+  EXPECT_THAT(support_error("[organ.support]\n"),
+              HasSubstr("must have a bed, faces, an attachment or a painted mesh"));
   EXPECT_THAT(support_error("[organ.support]\nbed = { share = 0.2 }\n"),
               AllOf(HasSubstr("organ.support.bed.direction"), HasSubstr("missing")));
   EXPECT_THAT(support_error("[organ.support]\nbed = { direction = [0,0,1], share = 1.5 }\n"),
