@@ -39,7 +39,7 @@ TEST(Power, GrowsWithTheNumberOfPeopleAndTheEffect) {
   const Power strong = simulate_power(study, {0.7, {}, {4, 16}, 5}, nullptr, {});
   ASSERT_EQ(strong.rows.size(), 2U);
   EXPECT_EQ(strong.rows[0].effect, "jnd=0.7");
-  EXPECT_EQ(strong.rows[0].analysis, "JND in stiffness, constant - off");
+  EXPECT_EQ(strong.rows[0].analysis, "JND in stiffness, constant - off, two-sided test at 5 %");
   EXPECT_LE(strong.rows[0].power, strong.rows[1].power);
   EXPECT_GE(strong.rows[1].power, 0.6);
   EXPECT_GT(strong.rows[0].width, strong.rows[1].width);
@@ -62,7 +62,7 @@ TEST(Power, InvertedUIsSimulatedWithItsCalibration) {
   const Power power =
       simulate_power(study, {{}, 0.35, {10}, 2}, nullptr, [&](double share) { shares.push_back(share); });
   ASSERT_EQ(power.rows.size(), 1U);
-  EXPECT_EQ(power.rows[0].analysis, "inverted U in curve");
+  EXPECT_EQ(power.rows[0].analysis, "inverted U in curve, two one-sided tests at 5 %");
   EXPECT_GE(power.rows[0].power, 0.5);
   EXPECT_GT(power.rows[0].mean_effect, 0.2);  // of d', from 0.54 to 1.0
   EXPECT_LT(power.rows[0].mean_effect, 0.7);
