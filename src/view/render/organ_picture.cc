@@ -189,16 +189,12 @@ bool OrganPicture::divide_around(std::span<const deform::Indentation> indentatio
 // Moves a displaced vertex on by a field along `direction` whose gradient by the position is `slope`.
 void OrganPicture::shift(std::int32_t v, const Eigen::Vector3f& direction, float by,
                          const Eigen::Vector3f& slope) {
-  const Eigen::Vector3f& at_rest = surface_->rest_vertices()[static_cast<std::size_t>(v)];
-  const Eigen::Vector3f& rest_normal = surface_->rest_normals()[static_cast<std::size_t>(v)];
   deform::SurfaceVertex& vertex = surface_->move(v);
   vertex.position += by * direction;
   // Transposed adjugate of I + direction slope^T.
   const Eigen::Vector3f normal =
       (1.0F + direction.dot(slope)) * vertex.normal - direction.dot(vertex.normal) * slope;
   if (normal.squaredNorm() > 0.0F) vertex.normal = normal.normalized();
-  const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
-  vertex.moved = inwards * (vertex.position - at_rest).norm();
 }
 
 void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform::Indentation> indentations) {
@@ -207,14 +203,19 @@ void OrganPicture::lower_onto(const ToolImprint& imprint, std::span<const deform
   Eigen::Vector3f slope;
   for (const deform::DeformedSurface::Range& run : surface_->near(own, kLoweredWithin)) {
     for (std::size_t i = run.first; i < run.first + run.count; ++i) {
-      const float lowering = imprint.lowering(surface_->vertices()[i].position, surface_->rest_vertices()[i],
-                                              surface_->rest_normals()[i], &slope);
+      const Eigen::Vector3f& at_rest = surface_->rest_vertices()[i];
+      const Eigen::Vector3f& rest_normal = surface_->rest_normals()[i];
+      const float lowering = imprint.lowering(surface_->vertices()[i].position, at_rest, rest_normal, &slope);
       const auto v = static_cast<std::int32_t>(i);
-      if (lowering > 0.0F && surface_->is_near(own, v, kLoweredWithin)) shift(v, direction, lowering, slope);
+      if (!(lowering > 0.0F) || !surface_->is_near(own, v, kLoweredWithin)) continue;
+      shift(v, direction, lowering, slope);
+      const float inwards = direction.dot(rest_normal) < 0.0F ? -1.0F : 1.0F;
+      surface_->move(v).moved = inwards * (surface_->vertices()[i].position - at_rest).norm();
     }
   }
 }
 
+// The fold is no displacement: a map of the displacement does not show it.
 void OrganPicture::raise_fold(const GraspedFold& fold, std::span<const deform::Indentation> indentations) {
   constexpr float kLeast = 1e-6F;  // m
   const std::size_t own = nearest_of(indentations, fold.peak(), true);

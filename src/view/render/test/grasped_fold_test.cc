@@ -1,5 +1,7 @@
 #include "view/render/grasped_fold.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <random>
 #include <vector>
@@ -8,6 +10,8 @@
 
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
+#include "palpate/tissue.h"
+#include "view/render/organ_picture.h"
 
 namespace palpate::render {
 namespace {
@@ -108,6 +112,27 @@ TEST(GraspedFold, GrowsFromNothingAtTheGrasp) {
     before = height;
   }
   EXPECT_NEAR(before, 4e-3, 1e-6);
+}
+
+TEST(GraspedFold, RaisesTheDrawnSurfaceWithoutCountingAsDisplacement) {
+  OrganPicture organ(geometry::make_ball(30e-3, 5120), model::tissue_preset("heart").reach);
+  const std::vector<deform::Indentation> pull = {{Vec3(0, 0, 30e-3), Vec3::UnitZ(), 8e-3, 2e-3, 0.0}};
+  const auto highest = [&organ] {
+    deform::SurfaceVertex most{};
+    for (const deform::SurfaceVertex& vertex : organ.vertices()) {
+      most.position.z() = std::max(most.position.z(), vertex.position.z());
+      most.moved = std::max(most.moved, std::abs(vertex.moved));
+    }
+    return most;
+  };
+  organ.update(pull);
+  const deform::SurfaceVertex plain = highest();
+  const std::vector<GraspedFold> folds = {
+      GraspedFold(Vec3(0, 0, 38e-3), Vec3::UnitZ(), Vec3::UnitX(), 4e-3, 3e-3, 5e-3)};
+  organ.update(pull, {}, folds);
+  const deform::SurfaceVertex folded = highest();
+  EXPECT_NEAR(folded.position.z() - plain.position.z(), 4e-3F, 0.3e-3F);
+  EXPECT_EQ(folded.moved, plain.moved);
 }
 
 TEST(GraspedFold, BuiltInForcepsHoldAndABallDoesNot) {
