@@ -35,7 +35,8 @@ constexpr float kWidest = 3.0F;       // radii that a byte spans to each side
 constexpr float kUnder = 2.4e-3F;     // m: a line farther under the surface does not show on it
 constexpr float kAbove = 2.5e-3F;     // m: one farther above belongs to another surface
 constexpr float kTaper = 15e-3F;      // m before its end over which a vessel becomes thin
-constexpr float kThin = 0.35F;        // of its radius, at the end
+constexpr float kRise = 4e-3F;  // m from its start over which a vessel appears, out of the one before it
+constexpr float kThin = 0.35F;  // of its radius, at the end
 
 float clamped_ramp(float from, float to, float x) {
   const float t = std::clamp((x - from) / (to - from), 0.0F, 1.0F);
@@ -52,6 +53,7 @@ struct LinePlace {
   Vector3f along = Vector3f::Zero();   // unit
   float radius = 0.0F;                 // m
   float beyond = 0.0F;                 // m past an end of the line
+  float run = 0.0F;                    // m along the line from its start
   float left = 0.0F;                   // m along the line to its end
 };
 
@@ -59,7 +61,6 @@ LinePlace nearest_on(const std::vector<VesselKnot>& line, const Vector3f& p) {
   LinePlace best;
   float least = std::numeric_limits<float>::infinity();
   float run = 0.0F;
-  float run_to_best = 0.0F;
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     const Vector3f from = kMillimetre * Vector3f(line[i].x, line[i].y, line[i].z);
     const Vector3f piece = kMillimetre * Vector3f(line[i + 1].x, line[i + 1].y, line[i + 1].z) - from;
@@ -72,11 +73,14 @@ LinePlace nearest_on(const std::vector<VesselKnot>& line, const Vector3f& p) {
     least = offset.squaredNorm();
     const float radius = line[i].radius + inside * (line[i + 1].radius - line[i].radius);
     const bool at_end = (i == 0 && place < 0.0F) || (i + 2 == line.size() && place > 1.0F);
-    best = {offset, piece / length, kMillimetre * radius, at_end ? std::abs(place - inside) * length : 0.0F,
+    best = {offset,
+            piece / length,
+            kMillimetre * radius,
+            at_end ? std::abs(place - inside) * length : 0.0F,
+            run - (1.0F - inside) * length,
             0.0F};
-    run_to_best = run - (1.0F - inside) * length;
   }
-  best.left = run - run_to_best;
+  best.left = run - best.run;
   return best;
 }
 
@@ -126,7 +130,7 @@ Beside beside(const LinePlace& place, const Vector3f& normal) {
   if (!(across.squaredNorm() > 1e-6F)) return {};
   const float thin = kThin + (1.0F - kThin) * clamped_ramp(0.0F, kTaper, place.left);
   const float side = place.offset.dot(across.normalized()) / (thin * place.radius);
-  const float faded = 1.0F - clamped_ramp(0.0F, 2e-3F, place.beyond);
+  const float faded = (1.0F - clamped_ramp(0.0F, 2e-3F, place.beyond)) * clamped_ramp(0.0F, kRise, place.run);
   const float wide = (place.offset - high * normal).norm();
   const float thick = clamped_ramp(0.7e-3F, 2.0e-3F, place.radius);
   return {side, faded * (1.0F - clamped_ramp(0.6F * kWidest, 0.9F * kWidest, std::abs(side))),
