@@ -115,8 +115,9 @@ void require_depths(const Specimen& s, const std::string& where) {
   constexpr std::size_t kFewest = 3;  // rows
   const auto [low, high] = std::minmax_element(s.displacement.begin(), s.displacement.end());
   const double end = kEnd * (*high - *low);
-  const auto between = std::count_if(s.displacement.begin(), s.displacement.end(),
-                                     [&](double at) { return at > *low + end && at < *high - end; });
+  const auto between =
+      std::count_if(s.displacement.begin(), s.displacement.end(),
+                    [from = *low + end, to = *high - end](double at) { return at > from && at < to; });
   if (static_cast<std::size_t>(between) >= kFewest) return;
   throw InputError(fmt::format(
       "{}: displacement_mm goes from {} to {} in a step, with {} rows between: must have at least {}, which "
