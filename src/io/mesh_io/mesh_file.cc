@@ -130,6 +130,14 @@ MeshFile open_mesh_file(const std::filesystem::path& path) {
   return file;
 }
 
+void note_parts(ImportedMesh& imported, std::size_t mirrored, std::size_t lines) {
+  if (mirrored > 0) {
+    imported.repairs.push_back(fmt::format("turned the triangles of {} outwards",
+                                           counted(mirrored, "mirrored part", "mirrored parts")));
+  }
+  if (lines > 0) imported.repairs.push_back("dropped " + counted(lines, "line or point", "lines or points"));
+}
+
 ImportedMesh import_mesh(const MeshFile& file) {
   const auto* const reader = std::find_if(kReaders.begin(), kReaders.end(),
                                           [&](const Reader& known) { return known.format == file.format; });

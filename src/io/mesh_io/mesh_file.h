@@ -29,6 +29,10 @@ struct ImportedMesh {
   std::vector<std::string> repairs;  // divided polygons, dropped lines and points, mirrored parts
 };
 
+/// [setup] Adds what was done with the parts of a file that has parts. @param mirrored parts whose triangles
+/// were turned @param lines lines and points that were dropped
+void note_parts(ImportedMesh& imported, std::size_t mirrored, std::size_t lines);
+
 /// [any] The format by the file's extension; empty for an extension without a reader.
 [[nodiscard]] std::optional<MeshFormat> mesh_format(const std::filesystem::path& path);
 

@@ -116,13 +116,7 @@ class SceneReader final {
 
   ImportedMesh run() {
     if (scene_.mRootNode != nullptr) add_node(*scene_.mRootNode, axis_change_undone(file_.format), 0);
-    if (mirrored_ > 0) {
-      imported_.repairs.push_back(fmt::format("turned the triangles of {} outwards",
-                                              counted(mirrored_, "mirrored part", "mirrored parts")));
-    }
-    if (lines_ > 0) {
-      imported_.repairs.push_back("dropped " + counted(lines_, "line or point", "lines or points"));
-    }
+    note_parts(imported_, mirrored_, lines_);
     return std::move(imported_);
   }
 

@@ -49,13 +49,7 @@ class GltfReader final {
   ImportedMesh run() {
     place_nodes();
     for (const auto& [node, to_file] : placed_) add_mesh_of(node, to_file);
-    if (mirrored_ > 0) {
-      imported_.repairs.push_back(fmt::format("turned the triangles of {} outwards",
-                                              counted(mirrored_, "mirrored part", "mirrored parts")));
-    }
-    if (lines_ > 0) {
-      imported_.repairs.push_back("dropped " + counted(lines_, "line or point", "lines or points"));
-    }
+    note_parts(imported_, mirrored_, lines_);
     return std::move(imported_);
   }
 
