@@ -3,6 +3,9 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -216,31 +219,51 @@ std::vector<SpecimenFit> at_reference_stiffness(std::vector<SpecimenFit> fits,
   return fits;
 }
 
-/// A question when the specimens' own fits give forces of very different size at a depth that all reach; ""
-/// otherwise. Organs differ by a factor of two or three, units by more.
-std::string unlike(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
-                   const std::vector<double>& factors, const Settings& settings) {
+/// Questions about specimens whose own fits give other forces at a depth that all reach: of very different
+/// size (organs differ by a factor of two or three, units by more), or whose mean is not the pooled tissue's.
+/// Each specimen has a first contact of its own, and an earlier one looks like more stiffness.
+std::vector<std::string> unlike(const std::vector<Specimen>& specimens, const std::vector<SpecimenFit>& fits,
+                                const std::vector<double>& factors, const Settings& settings,
+                                const PooledFit& pooled) {
   constexpr double kUnlike = 5.0;
+  constexpr double kOffMean = 0.1;
   double depth = kInfinity;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const Ranges ranges = ranges_of(specimens[i]);
     depth = std::min(depth,
                      ranges.lowest_displacement + ranges.displacement - fits[i].own[0] * ranges.displacement);
   }
+  const auto force_of = [&](const model::TissueParameters& tissue) {
+    return model::SpringLaw(tissue, settings.direction, settings.period).force_at(depth).force;
+  };
   std::vector<double> forces;
+  double logs = 0.0;
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    const model::SpringLaw law(tissue_of(fits[i].shared, settings), settings.direction, settings.period);
-    forces.push_back(law.force_at(depth).force / factors[i]);
+    forces.push_back(force_of(tissue_of(fits[i].shared, settings)) / factors[i]);
+    logs += portable::log(forces.back());
   }
   const auto [least, most] = std::minmax_element(forces.begin(), forces.end());
-  if (!(*most > kUnlike * *least)) return "";
-  const auto name = [&](const auto& at) { return fits[static_cast<std::size_t>(at - forces.begin())].name; };
-  return fmt::format(
-      "the specimens differ by a factor {}: {} mm below contact {} carries {} N and {} {} N. One tissue is "
-      "no "
-      "good mean of them: are all in N and mm?",
-      brief(*most / *least, 2), brief(depth / kMillimetre, 3), name(least), brief(*least, 3), name(most),
-      brief(*most, 3));
+  const std::string below = brief(depth / kMillimetre, 3) + " mm below contact";
+  std::vector<std::string> questions;
+  if (*most > kUnlike * *least) {
+    const auto name = [&](const auto& at) {
+      return fits[static_cast<std::size_t>(at - forces.begin())].name;
+    };
+    questions.push_back(fmt::format(
+        "the specimens differ by a factor {}: {} {} carries {} N and {} {} N. One tissue is no good "
+        "mean of them: are all in N and mm?",
+        brief(*most / *least, 2), below, name(least), brief(*least, 3), name(most), brief(*most, 3)));
+  }
+  const double mean = portable::exp(logs / static_cast<double>(forces.size()));
+  const double together = force_of(pooled.tissue);
+  if (std::abs(together / mean - 1.0) > kOffMean) {
+    questions.push_back(fmt::format(
+        "{} all specimens together give {} N, their own fits {} N on average ({} to {} N): the pooled "
+        "fit takes part of their difference for earlier or later contact. Use their own fits, or "
+        "record more rows before contact",
+        below, brief(together, 3), brief(mean, 3), brief(*least, 3), brief(*most, 3)));
+  }
+  return questions;
 }
 
 /// An error above the limit, as a sentence; rounded up, so that it does not print as the limit.
@@ -311,9 +334,8 @@ PooledFit fit_pooled(const std::vector<Specimen>& specimens, const std::vector<S
     require_finite_result("parameters of all specimens", one.value);
   require_fit({}, pooled);
   if (const std::string poor = poor_fit({}, pooled); !poor.empty()) pooled.warnings.push_back(poor);
-  if (const std::string question = unlike(specimens, fits, factors, settings); !question.empty()) {
-    pooled.warnings.push_back(question);
-  }
+  for (std::string& question : unlike(specimens, fits, factors, settings, pooled))
+    pooled.warnings.push_back(std::move(question));
   constexpr std::size_t kFewSpecimens = 6;
   if (specimens.size() < kFewSpecimens) {
     pooled.warnings.push_back(

@@ -291,5 +291,31 @@ TEST(FitPooled, RefusesNoSpecimensAndFitsOfOthers) {
   EXPECT_THROW((void)fit_pooled({curve(LawKind::kSmooth, 0.0, 1)}, {}, {}, {}), InputError);
 }
 
+/// The warnings of exponential curves fitted together, one per factor of the force.
+std::vector<std::string> pooled_warnings(const std::vector<double>& factors) {
+  const Settings settings = settings_for(LawKind::kSmooth);
+  std::vector<Specimen> specimens;
+  std::vector<SpecimenFit> fits;
+  for (const double factor : factors) {
+    Specimen specimen;
+    specimen.name = "times " + std::to_string(factor);
+    for (int i = 0; i <= 60; ++i) {
+      specimen.displacement.push_back(12e-3 * i / 60.0);
+      specimen.force.push_back(factor * 0.12 * std::expm1(0.25 * 12.0 * i / 60.0));
+    }
+    specimens.push_back(specimen);
+    fits.push_back(fit_specimen(specimen, settings, 0, {}));
+  }
+  return fit_pooled(specimens, fits, settings, {}).warnings;
+}
+
+// A factor 2 of an exponential is the same curve, touched ln(2)/0.25 = 2.8 mm earlier.
+TEST(FitPooled, SaysThatSpecimensOfOtherStiffnessPassForOthersTouchedEarlier) {
+  using testing::Contains;
+  using testing::HasSubstr;
+  EXPECT_THAT(pooled_warnings({1.0, 2.0}), Contains(HasSubstr("all specimens together give")));
+  EXPECT_THAT(pooled_warnings({1.0, 1.03}), testing::Not(Contains(HasSubstr("all specimens together give"))));
+}
+
 }  // namespace
 }  // namespace palpate::identify
