@@ -243,6 +243,7 @@ std::vector<std::string> unlike(const std::vector<Specimen>& specimens, const st
     logs += portable::log(forces.back());
   }
   const auto [least, most] = std::minmax_element(forces.begin(), forces.end());
+  if (!(*least > 0.0)) return {};
   const std::string below = brief(depth / kMillimetre, 3) + " mm below contact";
   std::vector<std::string> questions;
   if (*most > kUnlike * *least) {

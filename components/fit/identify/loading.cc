@@ -92,15 +92,22 @@ void leave_out_hold(Specimen& used, const Ranges& ranges) {
       static_cast<double>(rows) <= kLonger * static_cast<double>(std::max<std::size_t>(1, held - before))) {
     return;
   }
-  std::size_t first = held;
-  while (at[first] < highest - kReached * ranges.displacement) ++first;
+  // The hold may be below the largest displacement, which a ramp can overshoot.
+  const auto hold = at.begin() + static_cast<std::ptrdiff_t>(held);
+  const double held_at = *std::max_element(hold, at.end());
+  const auto first =
+      static_cast<std::size_t>(std::find_if(hold, at.end(),
+                                            [enough = held_at - kReached * ranges.displacement](double one) {
+                                              return one >= enough;
+                                            }) -
+                               at.begin());
   const double from = used.force[first];
   const double to = used.force.back();
   if (!(std::abs(to - from) > kChange * ranges.force)) return;
   used.preparation.notes.push_back(fmt::format(
       "the displacement stays at {} from row {} of {} on while the force {} from {} to {} N: the rows after "
       "it are left out{}",
-      in_mm(highest), first + 1, used.size(), to < from ? "falls" : "rises", brief(from, 3), brief(to, 3),
+      in_mm(held_at), first + 1, used.size(), to < from ? "falls" : "rises", brief(from, 3), brief(to, 3),
       to < from ? " (--relaxation fits all; it needs time_s)"
                 : "; is that the displacement sensor's limit?"));
   used = rows_of(used, {0, first});

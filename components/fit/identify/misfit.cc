@@ -102,6 +102,7 @@ std::pair<double, double> excess_by_contact(const Problem& problem, const Specim
     const Specimen depths{"", {}, {depth, std::max(0.0, depth - earlier)}, {0.0, 0.0}};
     std::vector<double> force(depths.size());
     predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
+    if (!(force[1] > 0.0)) continue;
     const double excess = force[0] / force[1] - 1.0;
     if (excess > largest.first) largest = {excess, depth};
   }

@@ -85,7 +85,9 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
 void check_surroundings(const std::string& file, CheckedStudy& made) {
   const Study& study = made.study;
   const std::filesystem::path consent = study.file.parent_path() / study.consent_file;
-  if (study.consent_file.empty()) {
+  if (study.consent_file.empty() && !study.language.consent.empty()) {
+    // The language's file has the text.
+  } else if (study.consent_file.empty()) {
     made.hints.emplace_back("no [ethics] consent_file: only simulated people can take part");
   } else if (!regular_file_exists(consent)) {
     made.missing.push_back("ethics.consent_file: there is no file " + consent.string());

@@ -195,6 +195,7 @@ void Course::begin_part() {
   practice_left_ = 0;
   practice_done_ = 0;
   training_ = false;
+  training_ended_ = false;
   practised_.clear();
   const std::vector<PlannedPart>& parts = plan_[session_ - 1].parts;
   if (part_ >= parts.size()) return;
@@ -254,7 +255,11 @@ std::optional<Course::Threshold> Course::threshold() const {
   const auto task = study_.threshold_task();
   if (!task) return std::nullopt;
   int run = study_.tasks[*task].each_session ? static_cast<int>(session_) : kFirstRun;
-  if (run <= kRunAtEnd || !levels_.contains({*task, run, 0})) run = kFirstRun;
+  const auto measured = [&](int number) {
+    const auto run_of = levels_.find({*task, number, 0});
+    return run_of != levels_.end() && run_of->second->answers() > 0;
+  };
+  if (run <= kRunAtEnd || !measured(run)) run = kFirstRun;
   const auto found = levels_.find({*task, run, 0});
   if (found == levels_.end() || found->second->answers() == 0) return std::nullopt;
   const psychophysics::QuestPlus& quest = found->second->quest();
@@ -396,8 +401,10 @@ void Course::count_practice(const TrialRecord& trial, const Trial& expected) {
   if (!expected.example && trial.spoiled.empty() && task.two_intervals()) {
     practised_.push_back(is_correct(task, trial));
   }
+  training_ended_ = false;
   if (!training_ || practice_left_ > 0) return;
-  training_ = !practice().met && practice_done_ < task.practice_until->most;
+  training_ended_ = practice().met || practice_done_ >= task.practice_until->most;
+  training_ = !training_ended_;
   if (training_) practice_left_ = 1;
 }
 

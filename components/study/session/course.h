@@ -90,6 +90,8 @@ class Course final {
     bool met = false;
   };
   [[nodiscard]] Practice practice() const;
+  /// [any] Whether the last trial ended the practice that a criterion asks for.
+  [[nodiscard]] bool training_ended() const noexcept { return training_ended_; }
   /// [any] Trials that were given up, and all spoiled ones.
   [[nodiscard]] int lost() const noexcept { return lost_; }
   [[nodiscard]] int spoiled() const noexcept { return spoiled_; }
@@ -135,6 +137,7 @@ class Course final {
   int practice_left_ = 0;
   int practice_done_ = 0;        // in the task's part
   bool training_ = false;        // practice goes on until its criterion
+  bool training_ended_ = false;  // by the last trial
   std::vector<bool> practised_;  // answers that were correct, of practice without examples
   std::uint32_t resumed_ = 0;    // interruptions
   std::uint32_t attempts_ = 0;   // trials of the log without practice

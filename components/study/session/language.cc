@@ -54,7 +54,8 @@ void check_sentences(const std::map<std::string, std::string>& sentences, const 
     }
     const std::size_t places = places_in(english);
     if (places_in(found->second) == places &&
-        std::count(found->second.begin(), found->second.end(), '{') == static_cast<std::ptrdiff_t>(places)) {
+        std::count(found->second.begin(), found->second.end(), '{') == static_cast<std::ptrdiff_t>(places) &&
+        std::count(found->second.begin(), found->second.end(), '}') == static_cast<std::ptrdiff_t>(places)) {
       continue;
     }
     throw InputError(

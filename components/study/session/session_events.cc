@@ -18,7 +18,7 @@ std::optional<EventRecord> practice_event(const Study& study, const Course& cour
   if (!last.practice) return std::nullopt;
   const StudyTask& task = study.tasks[study.find_task(last.task).value()];
   const std::optional<Trial> next = course.next();
-  if (!task.practice_until || !next || next->practice) return std::nullopt;
+  if (!course.training_ended() || !next) return std::nullopt;  // not after the refresher of an interruption
   const Course::Practice practice = course.practice();
   return event_of("practice", {{"session", std::to_string(last.session)},
                                {"task", task.name},

@@ -93,9 +93,9 @@ bool SessionQuestions::threshold_at_edge(const Course::Threshold& threshold) {
       {"experimenter",
        "The noise threshold of this person lies at the " +
            std::string(threshold.above ? "largest" : "least") + " stimulus (" + value +
-           " mN), so the noise of this session would be no share of it. Stop, and look whether the device "
-           "gives the noise and the hand holds the handle as asked; then run the session again, or prepare "
-           "a study with a wider sigma_mN. Whoever goes on marks the person in the report.",
+           " mN), so it may be beyond that. Check that the device gives the noise and the hand holds the "
+           "handle as asked. These trials are not run again: stop, and prepare a study with a wider "
+           "sigma_mN, or go on with this value, which flags the person in the report.",
        {"stop the session", "go on with this value"}});
   return answer && *answer == 1;
 }

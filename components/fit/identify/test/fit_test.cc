@@ -291,6 +291,26 @@ TEST(FitPooled, RefusesNoSpecimensAndFitsOfOthers) {
   EXPECT_THROW((void)fit_pooled({curve(LawKind::kSmooth, 0.0, 1)}, {}, {}, {}), InputError);
 }
 
+// A ramp to 10.1 mm in 101 rows, one row that swings back to 9.9 mm, and 200 rows at 10.03 mm, where the
+// force falls to half. Nothing of the hold reaches the largest displacement.
+TEST(FitSpecimen, LeavesOutAHoldBelowTheLargestDisplacement) {
+  Specimen specimen;
+  specimen.name = "overshoot";
+  const auto add = [&specimen](double mm, double force) {
+    specimen.displacement.push_back(1e-3 * mm);
+    specimen.force.push_back(force);
+  };
+  const auto force_at = [](double mm) { return 0.12 * std::expm1(0.25 * mm); };
+  for (int i = 1; i <= 101; ++i) add(0.1 * i, force_at(0.1 * i));
+  add(9.9, force_at(9.9));
+  for (int i = 1; i <= 200; ++i) add(10.03, force_at(10.03) * (0.5 + 0.5 * std::exp(-0.05 * i)));
+  const SpecimenFit fit = fit_specimen(specimen, settings_for(LawKind::kSmooth), 0, {});
+  EXPECT_LT(fit.nrmse, 0.01);
+  const model::SmoothSpringLaw law(tissue_of(fit.shared, settings_for(LawKind::kSmooth)), Direction::kPress,
+                                   1e-3);
+  EXPECT_NEAR(law.force_at(9e-3).force, force_at(9.0), 0.03 * force_at(9.0));
+}
+
 /// The warnings of exponential curves fitted together, one per factor of the force.
 std::vector<std::string> pooled_warnings(const std::vector<double>& factors) {
   const Settings settings = settings_for(LawKind::kSmooth);

@@ -48,6 +48,8 @@ TEST(Language, AFileThatLacksASentenceOrAPlaceOfANumberIsRefused) {
       HasSubstr("sentences.\"Which one?\": is missing"));
   EXPECT_THAT(error_of([] { (void)read_language(chinese_with("第 {} 段\"", "第段\""), "l.toml"); }),
               HasSubstr("must have 1 times {}"));
+  EXPECT_THAT(error_of([] { (void)read_language(chinese_with("第 {} 段\"", "第 {} 段}\""), "l.toml"); }),
+              HasSubstr("must have 1 times {}"));
   EXPECT_THAT(
       error_of([] { (void)read_language(std::string(kChinese) + "\"Press on\" = \"x\"\n", "l.toml"); }),
       HasSubstr("\"Press on\": is no sentence of the screens"));
