@@ -139,7 +139,8 @@ std::vector<geometry::Attachment> painted_places(const std::filesystem::path& pa
       const Vec3 point = scale * mesh.vertices[v];
       std::array<std::int64_t, 3> key{};
       for (std::size_t k = 0; k < 3; ++k)
-        key[k] = static_cast<std::int64_t>(std::floor(point[static_cast<Eigen::Index>(k)] / cell));
+        key[k] = static_cast<std::int64_t>(
+            std::clamp(std::floor(point[static_cast<Eigen::Index>(k)] / cell), -1e15, 1e15));
       geometry::Attachment& place = kept.try_emplace(key, geometry::Attachment{point, 0.0}).first->second;
       place.radius = std::max({place.radius, kOfEdge * longest[v], kLeastRadius * cell});
     }

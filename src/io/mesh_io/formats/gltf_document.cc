@@ -64,13 +64,21 @@ bool has_extension(const Json& owner, const char* name) {
   return extensions != owner.end() && extensions->is_object() && extensions->contains(name);
 }
 
-/// Whether the name has percent-encoded dots or slashes.
-bool hides_a_path(const std::string& name) {
-  for (std::size_t at = name.find("%2"); at != std::string::npos; at = name.find("%2", at + 1)) {
-    if (at + 2 < name.size() && std::string_view("eEfF").find(name[at + 2]) != std::string_view::npos)
-      return true;
+/// A uri without percent-encoding [RFC 3986, section 2.1]; a zero byte is kept encoded.
+std::string decoded(std::string_view uri) {
+  const auto digit = [](char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    const char low = static_cast<char>(c | 0x20);
+    return low >= 'a' && low <= 'f' ? low - 'a' + 10 : -1;
+  };
+  std::string name;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    const bool two = uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0;
+    const int byte = two ? 16 * digit(uri[i + 1]) + digit(uri[i + 2]) : 0;
+    name += byte > 0 ? static_cast<char>(byte) : uri[i];
+    if (byte > 0) i += 2;
   }
-  return false;
+  return name;
 }
 
 template <typename T>
@@ -127,6 +135,12 @@ GltfDocument::GltfDocument(const MeshFile& file)
   if (!text.starts_with("2.")) refuse("is glTF " + excerpt(text) + ", must be 2.0: export it again");
 }
 
+void GltfDocument::spend(std::uint64_t elements) {
+  elements_ += elements;
+  if (elements_ <= kMaxElements) return;
+  refuse(fmt::format("its parts declare more than {} indices and vertices", kMaxElements));
+}
+
 void GltfDocument::refuse(const std::string& message) const {
   throw InputError(to_text(file_.path) + ": " + message);
 }
@@ -158,7 +172,7 @@ std::vector<std::string> GltfDocument::buffer_names() const {
     const auto uri = buffer.find("uri");
     if (uri == buffer.end() || !uri->is_string()) continue;
     const std::string name = uri->get<std::string>();
-    if (!name.starts_with("data:")) names.push_back(name);
+    if (!name.starts_with("data:")) names.push_back(decoded(name));
   }
   return names;
 }
@@ -231,7 +245,7 @@ void GltfDocument::check_buffers() const {
   for (const std::string& name : buffer_names()) {
     const std::filesystem::path path = to_path(name).lexically_normal();
     const bool leaves = path.is_absolute() || path.empty() || *path.begin() == ".." ||
-                        name.find(':') != std::string::npos || hides_a_path(name) || leads_out(name);
+                        name.find(':') != std::string::npos || leads_out(name);
     if (leaves) refuse("buffer \"" + excerpt(name) + "\": must be a file in the folder of the mesh");
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(file_.path.parent_path() / path, error);
@@ -267,10 +281,7 @@ std::vector<double> GltfDocument::numbers(std::uint64_t index, std::string_view 
   if (count == 0 || count > kMaxElements) {
     refuse_accessor(index, fmt::format("count {}: must be 1 to {}", count, kMaxElements));
   }
-  elements_ += count;
-  if (elements_ > kMaxElements) {
-    refuse(fmt::format("its parts declare more than {} indices and vertices", kMaxElements));
-  }
+  spend(count);
   std::vector<double> values;
   const auto sparse = accessor.find("sparse");
   if (accessor.contains("bufferView")) {
@@ -373,7 +384,7 @@ std::string_view GltfDocument::buffer_bytes(std::uint64_t buffer, std::uint64_t 
   const auto& name = owner["uri"].get_ref<const std::string&>();
   std::string& bytes = buffers_[buffer];
   if (!name.starts_with("data:")) {
-    bytes = InputFile(file_.path.parent_path() / to_path(name), kMeshInput).read_rest();
+    bytes = InputFile(file_.path.parent_path() / to_path(decoded(name)), kMeshInput).read_rest();
     return bytes;
   }
   constexpr std::string_view kMark = ";base64,";

@@ -25,7 +25,7 @@ class GltfDocument final {
 
   /// Rejects extensions that move vertices and are not read, and buffers that must not be opened.
   void check() const;
-  /// The names of the buffers that are separate files.
+  /// The names of the buffers that are separate files, without percent-encoding.
   [[nodiscard]] std::vector<std::string> buffer_names() const;
 
   /// An array of the file or of one of its objects; empty if it is missing or no array.
@@ -39,6 +39,8 @@ class GltfDocument final {
   /// The components of an accessor's elements, one element after the other; normalized integers from -1 or 0
   /// to 1. @param type "SCALAR", "VEC3", "VEC4" or "MAT4"
   [[nodiscard]] std::vector<double> numbers(std::uint64_t accessor, std::string_view type);
+  /// Counts elements that are read, or work of the same size. @throws InputError above kMaxElements in all
+  void spend(std::uint64_t elements);
   [[noreturn]] void refuse(const std::string& message) const;
 
  private:

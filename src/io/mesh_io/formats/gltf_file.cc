@@ -183,6 +183,7 @@ class GltfReader final {
       inverse = document_.numbers(document_.whole(skin, "inverseBindMatrices", 0, where), "MAT4");
     }
     if (joints.empty()) refuse(where + ": has no joints");
+    document_.spend(joints.size());
     if (!inverse.empty() && inverse.size() < 16 * joints.size()) {
       refuse(fmt::format("{}: has {} joints and {} inverse bind matrices", where, joints.size(),
                          inverse.size() / 16));
@@ -282,7 +283,7 @@ class GltfReader final {
       }
       for (std::size_t i = 0; i < joints.size(); ++i) {
         if (weights[i] == 0.0) continue;
-        if (!(joints[i] < static_cast<double>(matrices.size()))) {
+        if (!(joints[i] >= 0.0 && joints[i] < static_cast<double>(matrices.size()))) {
           refuse(fmt::format("{}: joint {} is out of range: the skin has {}", where, joints[i],
                              matrices.size()));
         }

@@ -272,6 +272,15 @@ TEST_F(Gltf, RefusesASkinWhoseJointsAreNotThere) {
   };
   expect_refused("a.gltf", rigged.json(attributes, "", nodes(R"({"joints":[1]})")),
                  "joint 3 is out of range: the skin has 1");
+  Rigged below;
+  const int minus = below.add(std::string(16, '\xFF'), 5120, 4, "VEC4");
+  below.add(floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}), 5126, 4, "VEC4");
+  (void)folder_.write("a.bin", below.buffer);
+  expect_refused("e.gltf",
+                 below.json(R"(,"JOINTS_0":)" + std::to_string(minus) + R"(,"WEIGHTS_0":3)", "",
+                            nodes(R"({"joints":[1]})")),
+                 "joint -1 is out of range: the skin has 1");
+  (void)folder_.write("a.bin", rigged.buffer);
   expect_refused("b.gltf", rigged.json(attributes, "", nodes(R"({"joints":[7]})")),
                  "skin 0: joint 0 is no node of the scene");
   expect_refused("c.gltf", rigged.json(attributes, "", nodes("")), "skin 0 is named but not there: it has 0");
@@ -352,6 +361,25 @@ TEST_F(Gltf, TakesTheSceneThatTheFileNames) {
   EXPECT_NEAR(width("c.gltf", ""), 6.0, 1e-9) << "without a scene: all nodes";
   expect_refused("d.gltf", rigged.json("", "", R"("scenes":[{"nodes":[0]}],"scene":4,)" + nodes),
                  "scene 4 is named but not there: it has 1");
+}
+
+TEST_F(Gltf, OpensABufferWhoseNameIsPercentEncoded) {
+  Rigged rigged;
+  (void)folder_.write("my organ.bin", rigged.buffer);
+  std::string json = rigged.json("", "", R"("nodes":[{"mesh":0}])");
+  json.replace(json.find("a.bin"), 5, "my%20organ.bin");
+  EXPECT_NEAR(read("a.gltf", json).findings.volume, 4.0, 1e-9);
+}
+
+TEST_F(Gltf, RefusesASkinThatTakesTimeBeyondTheFile) {
+  std::string uses = "0";
+  for (int i = 0; i < 3000; ++i) uses += ",0";
+  std::string joints = "0";
+  for (int i = 0; i < 10'000; ++i) joints += ",0";
+  expect_refused("a.gltf",
+                 R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[]}],"scenes":[{"nodes":[)" + uses +
+                     R"(]}],"nodes":[{"mesh":0,"skin":0}],"skins":[{"joints":[)" + joints + "]}]}",
+                 "declare more than 20000000 indices and vertices");
 }
 
 TEST_F(Gltf, RefusesOtherVersionsAndTransformsThatAreNone) {
