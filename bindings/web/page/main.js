@@ -253,7 +253,7 @@ function save(text) {
 const hear = {
   async opened(message) {
     await loaded;
-    if (message.request.serial !== state.wanted.serial) return;  // another scene was chosen meanwhile
+    if (message.request.serial !== state.wanted?.serial) return;  // another scene was chosen meanwhile
     const fresh = state.wanted !== state.request;
     try {
       show(state.wanted);
@@ -305,6 +305,7 @@ const hear = {
   error(message) {
     if (message.of === 'haply') return controls.trouble(message);
     if (message.of === 'open') {
+      if (message.serial !== state.wanted?.serial) return;  // another scene was chosen meanwhile
       // The scene before is still open.
       Object.assign(state, {wanted: state.request, opened: state.request !== null});
       if (state.opened) controls.begun(task());

@@ -18,8 +18,8 @@ export function readRecording(text) {
     if (place < 0) throw new RecordingError(`column ${name}: missing. The page plays its own recordings, and the CSV of palpate export RECORDING.h5 --csv FILE.csv`);
     return place;
   });
-  const rows = [], hands = new Set();
-  let ticks = 0, first = 0, last = 0;
+  const rows = [], order = [];
+  let ticks = 0, first = 0, last = 0, end = 0;
   for (let number = at + 1; number < lines.length; number++) {
     if (lines[number].trim() === '') continue;
     const cells = lines[number].split(',');
@@ -32,17 +32,31 @@ export function readRecording(text) {
     if (hand === 0) {
       if (ticks === 0) first = time;
       if (ticks > 0 && tick !== last + 1) throw new RecordingError(`line ${number + 1}: tick = ${tick}: must be ${last + 1}`);
-      [last, ticks] = [tick, ticks + 1];
+      [last, ticks, end] = [tick, ticks + 1, time];
     }
-    hands.add(hand);
+    order.push(hand);
     rows.push(values.slice(3));
   }
   if (ticks < LEAST_TICKS) throw new RecordingError(`${ticks} ticks: must be at least ${LEAST_TICKS}`);
-  if (rows.length !== ticks * hands.size) throw new RecordingError(`${rows.length} rows of ${hands.size} hands: some ticks lack a hand`);
-  const time = Number(lines[at + 1 + (ticks - 1) * hands.size].split(',')[places[1]]);
+  const hands = rows.length / ticks;
+  if (order.some((hand, i) => hand !== i % hands)) throw new RecordingError(`${rows.length} rows of ${new Set(order).size} hands: every tick must have a row per hand, in order`);
+  const rate = (ticks - 1) / (end - first);
+  if (!(rate > 0 && Number.isFinite(rate))) throw new RecordingError(`time_s goes from ${first} to ${end} s: must rise`);
+  fillGaps(rows, hands);
   const width = COLUMNS.length, all = new Float64Array(width * rows.length);
   rows.forEach((row, i) => all.set(row, width * i));
-  return {hands: hands.size, ticks, rate: (ticks - 1) / (time - first), rows: all};
+  return {hands, ticks, rate, rows: all};
+}
+
+/** Gives ticks without a valid sample that of the tick before, or of the first valid one. */
+function fillGaps(rows, hands) {
+  for (let hand = 0; hand < hands; hand++) {
+    let held = rows.find((row, i) => i % hands === hand && row[VALID] !== 0);
+    if (!held) throw new RecordingError(`hand ${hand}: has no valid sample (device_valid is 0 in all rows)`);
+    for (let i = hand; i < rows.length; i += hands) {
+      if (rows[i][VALID] === 0) rows[i].splice(0, VALID, ...held.slice(0, VALID)); else held = rows[i];
+    }
+  }
 }
 
 /** Samples of a recording, for Simulation.tick(). */
@@ -54,11 +68,9 @@ export class Playback {
     return this.rows.subarray(at, at + width);
   }
 
-  /** The sample of a tick; where the device gave none, the one before. */
+  /** The sample of a tick. */
   sample(hand, tick) {
-    let row = this.#row(hand, tick);
-    for (let before = tick; row[VALID] === 0 && before > 0;) row = this.#row(hand, --before);
-    const numbers = Array.from(row);
+    const numbers = Array.from(this.#row(hand, tick));
     return {position: numbers.slice(0, 3), orientation: numbers.slice(3, 7), velocity: numbers.slice(7, 10), gripper: numbers[10],
       buttons: numbers[11]};
   }

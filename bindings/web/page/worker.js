@@ -88,6 +88,8 @@ const handlers = {
     postMessage({is: 'hand', hand});
   },
   replay({recording: read}) {
+    if (mode === 'haply') throw new RecordingError('The Inverse3 holds the tool: disconnect it first.');
+    if (record) throw new RecordingError('A recording is being made: save it first.');
     if (read.hands !== sim.info.hands) {
       throw new RecordingError(`The recording has ${read.hands} hands, the open scene ${sim.info.hands}: open the scene it was made in first.`);
     }
@@ -95,7 +97,6 @@ const handlers = {
       throw new RecordingError(`The recording has ${read.rate.toFixed(0)} ticks a second, the open scene ${sim.info.rate}.`);
     }
     recording = new Playback(read);
-    if (mode === 'haply') throw new RecordingError('The Inverse3 holds the tool: disconnect it first.');
     begin('replay');
   },
   record({on}) { openScene(request, on); },
@@ -104,14 +105,19 @@ const handlers = {
   tissue({name, values}) {
     const before = settings.tissue, changed = settings.values;
     Object.assign(settings, {tissue: name, values: new Map(values)});
-    if (name === null && before !== null) return begin(mode);
-    if (name !== null) sim.setTissue(name); else for (const field of changed.keys()) sim.setTissueValue(field, own.get(field));
-    for (const [field, value] of values) sim.setTissueValue(field, value);
+    try {
+      if (name === null && before !== null) return begin(mode);
+      if (name !== null) sim.setTissue(name); else for (const field of changed.keys()) sim.setTissueValue(field, own.get(field));
+      for (const [field, value] of values) sim.setTissueValue(field, value);
+    } catch (error) {
+      Object.assign(settings, {tissue: before, values: changed});  // a refused value is not applied again
+      throw error;
+    }
     setLaw();
   },
   tissueValue({field, value}) {
-    settings.values.set(field, value);
     sim.setTissueValue(field, value);
+    settings.values.set(field, value);
     if (law) setLaw();
   },
   noise({noise}) {
@@ -144,11 +150,12 @@ const handlers = {
   },
 };
 
-function guarded(what, act) {
+/** @param serial of the request, of 'open' */
+function guarded(what, act, serial) {
   try {
     act();
   } catch (error) {
-    postMessage({is: 'error', of: what, words: error.message});
+    postMessage({is: 'error', of: what, words: error.message, serial});
     if (!(error.name === 'PalpateError' || error instanceof HaplyError || error instanceof RecordingError)) throw error;
   }
 }
@@ -160,7 +167,7 @@ const loaded = loadPalpate().then(module => {
 
 onmessage = async ({data}) => {
   await loaded;
-  guarded(data.do, () => handlers[data.do](data));
+  guarded(data.do, () => handlers[data.do](data), data.request?.serial);
 };
 
 function openScene(wanted, records) {
@@ -170,7 +177,12 @@ function openScene(wanted, records) {
   if (sim) sim.close();
   [sim, request, record, tick, hand] = [opened, wanted, records, 0, 0];
   own = new Map(TISSUE_SLIDERS.map(({field}) => [field, sim.tissueValue(field)]));
-  applySettings();
+  try {
+    applySettings();
+  } catch (error) {  // the scene before took them
+    Object.assign(settings, {tissue: null, values: new Map()});
+    postMessage({is: 'error', of: 'tissue', words: error.message});
+  }
   if (haply) mode = 'haply';
   else if (mode === 'haply' || mode === 'replay') mode = 'pointer';
   postMessage({is: 'opened', request, record, mode, name: sim.name, scene: sim.scene, hands: sim.info.hands, rate: sim.info.rate,

@@ -102,6 +102,8 @@ test('a recording gives its samples, and the one before where the device gave no
   assert.deepEqual(playback.sample(0, 1), {position: [0.2, 0, 0], orientation: [1, 0, 0, 0], velocity: [0, 0, 0], gripper: 0.5, buttons: 1});
   assert.deepEqual(playback.sample(0, 2).position, [0.2, 0, 0]);
   assert.equal(playback.distance(0, 0), 0.02);
+  const late = new Playback(readRecording([HEAD, line(0, {x: 9, valid: 0}), line(1, {x: 0.3}), ''].join('\n')));
+  assert.deepEqual(late.sample(0, 0).position, [0.3, 0, 0]);  // before the first valid one: that
 });
 
 test('a CSV that is no recording is refused with its column or line', () => {
@@ -111,6 +113,9 @@ test('a CSV that is no recording is refused with its column or line', () => {
   refused(/line 3: device_x_m = far: must be a number/, HEAD, line(0), line(1, {x: 'far'}));
   refused(/line 3: tick = 2: must be 1/, HEAD, line(0), line(2));
   refused(/3 rows of 2 hands/, HEAD, line(0), line(0, {hand: 1}), line(1));
+  refused(/a row per hand, in order/, HEAD, line(0), line(0, {hand: 1}), line(1, {hand: 1}), line(1));
+  refused(/hand 0: has no valid sample/, HEAD, line(0, {valid: 0}), line(1, {valid: 0}));
+  refused(/time_s goes from 0 to 0 s: must rise/, HEAD, line(0), line(1).replace('1,0.002', '1,0'));
   refused(/1 ticks: must be at least 2/, HEAD, line(0));
 });
 
