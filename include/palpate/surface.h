@@ -17,8 +17,8 @@ class DeformedSurface;
 class OrganResponse;
 
 /// [setup] The response of an organ to forces on its surface, from its shape and what holds it. With it,
-/// SurfaceDeformer moves the whole organ (docs/support.md). Takes about 0.2 s of processor time, on all
-/// processors, and 6 MB. It never changes and may be shared between threads.
+/// SurfaceDeformer moves the whole organ (docs/support.md). Takes about 0.4 s of processor time, on all
+/// processors, and 9 MB. It never changes and may be shared between threads.
 /// @param organ closed, outwards @throws InputError, ParameterError as geometry::check_support()
 [[nodiscard]] std::shared_ptr<const OrganResponse> prepare_response(const geometry::TriangleMesh& organ,
                                                                     const geometry::Support& support);

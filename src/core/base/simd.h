@@ -68,6 +68,12 @@ struct Float4 {
     std::memcpy(&loaded.v, from, sizeof(v));
     return loaded;
   }
+  /// [any] Four integers as numbers.
+  static Float4 converted(const std::int16_t* from) noexcept {
+    std::int16_t four __attribute__((vector_size(8)));
+    std::memcpy(&four, from, sizeof(four));
+    return Float4(__builtin_convertvector(four, Value));
+  }
   void store_unaligned(float* to) const noexcept { std::memcpy(to, &v, sizeof(v)); }
   [[nodiscard]] float get(std::size_t lane) const noexcept { return v[lane]; }
 

@@ -9,22 +9,17 @@
 //        |'    |     |    '|        no node is loose
 //        +-----+-----+-----+
 //
-// A few hundred nodes are enough: at 0.3 of the organ's thickness the field far from the contact is within
-// 1 or 2 % of one with cells half as large, because the splines' slopes are continuous. Close to a contact,
-// where cells are too coarse, the half-space's closed form corrects the field (response_field.h).
+// The splines' slopes are continuous, so about a thousand nodes describe how an organ bends and bulges. Close
+// to a contact, where cells are too coarse, the half-space's closed form corrects the field
+// (response_field.h).
 //
 // 1. The largest number of cells is chosen that needs at most kMostNodes nodes.
 // 2. The stiffness matrix is assembled cell by cell. The held surface is a layer of stiff springs; each
 //    small part of it adds the products of its cell's splines.
 // 3. Nodes are ordered by planes across the longest axis of the grid. Two planes make a block, and a block
-//    couples with its two neighbours only, so Cholesky's factor consists of two dense matrices a block:
-//
-//        D_1 B_1'                   D_k: diagonal block, B_k couples block k+1 with block k
-//        B_1 D_2 B_2'
-//            B_2 D_3 ...
-//
-// 4. The inverse, one column a node and direction, is the compliance: displacements under unit forces. It
-//    has 6 MB at 400 nodes. All forces of a picture then cost one sum over the loaded nodes' columns.
+//    couples with its two neighbours only.
+// 4. The inverse (block_inverse.h), one column a node and direction, is the compliance: displacements under
+//    unit forces. All forces of a picture then cost one sum over the loaded nodes' columns.
 //
 // Sources: finite cells (Parvizian, Duester and Rank 2007); B-splines as elements (Hoellig 2003).
 
@@ -34,12 +29,13 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "core/base/index.h"
-#include "core/base/parallel.h"
 #include "core/deform/half_space.h"
 #include "core/deform/surface_parts.h"
 
@@ -50,15 +46,14 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
-constexpr std::size_t kMostNodes = 400;
-constexpr double kFewestCells = 3.0;  // along the longest extent
+constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
+constexpr double kFewestCells = 3.0;     // along the longest extent
 constexpr double kMostCells = 60.0;
 constexpr int kSteps = 7;                // of the search for the finest grid
 constexpr double kWhole = 1.0 - 1e-9;    // share of a cell that counts as filled
 constexpr double kOutside = 1e-4;        // stiffness outside the organ in cut cells
 constexpr double kHeldInside = 15.0;     // the same of what is held inside, by the square of a cell
 constexpr double kHeldStiffness = 15.0;  // of the held surface's springs, times Young's modulus / cell
-constexpr std::size_t kGrain = 48;       // columns of the inverse that one task computes
 
 constexpr auto kNodes = static_cast<Index>(CellGrid::kNodesOfCell);
 
@@ -127,51 +122,6 @@ CellFilling::Moments moments_of_whole_cell() {
   return moments;
 }
 
-// A symmetric positive matrix in which each block of rows couples with its two neighbours only.
-struct BlockMatrix {
-  std::vector<Index> first;        // row of each block; the number of rows at the end
-  std::vector<MatrixXd> diagonal;  // lower halves
-  std::vector<MatrixXd> coupling;  // block k+1 (rows) with block k
-
-  [[nodiscard]] std::size_t blocks() const { return diagonal.size(); }
-  [[nodiscard]] Index size(std::size_t block) const { return first[block + 1] - first[block]; }
-  // Replaces it by Cholesky's factor. @return false when it is not positive
-  [[nodiscard]] bool factorize();
-  // Columns `begin` .. `end` of the inverse, after factorize().
-  [[nodiscard]] MatrixXd columns_of_inverse(Index begin, Index end) const;
-};
-
-bool BlockMatrix::factorize() {
-  for (std::size_t k = 0; k < blocks(); ++k) {
-    if (k > 0) diagonal[k].selfadjointView<Eigen::Lower>().rankUpdate(coupling[k - 1], -1.0);
-    const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(diagonal[k]);
-    if (factor.info() != Eigen::Success) return false;
-    if (k + 1 < blocks())
-      diagonal[k].triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(coupling[k]);
-  }
-  return true;
-}
-
-MatrixXd BlockMatrix::columns_of_inverse(Index begin, Index end) const {
-  MatrixXd x = MatrixXd::Zero(first.back(), end - begin);
-  for (Index column = begin; column < end; ++column) x(column, column - begin) = 1.0;
-  const auto rows = [this, &x](std::size_t k) { return x.middleRows(first[k], size(k)); };
-  std::size_t k = 0;
-  while (first[k + 1] <= begin) ++k;  // all is zero before
-  const std::size_t start = k;
-  for (; k < blocks(); ++k) {
-    if (k > start) rows(k).noalias() -= coupling[k - 1] * rows(k - 1);
-    auto own = rows(k);
-    diagonal[k].triangularView<Eigen::Lower>().solveInPlace(own);
-  }
-  while (k-- > 0) {
-    if (k + 1 < blocks()) rows(k).noalias() -= coupling[k].transpose() * rows(k + 1);
-    auto own = rows(k);
-    diagonal[k].triangularView<Eigen::Lower>().transpose().solveInPlace(own);
-  }
-  return x;
-}
-
 // Cells that the organ or its surface reaches.
 std::vector<std::array<int, 3>> cells_of(const CellGrid& grid, const CellFilling& filling,
                                          const geometry::TriangleMesh& organ) {
@@ -237,7 +187,7 @@ void Body::number_nodes() {
   body_.unknown_of.assign(grid_.nodes(), -1);
   for (std::size_t plane = 0; plane < planes; ++plane) {
     const std::size_t before = body_.nodes.size();
-    if (plane % 2 == 0) matrix_.first.push_back(static_cast<Index>(3 * before));
+    if (plane % 2 == 0) matrix_.first.push_back(3 * before);
     for (std::size_t node = 0; node < used.size(); ++node) {
       if (!used[node] || node / stride % planes != plane) continue;
       body_.unknown_of[node] = static_cast<std::int32_t>(body_.nodes.size());
@@ -245,20 +195,23 @@ void Body::number_nodes() {
       block_of_.push_back(plane / 2);
     }
   }
-  matrix_.first.push_back(static_cast<Index>(3 * body_.nodes.size()));
+  matrix_.first.push_back(3 * body_.nodes.size());
   for (std::size_t k = 0; k + 1 < matrix_.first.size(); ++k) {
-    const Index size = matrix_.first[k + 1] - matrix_.first[k];
-    matrix_.diagonal.push_back(MatrixXd::Zero(size, size));
-    if (k + 2 < matrix_.first.size())
-      matrix_.coupling.push_back(MatrixXd::Zero(matrix_.first[k + 2] - matrix_.first[k + 1], size));
+    matrix_.diagonal.emplace_back(matrix_.size(k) * matrix_.size(k));
+    if (k + 2 < matrix_.first.size()) matrix_.coupling.emplace_back(matrix_.size(k + 1) * matrix_.size(k));
   }
 }
 
 void Body::add(std::int32_t row, std::int32_t column, const Matrix3d& stiffness) {
   const std::size_t block = block_of_[palpate::at(column)];
-  MatrixXd& to = block_of_[palpate::at(row)] == block ? matrix_.diagonal[block] : matrix_.coupling[block];
-  const Index from = matrix_.first[block_of_[palpate::at(row)]];
-  to.block<3, 3>(3 * row - from, 3 * column - matrix_.first[block]) += stiffness;
+  const std::size_t block_of_row = block_of_[palpate::at(row)];
+  std::vector<double>& to = block_of_row == block ? matrix_.diagonal[block] : matrix_.coupling[block];
+  const std::size_t height = matrix_.size(block_of_row);
+  const std::size_t first = 3 * palpate::at(row) - matrix_.first[block_of_row] +
+                            height * (3 * palpate::at(column) - matrix_.first[block]);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t r = 0; r < 3; ++r)
+      to[first + height * c + r] += stiffness(static_cast<Index>(r), static_cast<Index>(c));
 }
 
 void Body::add_cell(const std::array<int, 3>& cell) {
@@ -323,16 +276,10 @@ void Body::add_support(const geometry::HeldSurface& held) {
 }
 
 bool Body::invert() {
-  if (!matrix_.factorize()) return false;
-  const Index size = matrix_.first.back();
-  body_.compliance.resize(size, size);
-  for_ranges(static_cast<std::size_t>(size), kGrain, [&](std::size_t begin, std::size_t end) {
-    const auto first = static_cast<Index>(begin);
-    const auto count = static_cast<Index>(end - begin);
-    body_.compliance.middleCols(first, count) =
-        matrix_.columns_of_inverse(first, first + count).cast<float>();
-  });
-  return body_.compliance.allFinite();
+  std::optional<BlockInverse> inverse = BlockInverse::of(std::move(matrix_));
+  if (!inverse) return false;
+  body_.compliance = std::move(*inverse);
+  return true;
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include "core/deform/block_inverse.h"
 #include "core/deform/cell_grid.h"
 #include "palpate/mesh.h"
 #include "palpate/support.h"
@@ -18,10 +17,10 @@ inline constexpr double kPartsOfCell = 4.0;
 struct BodyCompliance {
   std::vector<std::int32_t> unknown_of;  // per node of the grid: its place in `nodes`; -1: not reached
   std::vector<std::int32_t> nodes;       // numbers of the nodes in the grid
-  Eigen::MatrixXf compliance;            // [m/N]; symmetric, three rows and columns a node
+  BlockInverse compliance;               // [m/N]
 };
 
-/// [setup] The grid with the smallest cells on which an organ needs at most 400 nodes.
+/// [setup] The grid with the smallest cells on which an organ needs at most kMostNodes nodes.
 [[nodiscard]] CellGrid finest_grid(const geometry::TriangleMesh& organ);
 
 /// [setup] The compliance of an organ on this grid, computed on all processors; the result does not depend

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/base/index.h"
-#include "core/base/simd.h"
 #include "core/deform/surface_parts.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
@@ -100,22 +99,15 @@ OrganResponse::Displacements OrganResponse::none() const {
   return Displacements(grid_.nodes(), Eigen::Vector4f::Zero());
 }
 
-OrganResponse::Displacements OrganResponse::under(const Load& load, std::size_t axis) const {
-  const auto rows = static_cast<std::size_t>(body_.compliance.rows());
-  std::vector<float> sum(rows, 0.0F);
-  for (const auto& [node, share] : load.shares) {
-    const float* const column = body_.compliance.col(3 * node + static_cast<Index>(axis)).data();
-    const Float4 by(share);
-    std::size_t row = 0;
-    for (; row + Float4::kSize <= rows; row += Float4::kSize)
-      (Float4::load_unaligned(&sum[row]) + by * Float4::load_unaligned(column + row))
-          .store_unaligned(&sum[row]);
-    for (; row < rows; ++row) sum[row] += share * column[row];
+std::array<OrganResponse::Displacements, 3> OrganResponse::under(const Load& load) const {
+  const BlockInverse::ByAxis sums = body_.compliance.columns(load.shares);
+  std::array<Displacements, 3> under;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    under[axis] = none();
+    for (std::size_t n = 0; n < body_.nodes.size(); ++n)
+      under[axis][palpate::at(body_.nodes[n])].head<3>() =
+          Eigen::Vector3f(sums[axis][3 * n], sums[axis][3 * n + 1], sums[axis][3 * n + 2]);
   }
-  Displacements under = none();
-  for (std::size_t n = 0; n < body_.nodes.size(); ++n)
-    under[palpate::at(body_.nodes[n])].head<3>() =
-        Eigen::Vector3f(sum[3 * n], sum[3 * n + 1], sum[3 * n + 2]);
   return under;
 }
 

@@ -34,15 +34,15 @@ class OrganResponse final {
   [[nodiscard]] double spread() const noexcept { return grid_.edge(); }
   [[nodiscard]] std::size_t node_count() const noexcept { return body_.nodes.size(); }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return static_cast<std::size_t>(body_.compliance.size()) * sizeof(float);
+    return body_.compliance.bytes();
   }
 
   /// A force spread like Hertz's pressure over the surface within `radius` [m] of a point on the side that
   /// `normal` faces. @param point on the surface [m] @param normal outward, unit
   [[nodiscard]] Load load_at(const Vec3& point, const Vec3& normal, double radius) const;
 
-  /// The displacements under a unit force along an axis on a load.
-  [[nodiscard]] Displacements under(const Load& load, std::size_t axis) const;
+  /// The displacements under a unit force along each axis on a load.
+  [[nodiscard]] std::array<Displacements, 3> under(const Load& load) const;
 
   /// Work of a force on a load in a displacement field [N m].
   [[nodiscard]] double work(const Load& load, const Eigen::Vector3f& force, const Displacements& field) const;

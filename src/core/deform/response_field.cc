@@ -81,7 +81,7 @@ ResponseField::Columns ResponseField::columns_for(const Contact& contact, double
   Columns columns;
   columns.spread = spread;
   columns.load = response_->load_at(contact.point, contact.normal, spread);
-  for (std::size_t axis = 0; axis < 3; ++axis) columns.along[axis] = response_->under(columns.load, axis);
+  columns.along = response_->under(columns.load);
   columns.near.place(contact.point, -contact.normal);
   return columns;
 }

@@ -34,10 +34,10 @@ double motion_of_end(const Vec3& force) {
   const OrganResponse response = clamped_bar();
   const OrganResponse::Load end = response.load_at(Vec3(kLength / 2, 0.0, 0.0), Vec3::UnitX(), 10.0 * kWidth);
   OrganResponse::Displacements field = response.none();
+  const std::array<OrganResponse::Displacements, 3> under = response.under(end);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const OrganResponse::Displacements by_axis = response.under(end, axis);
     for (std::size_t n = 0; n < field.size(); ++n)
-      field[n] += static_cast<float>(force[static_cast<Eigen::Index>(axis)]) * by_axis[n];
+      field[n] += static_cast<float>(force[static_cast<Eigen::Index>(axis)]) * under[axis][n];
   }
   return response.work(end, force.cast<float>(), field);
 }
@@ -95,8 +95,8 @@ TEST(OrganResponse, ForceAtOnePlaceMovesAnotherAsMuchAsTheReverse) {
   const Vec3 b = 0.03 * Vec3::UnitX();
   const OrganResponse::Load at_a = response.load_at(a, Vec3::UnitZ(), 8e-3);
   const OrganResponse::Load at_b = response.load_at(b, Vec3::UnitX(), 8e-3);
-  const OrganResponse::Displacements by_a = response.under(at_a, 2);
-  const OrganResponse::Displacements by_b = response.under(at_b, 0);
+  const OrganResponse::Displacements by_a = response.under(at_a)[2];
+  const OrganResponse::Displacements by_b = response.under(at_b)[0];
   const double there = response.work(at_b, Eigen::Vector3f::UnitX(), by_a);
   EXPECT_NEAR(there, response.work(at_a, Eigen::Vector3f::UnitZ(), by_b), 1e-4 * std::abs(there));
 }
