@@ -15,11 +15,11 @@
 // Forces follow from the depths; Young's modulus cancels. Contacts act on each other, so a linear system
 // couples all contacts:
 //
-// 1. A press moves its contact by its depth along the normal and slides freely sideways: one unknown. A pull
-//    holds its contact: three unknowns. A press whose force would pull is left out, because another contact
-//    presses the surface away from it.
-// 2. A press that drags the surface sideways (friction) adds that side motion to what the first step gave:
-//    three unknowns a contact, with no motion along the normals.
+// 1. A press acts along its direction, moves its contact by its depth there and lets it slide freely across:
+//    one unknown. A pull holds its contact: three unknowns. A press whose force would pull is left out,
+//    because another contact presses the surface away from it.
+// 2. A press that is far off the surface's normal drags the surface by friction and takes away the motion
+//    across its direction: three unknowns a contact.
 //
 // Where the support holds the surface under the tool the organ cannot give way by the depth. A press is then
 // softened to a quarter of the half-space's answer, and missing() says how much of the depth is left for the
@@ -50,16 +50,18 @@ constexpr int kRadiusRounds = 6;
 // linear half-space would have a wall that folds.
 constexpr double kSteepest = 1.7;
 constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
-constexpr double kLeastSide = 0.02;  // share of a displacement; a smaller side part slides freely
-
-Vec3 side_of(const ResponseField::Contact& c) {
-  return c.displacement - c.displacement.dot(c.normal) * c.normal;
-}
+// A press whose direction is off the surface's normal by less than the first slides freely across its
+// direction, one by more than the second not at all: sines of 20 and 45 degrees.
+constexpr double kSlides = 0.34;
+constexpr double kSticks = 0.71;
 
 bool presses(const ResponseField::Contact& c) { return c.displacement.dot(c.normal) < 0.0; }
 
-bool drags(const ResponseField::Contact& c) {
-  return presses(c) && side_of(c).norm() > kLeastSide * c.displacement.norm();
+// Share of the motion across its direction that a press does not allow.
+double stuck_share(const ResponseField::Contact& c) {
+  if (!presses(c)) return 0.0;
+  const double sine = c.displacement.cross(c.normal).norm() / c.displacement.norm();
+  return std::clamp((sine - kSlides) / (kSticks - kSlides), 0.0, 1.0);
 }
 
 FourMotions no_motions() {
@@ -161,7 +163,7 @@ void ResponseField::solve_presses() {
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
       if (apart[i]) continue;
       if (presses(contacts_[i].contact)) {
-        unknowns.push_back({i, -contacts_[i].contact.normal});
+        unknowns.push_back({i, contacts_[i].contact.displacement.normalized()});
       } else {
         for (Index axis = 0; axis < 3; ++axis) unknowns.push_back({i, Vec3::Unit(axis)});
       }
@@ -200,17 +202,25 @@ void ResponseField::solve_presses() {
 }
 
 void ResponseField::solve_sides() {
-  if (std::none_of(contacts_.begin(), contacts_.end(), [](const Columns& c) { return drags(c.contact); }))
+  if (std::none_of(contacts_.begin(), contacts_.end(),
+                   [](const Columns& c) { return stuck_share(c.contact) > 0.0; }))
     return;
-  Eigen::VectorXd wanted = Eigen::VectorXd::Zero(between_.rows());
+  Eigen::VectorXd force(between_.rows());
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (drags(contacts_[i].contact))
-      wanted.segment<3>(static_cast<Index>(3 * i)) = side_of(contacts_[i].contact);
+    force.segment<3>(static_cast<Index>(3 * i)) = contacts_[i].force;
+  const Eigen::VectorXd reached = between_ * force;
+  Eigen::VectorXd wanted = Eigen::VectorXd::Zero(between_.rows());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i].contact;
+    const Vec3 along = c.displacement.normalized();
+    const Vec3 motion = reached.segment<3>(static_cast<Index>(3 * i));
+    wanted.segment<3>(static_cast<Index>(3 * i)) = -stuck_share(c) * (motion - motion.dot(along) * along);
+  }
   Eigen::MatrixXd matrix = between_;
   matrix.diagonal() *= 1.0 + kSoftening;
-  const Eigen::VectorXd force = matrix.partialPivLu().solve(wanted);
+  const Eigen::VectorXd added = matrix.partialPivLu().solve(wanted);
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    contacts_[i].force += force.segment<3>(static_cast<Index>(3 * i));
+    contacts_[i].force += added.segment<3>(static_cast<Index>(3 * i));
 }
 
 void ResponseField::sum_up(float share) {
@@ -230,7 +240,7 @@ void ResponseField::sum_up(float share) {
   missing_.clear();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& c = contacts_[i].contact;
-    const Vec3 along = presses(c) ? Vec3(-c.normal) : Vec3(c.displacement.normalized());
+    const Vec3 along = c.displacement.normalized();
     const double wanted = c.displacement.dot(along);
     const double there = reached.segment<3>(static_cast<Index>(3 * i)).dot(along);
     const double missing = wanted > 0.0 ? 1.0 - there / wanted : 0.0;
