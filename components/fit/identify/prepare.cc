@@ -85,18 +85,27 @@ bool drifts(const Start& start, const Ranges& ranges) {
 
 /// Says how far off a drift may be at the deepest row, when the rows before contact are continued to there:
 /// by twice the standard error of their curvature. No tissue comes from a curve that is off by more than
-/// kVisible.
+/// kVisible, or from one that bends upwards, as the force of a soft tissue does.
 void doubt_drift(const Start& start, const Ranges& ranges, Preparation& out) {
   constexpr double kVisible = 0.02;  // of the range of force
   const double lead = start.kink - ranges.lowest_displacement;
   const double way = ranges.displacement - 0.5 * lead;  // from the middle of the lead
   const double error = 2.0 * start.curve_error * way * way;
-  if (!(error > kVisible * ranges.force)) return;
-  const std::string text = fmt::format(
-      "the force at the deepest row is uncertain by {}, because the sensor drifts and {} mm without contact "
-      "do "
-      "not show how it goes on: tare it, wait until it is warm, or start further above the tissue",
-      percent(error / ranges.force, 0), brief(lead / kMillimetre, 2));
+  constexpr const char* kRemedy = "tare it, wait until it is warm, or start further above the tissue";
+  std::string text;
+  if (start.lead_curve > 0.0 && start.lead_slope > 0.0) {
+    text = fmt::format(
+        "the rows before {} bend upwards: a sensor that drifts does so, and a soft tissue looks alike: {}",
+        millimetres(start.kink), kRemedy);
+  } else if (error > kVisible * ranges.force) {
+    text = fmt::format(
+        "the force at the deepest row is uncertain by {}, because the sensor drifts and {} without contact "
+        "do not "
+        "show how it goes on: {}",
+        percent(error / ranges.force, 0), millimetres(lead), kRemedy);
+  } else {
+    return;
+  }
   out.notes.push_back(text);
   if (start.lead_curve != 0.0) out.poor = text;
 }
