@@ -143,6 +143,7 @@ std::vector<std::size_t> chosen(const char* name, const py::object& given, std::
     std::iota(all.begin(), all.end(), std::size_t{0});
     return all;
   }
+  require_unmasked(given);
   const auto array = py::array::ensure(given);
   const char kind = array ? array.dtype().kind() : '?';
   const bool is_mask = kind == 'b' && array.ndim() == 1 && static_cast<std::size_t>(array.size()) == count;

@@ -23,7 +23,7 @@ using geometry::MeshFindings;
 using geometry::TriangleMesh;
 
 // Without forcecast: fractions are a TypeError, not cut off.
-using Indices = py::array_t<std::int64_t, py::array::c_style>;
+using Indices = Unmasked<std::int64_t, py::array::c_style>;
 
 TriangleMesh mesh_of(const Numbers& vertices, const Indices& triangles) {
   if (vertices.ndim() != 2 || vertices.shape(1) != 3)

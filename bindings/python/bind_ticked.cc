@@ -97,6 +97,7 @@ py::array_t<palpate_sample> scripted_samples(TickedSimulation& ticked, std::uint
 
 /// Computes one tick per row of samples.
 py::array_t<palpate_result> tick(TickedSimulation& ticked, const py::array& given) {
+  require_unmasked(given);
   // Compares the field names, not the offsets, because numpy.stack() removes padding.
   if (!given.dtype().attr("names").equal(py::dtype::of<palpate_sample>().attr("names"))) {
     throw InputError("samples: must be an array of the type that samples() gives");

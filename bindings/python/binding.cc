@@ -7,10 +7,41 @@
 
 namespace palpate::python {
 
+namespace {
+
+/// Bounds the depth of lists in lists, as a list that contains itself has no end.
+struct RecursiveCall {
+  RecursiveCall() {
+    if (Py_EnterRecursiveCall(" in a list of arrays") != 0) throw py::error_already_set();
+  }
+  ~RecursiveCall() { Py_LeaveRecursiveCall(); }
+  RecursiveCall(const RecursiveCall&) = delete;
+  RecursiveCall& operator=(const RecursiveCall&) = delete;
+};
+
+}  // namespace
+
 model::Direction direction_of(const std::string& word) {
   if (word == "press") return model::Direction::kPress;
   if (word == "pull") return model::Direction::kPull;
   throw InputError("direction = \"" + word + "\": must be press or pull");
+}
+
+void require_unmasked(py::handle argument) {
+  PyObject* const given = argument.ptr();
+  const auto& numpy = py::detail::npy_api::get();
+  if (PyList_Check(given) || PyTuple_Check(given)) {
+    const RecursiveCall deeper;
+    const py::ssize_t count = PySequence_Fast_GET_SIZE(given);
+    for (py::ssize_t i = 0; i < count; ++i) require_unmasked(PySequence_Fast_GET_ITEM(given, i));
+    return;
+  }
+  const bool is_subclass = Py_TYPE(given) != numpy.PyArray_Type_ && numpy.PyArray_Check_(given);
+  if (!is_subclass || !py::module_::import("numpy.ma").attr("is_masked")(argument).cast<bool>()) return;
+  throw InputError(
+      "a masked array (numpy.ma) was given: its mask hides values, which would count as the others do; leave "
+      "them "
+      "out first, by the same rows of every array, such as force[~mask]");
 }
 
 py::array_t<double> array_of(std::span<const double> values) {

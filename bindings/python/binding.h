@@ -22,8 +22,21 @@ namespace palpate::python {
 
 namespace py = pybind11;
 
+/// @throws InputError if an argument is a NumPy array with masked values, or a list with one: a conversion to
+/// numbers would use the values that the mask hides
+void require_unmasked(py::handle argument);
+
+/// An array argument without masked values.
+template <typename Element, int kFlags>
+class Unmasked : public py::array_t<Element, kFlags> {
+ public:
+  using py::array_t<Element, kFlags>::array_t;
+  Unmasked() = default;
+  explicit Unmasked(const py::array_t<Element, kFlags>& array) : py::array_t<Element, kFlags>(array) {}
+};
+
 /// Numeric argument: any array or sequence, converted to contiguous doubles.
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Numbers = Unmasked<double, py::array::c_style | py::array::forcecast>;
 
 /// The parts of the module _palpate, one per file.
 void bind_model(py::module_& module);
@@ -108,6 +121,21 @@ py::array adopt(std::vector<Element> values, const py::dtype& dtype) {
 }
 
 }  // namespace palpate::python
+
+template <typename Element, int kFlags>
+struct pybind11::detail::pyobject_caster<palpate::python::Unmasked<Element, kFlags>> {
+  using Array = array_t<Element, kFlags>;
+  using type = palpate::python::Unmasked<Element, kFlags>;
+
+  bool load(handle from, bool convert) {
+    if (!convert && !Array::check_(from)) return false;
+    palpate::python::require_unmasked(from);
+    value = type(Array::ensure(from));
+    return static_cast<bool>(value);
+  }
+  static handle cast(const handle& from, return_value_policy, handle) { return from.inc_ref(); }
+  PYBIND11_TYPE_CASTER(type, handle_type_name<Array>::name);
+};
 
 template <>
 struct pybind11::detail::handle_type_name<palpate::python::RowOrRows> {

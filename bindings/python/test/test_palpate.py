@@ -170,6 +170,32 @@ def test_meshes_are_made_from_arrays():
     assert {'heart', 'liver', 'kidney-30k'} <= set(palpate.organ_names())
 
 
+def masked(values):
+    """The values with the last one masked."""
+    array = np.ma.array(values)
+    array[..., -1] = np.ma.masked
+    return array
+
+
+@pytest.mark.parametrize('call', [
+    lambda: palpate.SmoothSpringLaw(palpate.tissue_preset('liver'), 'press').force_at(masked([1e-3, 2e-3])),
+    lambda: palpate.Mesh(masked(np.eye(3)), [[0, 1, 2]]),
+    lambda: palpate.Mesh([masked(row) for row in np.eye(3)], [[0, 1, 2]]),
+    lambda: palpate.Mesh(np.eye(3), masked([[0, 1, 2]])),
+    lambda: palpate.Batch(None, 2).step(masked(np.zeros((2, 3)))),
+    lambda: palpate.Batch(None, 2).displacement(masked([0, 1])),
+], ids=['law', 'vertices', 'rows of vertices', 'triangles', 'poses', 'points'])
+def test_masked_values_are_refused(call):
+    with pytest.raises(palpate.InputError, match='a masked array'):
+        call()
+
+
+def test_a_masked_array_without_masked_values_is_an_array():
+    law = palpate.SmoothSpringLaw(palpate.tissue_preset('liver'), 'press')
+    depth = np.array([1e-3, 2e-3])
+    assert np.array_equal(law.force_at(np.ma.array(depth)), law.force_at(depth))
+
+
 def test_meshes_are_refused_in_words():
     with pytest.raises(palpate.InputError, match='must be an index of the 3 vertices'):
         palpate.Mesh(np.eye(3), [[0, 1, 3]])

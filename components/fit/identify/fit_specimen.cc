@@ -11,6 +11,7 @@
 #include "fit/identify/finite_result.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/least_squares.h"
+#include "fit/identify/loading.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/misfit.h"
 #include "fit/identify/plausible_specimen.h"
@@ -26,6 +27,7 @@ Specimen checked(Specimen specimen, const Settings& settings) {
     throw InputError(where + ": has no column time_s, which --relaxation needs");
   }
   check_specimen(specimen, where);
+  if (settings.relaxation) require_unsaturated(specimen, where);
   return specimen;
 }
 
@@ -216,6 +218,9 @@ SpecimenFit fit_specimen(const Specimen& given, const Settings& settings, std::u
   fit.curve = curve_of(optima, profiles);
   Misfit misfit = misfit_of(optima, fit);
   fit.poor = std::move(misfit.poor);
+  if (fit.poor.empty() && !used.preparation.poor.empty()) {
+    fit.poor = fmt::format("the rows of specimen {} give no tissue: {}", fit.name, used.preparation.poor);
+  }
   fit.warnings = warnings_of(optima, profiles, curvature, fit);
   fit.warnings.insert(fit.warnings.begin(), misfit.warnings.begin(), misfit.warnings.end());
   for (std::string& question : unit_questions(specimen)) fit.warnings.push_back(std::move(question));

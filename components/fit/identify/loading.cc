@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,6 +12,7 @@
 
 #include "core/base/statistics.h"
 #include "core/base/text.h"
+#include "palpate/error.h"
 #include "palpate/units.h"
 
 #include "fit/identify/least_squares.h"
@@ -113,16 +117,23 @@ void leave_out_hold(Specimen& used, const Ranges& ranges) {
   used = rows_of(used, {0, first});
 }
 
-/// Leaves out rows at the end in which the force stays while the displacement rises: no tissue does that, but
-/// a sensor at its limit, a slip and a puncture do.
-void leave_out_plateau(Specimen& used, const Ranges& ranges) {
+/// Rows at the end of a loading in which the force stays while the displacement rises: no tissue does that,
+/// but a sensor at its limit, a slip and a puncture do.
+struct Plateau {
+  double level = 0.0;  // N
+  double from = 0.0;   // m, displacement
+  double to = 0.0;
+  std::size_t rows = 0;
+};
+
+std::optional<Plateau> plateau_of(const Specimen& loading, const Ranges& ranges) {
   constexpr double kBand = 4.0;         // standard deviations of the noise below the plateau
   constexpr double kRiseBefore = 10.0;  // of these, over as much displacement before
   constexpr double kLeast = 0.02;       // of the range of force: the least such rise
   constexpr double kShortest = 0.04;    // of the range of displacement
   constexpr std::size_t kFewest = 8;    // rows
-  if (used.size() < 3 * kFewest) return;
-  const Specimen sorted = by_displacement(used);
+  if (loading.size() < 3 * kFewest) return std::nullopt;
+  const Specimen sorted = by_displacement(loading);
   std::vector<double> second_differences;
   for (std::size_t i = 1; i + 1 < sorted.size(); ++i) {
     second_differences.push_back(sorted.force[i - 1] - 2.0 * sorted.force[i] + sorted.force[i + 1]);
@@ -133,30 +144,89 @@ void leave_out_plateau(Specimen& used, const Ranges& ranges) {
       std::vector<double>(sorted.force.end() - static_cast<std::ptrdiff_t>(kFewest), sorted.force.end()));
   std::size_t first = sorted.size();
   while (first > 0 && std::abs(sorted.force[first - 1] - level) <= kBand * noise) --first;
-  if (first < kFewestPoints || sorted.size() - first < kFewest) return;
+  if (first < kFewestPoints || sorted.size() - first < kFewest) return std::nullopt;
   const double width = sorted.displacement.back() - sorted.displacement[first];
   const double start = sorted.displacement[first] - width;
-  if (width < kShortest * ranges.displacement) return;
+  if (width < kShortest * ranges.displacement) return std::nullopt;
   std::size_t before = first;
   while (before > 0 && sorted.displacement[before - 1] >= start) --before;
   const double rise = level - sorted.force[before];
-  if (!(rise > std::max(kRiseBefore * noise, kLeast * ranges.force))) return;
-  const double limit = sorted.displacement[first];
+  if (!(rise > std::max(kRiseBefore * noise, kLeast * ranges.force))) return std::nullopt;
+  return Plateau{level, sorted.displacement[first], sorted.displacement.back(), sorted.size() - first};
+}
+
+void leave_out_plateau(Specimen& used, const Ranges& ranges) {
+  const std::optional<Plateau> plateau = plateau_of(used, ranges);
+  if (!plateau) return;
   used.preparation.notes.push_back(fmt::format(
       "the force stays at {} N from {} to {}, where it rose before: these {} rows are left out. Is that the "
       "sensor's limit, a slip or a puncture?",
-      brief(level, 3), in_mm(limit), in_mm(sorted.displacement.back()), sorted.size() - first));
+      brief(plateau->level, 3), in_mm(plateau->from), in_mm(plateau->to), plateau->rows));
   Specimen kept = used;
   kept.time.clear();
   kept.displacement.clear();
   kept.force.clear();
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used.displacement[i] >= limit) continue;
+    if (used.displacement[i] >= plateau->from) continue;
     if (!used.time.empty()) kept.time.push_back(used.time[i]);
     kept.displacement.push_back(used.displacement[i]);
     kept.force.push_back(used.force[i]);
   }
   used = std::move(kept);
+}
+
+/// The rows up to where the first loading comes near its largest displacement.
+Specimen ramp_of(const Specimen& specimen, const Ranges& ranges) {
+  constexpr double kReached = 0.005;  // of the range of displacement
+  const Specimen loading = first_loading(specimen);
+  const std::vector<double>& at = loading.displacement;
+  const double enough = *std::max_element(at.begin(), at.end()) - kReached * ranges.displacement;
+  const auto last = std::find_if(at.begin(), at.end(), [enough](double one) { return one >= enough; });
+  return rows_of(loading, {0, static_cast<std::size_t>(last - at.begin())});
+}
+
+/// Whether the displacement rises over a plateau as fast as over as much displacement before: under a
+/// constant load it creeps ever more slowly.
+bool rises_on(const Specimen& ramp, const Plateau& plateau) {
+  constexpr double kSlower = 3.0;  // times
+  const auto time_at = [&ramp](double displacement) {
+    const auto row = std::find_if(ramp.displacement.begin(), ramp.displacement.end(),
+                                  [displacement](double at) { return at >= displacement; });
+    return ramp.time[static_cast<std::size_t>(row - ramp.displacement.begin())];
+  };
+  const double width = plateau.to - plateau.from;
+  const double from = time_at(plateau.from);
+  return time_at(plateau.to) - from < kSlower * (from - time_at(plateau.from - width));
+}
+
+/// Equal forces of successive rows.
+struct EqualRows {
+  std::size_t first = 0;
+  std::size_t count = 0;
+};
+
+/// Equal rows beside rows that change from one to the next, which no resolution of a sensor explains: at the
+/// largest force, before rows that change, or in a hold, after such rows.
+std::optional<EqualRows> frozen_rows(const Specimen& specimen, const Ranges& ranges) {
+  constexpr std::size_t kFewest = 8;  // equal rows, and rows beside them
+  constexpr double kStill = 0.01;     // of the range of displacement
+  const std::vector<double>& force = specimen.force;
+  const double most = *std::max_element(force.begin(), force.end());
+  const auto changes = [&force](std::size_t first) {
+    const auto from = force.begin() + static_cast<std::ptrdiff_t>(first);
+    return std::set<double>(from, from + kFewest).size() + 1 >= kFewest;
+  };
+  for (std::size_t first = 0, end = 0; first < force.size(); first = end) {
+    while (end < force.size() && force[end] == force[first]) ++end;
+    if (end - first < kFewest) continue;
+    const bool cut_off = force[first] == most && end + kFewest <= force.size() && changes(end);
+    const bool stops = first >= kFewest &&
+                       std::abs(specimen.displacement[first] - specimen.displacement[first - kFewest]) <
+                           kStill * ranges.displacement &&
+                       changes(first - kFewest);
+    if (cut_off || stops) return EqualRows{first, end - first};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -200,6 +270,59 @@ Specimen last_loading(const Specimen& specimen) {
   leave_out_hold(used, ranges_of(used));
   leave_out_plateau(used, ranges_of(used));
   return used;
+}
+
+void require_unsaturated(const Specimen& specimen, const std::string& where) {
+  constexpr const char* kRemedy =
+      "is that the sensor's limit? A fit with --relaxation would take it for the tissue's force: press less "
+      "deep, "
+      "or use a sensor for larger forces";
+  const Ranges ranges = ranges_of(specimen);
+  const Specimen ramp = ramp_of(specimen, ranges);
+  if (const std::optional<Plateau> plateau = plateau_of(ramp, ranges); plateau && rises_on(ramp, *plateau)) {
+    throw InputError(fmt::format("{}: force_N stays at {} N from {} to {} while the displacement rises: {}",
+                                 where, brief(plateau->level, 3), in_mm(plateau->from), in_mm(plateau->to),
+                                 kRemedy));
+  }
+  if (const std::optional<EqualRows> rows = frozen_rows(specimen, ranges)) {
+    throw InputError(
+        fmt::format("{}: force_N is {} in {} rows from row {} on, where the force of its neighbours changes "
+                    "from row to row: {}",
+                    where, brief(specimen.force[rows->first], 3), rows->count, rows->first + 1, kRemedy));
+  }
+}
+
+Specimen leave_out_start(const Specimen& specimen) {
+  constexpr double kMost = 0.1;       // of the rows
+  constexpr std::size_t kAfter = 10;  // rows that follow
+  constexpr double kSteeper = 5.0;    // times the largest step of these
+  constexpr double kLeast = 0.02;     // of the range of force of the other rows
+  const std::vector<double>& force = specimen.force;
+  const std::vector<double>& at = specimen.displacement;
+  const auto largest_step = [](const std::vector<double>& values, std::size_t from) {
+    double largest = 0.0;
+    for (std::size_t i = from; i < from + kAfter; ++i)
+      largest = std::max(largest, std::abs(values[i + 1] - values[i]));
+    return largest;
+  };
+  const auto most = static_cast<std::size_t>(kMost * static_cast<double>(specimen.size()));
+  for (std::size_t first = most; first > 0; --first) {
+    if (first + kAfter + kFewestPoints > specimen.size()) continue;
+    const double jump = std::abs(force[first] - force[first - 1]);
+    if (!(jump > kSteeper * largest_step(force, first)) ||
+        std::abs(at[first] - at[first - 1]) > 2.0 * largest_step(at, first))
+      continue;
+    Specimen used = rows_of(specimen, {first, specimen.size() - 1});
+    if (!(jump > kLeast * ranges_of(used).force)) continue;
+    used.preparation.notes.push_back(
+        fmt::format("the force jumps from {} to {} N between row {} and the next, and no row after them "
+                    "does: the first {} left "
+                    "out, as of a sensor or a recorder that starts",
+                    brief(force[first - 1], 3), brief(force[first], 3), first,
+                    first == 1 ? "row is" : fmt::format("{} rows are", first)));
+    return used;
+  }
+  return specimen;
 }
 
 Specimen first_loading(const Specimen& specimen) {

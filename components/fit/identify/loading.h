@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "palpate/identify.h"
 
 namespace palpate::identify {
@@ -13,5 +15,13 @@ namespace palpate::identify {
 
 /// [setup] The rows that begin the measurement: those of the first loading; all without an unloading.
 [[nodiscard]] Specimen first_loading(const Specimen& specimen);
+
+/// [setup] The rows without those at the start, at most a tenth, that a jump of the force parts from the
+/// rest. A note names them.
+[[nodiscard]] Specimen leave_out_start(const Specimen& specimen);
+
+/// [setup] A force that stays at the largest one while the displacement rises, or through many equal rows, is
+/// that of a sensor at its limit. @param where file and specimen, for the message @throws InputError
+void require_unsaturated(const Specimen& specimen, const std::string& where);
 
 }  // namespace palpate::identify

@@ -90,21 +90,21 @@ double late_contact(const Part& part, const SpecimenFit& fit) {
   return std::max(0.0, contact - from);
 }
 
-/// Largest relative change of the law's force over the deeper half of the depth when first contact is
-/// earlier, and the depth [m] of it.
-std::pair<double, double> excess_by_contact(const Problem& problem, const SpecimenFit& fit, double earlier) {
+/// How much [a fraction] the law's force over the deeper half of the depth is off when first contact lies
+/// this much earlier than fitted [m; negative: later], and the depth [m] where it is most.
+std::pair<double, double> off_by_contact(const Problem& problem, const SpecimenFit& fit, double earlier) {
   const Part& part = problem.parts.front();
   const double contact = fit.own[0] * part.ranges.displacement;
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement - contact;
   std::pair<double, double> largest{0.0, 0.0};
   for (const double share : {0.5, 0.75, 1.0}) {
-    const double depth = share * deepest;
+    const double depth = share * (deepest + std::min(0.0, earlier));
     const Specimen depths{"", {}, {depth, std::max(0.0, depth - earlier)}, {0.0, 0.0}};
     std::vector<double> force(depths.size());
     predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
     if (!(force[1] > 0.0)) continue;
-    const double excess = force[0] / force[1] - 1.0;
-    if (excess > largest.first) largest = {excess, depth};
+    const double off = force[0] / force[1] - 1.0;
+    if (std::abs(off) > std::abs(largest.first)) largest = {off, depth};
   }
   return largest;
 }
@@ -129,6 +129,31 @@ std::string poor_text(const SpecimenFit& fit, const std::string& what) {
   return fmt::format("the fit of specimen {} is wrong by over {}: {}", fit.name, percent(kPoorFit, 0), what);
 }
 
+/// First rows without a rise, which the fit takes for tissue: they may be motion without contact. Where the
+/// sensor is not tared either, nothing shows how far the tool is in.
+void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) {
+  constexpr double kLongFlat = 0.15;  // of the range of displacement
+  const Part& part = problem.parts.front();
+  const double contact = fit.own[0] * part.ranges.displacement;
+  const double flat = flat_until(*part.specimen, part.ranges);
+  if (part.specimen->preparation.contact ||
+      !(flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement))
+    return;
+  const auto [off, depth] = off_by_contact(problem, fit, std::min(0.0, contact - flat));
+  if (!(-off > kVisible)) return;
+  const std::string text = fmt::format(
+      "the force does not rise out of the noise before {}, and the law puts first contact at {}: if the tool "
+      "touches "
+      "at {}, the force {} below contact is {} too low; cut off rows without contact, and count displacement "
+      "from "
+      "contact; if the rows are tissue, its first layer is hardly visible",
+      mm(flat), mm(contact), mm(flat), mm(depth), percent(-off, 0));
+  out.warnings.push_back(text);
+  const bool untared = part.specimen->preparation.zero != 0.0;
+  if (untared && -off > kPoorFit && out.poor.empty())
+    out.poor = poor_text(fit, text + ", and tare the sensor");
+}
+
 }  // namespace
 
 Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
@@ -143,7 +168,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
     if (std::abs(found->share) > kPoorFit) out.poor = poor_text(fit, text);
   }
   if (const double late = late_contact(part, fit); late > 0.0) {
-    const auto [excess, depth] = excess_by_contact(problem, fit, late);
+    const auto [excess, depth] = off_by_contact(problem, fit, late);
     const double contact = fit.own[0] * part.ranges.displacement;
     const std::string text = fmt::format(
         "the force rises from {} on, but the law puts first contact at {}: its force {} below contact may be "
@@ -153,6 +178,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
     if (excess > kVisible) out.warnings.push_back(text);
     if (excess > kPoorLateContact && out.poor.empty()) out.poor = poor_text(fit, text);
   }
+  add_flat_rows(problem, fit, out);
   if (out.warnings.empty() || problem.terms > 0) return out;
   const double other = error_of_other_law(problem);
   if (!(other < kNearer * fit.nrmse)) return out;

@@ -72,13 +72,42 @@ void use_first_row(const Start& start, const Ranges& ranges, Preparation& out) {
 }
 
 std::string line_text(const Start& start) {
-  return fmt::format("the {} rows before {} follow a straight line of {} that ends at a kink",
-                     start.lead_rows, millimetres(start.kink), slope_text(start.lead_slope));
+  return fmt::format(
+      "the {} rows before {} follow a {} of {} that ends at a kink", start.lead_rows, millimetres(start.kink),
+      start.lead_curve != 0.0 ? "curve with a slope" : "straight line", slope_text(start.lead_slope));
 }
 
 /// Whether the lead drifts so much that it matters to the fit.
 bool drifts(const Start& start, const Ranges& ranges) {
-  return std::abs(start.lead_slope) * ranges.displacement > kWorthwhile * ranges.force;
+  return start.lead_curve != 0.0 ||
+         std::abs(start.lead_slope) * ranges.displacement > kWorthwhile * ranges.force;
+}
+
+/// Says how far off a drift may be at the deepest row, when the rows before contact are continued to there:
+/// by twice the standard error of their curvature. No tissue comes from a curve that is off by more than
+/// kVisible, or from one that bends upwards, as the force of a soft tissue does.
+void doubt_drift(const Start& start, const Ranges& ranges, Preparation& out) {
+  constexpr double kVisible = 0.02;  // of the range of force
+  const double lead = start.kink - ranges.lowest_displacement;
+  const double way = ranges.displacement - 0.5 * lead;  // from the middle of the lead
+  const double error = 2.0 * start.curve_error * way * way;
+  constexpr const char* kRemedy = "tare it, wait until it is warm, or start further above the tissue";
+  std::string text;
+  if (start.lead_curve > 0.0 && start.lead_slope > 0.0) {
+    text = fmt::format(
+        "the rows before {} bend upwards: a sensor that drifts does so, and a soft tissue looks alike: {}",
+        millimetres(start.kink), kRemedy);
+  } else if (error > kVisible * ranges.force) {
+    text = fmt::format(
+        "the force at the deepest row is uncertain by {}, because the sensor drifts and {} without contact "
+        "do not "
+        "show how it goes on: {}",
+        percent(error / ranges.force, 0), millimetres(lead), kRemedy);
+  } else {
+    return;
+  }
+  out.notes.push_back(text);
+  if (start.lead_curve != 0.0) out.poor = text;
 }
 
 /// The rows before a kink as motion without contact, where that matters to the fit; nothing otherwise.
@@ -93,10 +122,12 @@ std::optional<Preparation> with_lead(const Start& start, const Ranges& ranges, P
   out.zero_at = start.kink;
   if (sloped) {
     out.zero_slope = start.lead_slope;
+    out.zero_curve = start.lead_curve;
     out.notes.push_back(
         line_text(start) +
         ": taken as a tilted or drifting sensor before contact, and subtracted from all rows" +
         (start.lead_slope > 0.0 ? "; if it is tissue, fit --law layered, whose layers have kinks" : ""));
+    doubt_drift(start, ranges, out);
   } else {
     out.notes.push_back(fmt::format(
         "the {} rows before {} read {} N on average: taken as motion without contact, and subtracted as the "
@@ -171,8 +202,8 @@ bool fits_better_with_lead(const Specimen& loading, const Settings& settings, co
   if (!late && !explained && with.zero_slope == 0.0) return as_lead.rms < kAsWell * as_tissue.rms;
   const double averaged = static_cast<double>(loading.size()) / as_lead.points;
   const double noise = without.noise / std::sqrt(averaged);
-  if (with.zero_slope > 0.0 && as_lead.rms > kFollows * noise) return false;
-  const double unknowns = with.zero_slope != 0.0 ? 2.0 : 1.0;
+  if ((with.zero_slope > 0.0 || with.zero_curve != 0.0) && as_lead.rms > kFollows * noise) return false;
+  const double unknowns = with.zero_curve != 0.0 ? 3.0 : with.zero_slope != 0.0 ? 2.0 : 1.0;
   return 2.0 * as_lead.points * portable::log(as_tissue.rms / as_lead.rms) >
          kCertain + unknowns * portable::log(as_lead.points);
 }
@@ -180,7 +211,7 @@ bool fits_better_with_lead(const Specimen& loading, const Settings& settings, co
 }  // namespace
 
 Specimen prepared(const Specimen& specimen, const Settings& settings) {
-  Specimen used = settings.relaxation ? specimen : last_loading(specimen);
+  Specimen used = leave_out_start(settings.relaxation ? specimen : last_loading(specimen));
   used.preparation.rows = used.size();
   const Ranges ranges = ranges_of(used);
   const Specimen loading = settings.relaxation ? first_loading(used) : used;
@@ -189,7 +220,8 @@ Specimen prepared(const Specimen& specimen, const Settings& settings) {
   used.preparation.noise = start.noise;
   const Preparation without = without_lead(start, ranges, settings, used.preparation);
   const std::optional<Preparation> with = with_lead(start, ranges, used.preparation);
-  const bool first_layer = settings.law == model::LawKind::kLayered && with && with->zero_slope > 0.0;
+  const bool first_layer =
+      settings.law == model::LawKind::kLayered && with && with->zero_slope > 0.0 && with->zero_curve == 0.0;
   const bool may_drift = !settings.relaxation || (with && with->zero_slope == 0.0);
   const bool has_lead =
       with && !first_layer && may_drift && fits_better_with_lead(loading, settings, without, *with);

@@ -23,7 +23,8 @@ constexpr std::size_t kFirstRows = 3;         // whose mean limits the reading a
 constexpr std::size_t kLeadRows = 5;          // before a kink
 constexpr std::size_t kRowsBeyond = 4;        // beyond a kink
 constexpr double kSmallestStartNoise = 1e-4;  // of the force range: no law follows a curve more closely
-constexpr int kBasis = 5;
+constexpr int kBasis = 6;
+constexpr int kCurve = 5;  // the column of a lead's curvature
 
 /// The first rows, sorted by displacement.
 struct StartRows {
@@ -56,16 +57,17 @@ struct LineFit {
   }
 };
 
-/// The columns of a row: 1, u, v, v^2, v^3 with v = max(0, u - kink); without a kink 1, u, u^2, u^3, u^4.
+/// The columns of a row: 1, u, v, v^2, v^3, u^2 with v = max(0, u - kink); without a kink 1, u, u^2, u^3,
+/// u^4.
 using Basis = Eigen::Matrix<double, kBasis, 1>;
 
 Basis basis_at(double u, double kink) {
   Basis columns;
   if (kink > 0.0) {
     const double v = std::max(0.0, u - kink);
-    columns << 1.0, u, v, v * v, v * v * v;
+    columns << 1.0, u, v, v * v, v * v * v, u * u;
   } else {
-    columns << 1.0, u, u * u, u * u * u, u * u * u * u;
+    columns << 1.0, u, u * u, u * u * u, u * u * u * u, 0.0;
   }
   return columns;
 }
@@ -108,15 +110,23 @@ std::vector<LineFit> smooth_fits(const StartRows& rows) {
   return all;
 }
 
-/// All curves with a kink: a constant or straight lead, and beyond it a polynomial of degree 1 to 3.
+/// All curves with a kink: a constant, straight or parabolic lead, and beyond it a polynomial of degree 1
+/// to 3.
 std::vector<LineFit> kinked_fits(const StartRows& rows) {
   std::vector<LineFit> all;
   const std::size_t count = rows.place.size();
   for (std::size_t last = kLeadRows - 1; last + kRowsBeyond < count; ++last) {
     const double kink = rows.place[last];
     if (!(kink > 0.0) || rows.place[last + 1] == kink) continue;
-    for (const std::vector<int>& columns :
-         {std::vector<int>{0, 2}, {0, 2, 3}, {0, 2, 3, 4}, {0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 4}}) {
+    for (const std::vector<int>& columns : {std::vector<int>{0, 2},
+                                            {0, 2, 3},
+                                            {0, 2, 3, 4},
+                                            {0, 1, 2},
+                                            {0, 1, 2, 3},
+                                            {0, 1, 2, 3, 4},
+                                            {0, 1, kCurve, 2},
+                                            {0, 1, kCurve, 2, 3},
+                                            {0, 1, kCurve, 2, 3, 4}}) {
       LineFit& fit = all.emplace_back(fit_columns(rows, kink, columns));
       fit.unknowns += 1.0;
       fit.kink = kink;
@@ -227,7 +237,8 @@ bool has_kink(const StartWindow& window) {
   if (!(fit.criterion(window.variance, points) < window.smooth.criterion(window.variance, points) - kCertain))
     return false;
   const double jump = fit.value(2);
-  return jump > kStartErrors * error_of(fit, 2, window.variance) && jump > kSteeper * fit.value(1);
+  return jump > kStartErrors * error_of(fit, 2, window.variance) &&
+         jump > kSteeper * (fit.value(1) + 2.0 * fit.value(kCurve) * fit.kink);
 }
 
 /// Way [m] from a place to where the fit rises by two standard errors of the force there.
@@ -236,23 +247,34 @@ double way_to_rise(const StartWindow& window, const LineFit& fit, double from, d
   const double level = fit.force_at(from) + 2.0 * error;
   for (int i = 1; i <= kSteps; ++i) {
     const double way = static_cast<double>(i) / kSteps;
-    const double lead = from > 0.0 ? fit.value(1) * way : 0.0;  // the baseline goes on
+    const double lead =  // the baseline goes on
+        from > 0.0 ? (fit.value(1) + fit.value(kCurve) * (2.0 * from + way)) * way : 0.0;
     if (fit.force_at(from + way) > level + lead) return way * window.rows.length;
   }
   return window.rows.length;
 }
 
+double square(double value) { return value * value; }
+
 void use_kink(const StartWindow& window, const Specimen& sorted, Start& start) {
+  constexpr double kCurveError = 13.4;  // sqrt(180): a parabola through rows at equal distances
+  constexpr double kCurveErrors = 3.0;  // standard errors
   const LineFit& fit = window.kinked;
   start.kink = sorted.displacement.front() + fit.kink * window.rows.length;
   start.lead_rows = static_cast<std::size_t>(std::count_if(
       sorted.displacement.begin(), sorted.displacement.end(), [&](double d) { return d <= start.kink; }));
-  const bool sloped = std::abs(fit.value(1)) > kStartErrors * error_of(fit, 1, window.variance);
+  const double length = window.rows.length;
+  const auto rows = static_cast<double>(fit.rows);
+  start.curve_error = kCurveError * std::sqrt(window.variance / rows) / square(fit.kink * length);
+  const double curve = fit.value(kCurve) / square(length);
+  const bool curved = std::abs(curve) > kCurveErrors * start.curve_error;
+  if (curved) start.lead_curve = curve;
+  const bool sloped = curved || std::abs(fit.value(1)) > kStartErrors * error_of(fit, 1, window.variance);
   const double straight = sloped ? 2.0 : 1.0;  // the end of a line is known less well than a mean
-  start.lead_force = sloped ? fit.value(0) + fit.value(1) * fit.kink + sorted.force.front()
+  start.lead_force = sloped ? fit.force_at(fit.kink) + sorted.force.front()
                             : mean(std::span(sorted.force).first(start.lead_rows));
-  start.lead_slope = sloped ? fit.value(1) / window.rows.length : 0.0;
-  start.lead_error = straight * std::sqrt(window.variance / static_cast<double>(fit.rows));
+  start.lead_slope = sloped ? (fit.value(1) + 2.0 * fit.value(kCurve) * fit.kink) / length : 0.0;
+  start.lead_error = straight * std::sqrt(window.variance / rows);
   start.kink_error = way_to_rise(window, fit, fit.kink, start.lead_error);
 }
 

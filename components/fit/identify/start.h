@@ -11,10 +11,10 @@ inline constexpr double kCertain = 10.0;     // decrease of the Bayesian informa
 /// How a loading curve begins: what the sensor reads without contact, and where contact begins.
 ///
 /// Two models compete for the first rows: a smooth curve (a polynomial), and a
-/// straight lead that ends at a kink, with a steeper curve beyond it. The kink needs five rows before it, and
-/// the Bayesian information criterion must prefer it by kCertain. A smooth curve that falls at first is no
-/// rival, since no tissue does. The kink is the one that the fewest rows show, up to a fifth of the force
-/// range. Single rows far from their neighbours do not count.
+/// straight or parabolic lead that ends at a kink, with a steeper curve beyond it. The kink needs five rows
+/// before it, and the Bayesian information criterion must prefer it by kCertain. A smooth curve that falls at
+/// first is no rival, since no tissue does. The kink is the one that the fewest rows show, up to a fifth of
+/// the force range. Single rows far from their neighbours do not count.
 struct Start {
   double force = 0.0;          // N, of the smooth curve at the first row
   double force_error = 0.0;    // N, its standard error
@@ -27,8 +27,11 @@ struct Start {
   double kink = 0.0;          // m, its displacement
   double lead_force = 0.0;    // N, of the lead at the kink
   double lead_error = 0.0;    // N, its standard error
-  double lead_slope = 0.0;    // N/m
-  double kink_error = 0.0;    // m, as contact_error
+  double lead_slope = 0.0;    // N/m, at the kink
+  double lead_curve =
+      0.0;  // N/m^2, where it differs from 0 by three standard errors: half the change of the slope
+  double curve_error = 0.0;  // N/m^2, the standard error of a curvature
+  double kink_error = 0.0;   // m, as contact_error
 };
 
 /// [setup] Analyses the first rows of a loading curve; the order of the rows does not matter.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -49,30 +51,73 @@ void add_wide_law(const SpecimenFit& fit, const Part& part, std::vector<std::str
                 advice(fit, part) + "; the curve itself is determined better");
 }
 
-/// Uncertainty of the force in the deeper half of the data due to noise at first contact. A law is a force
-/// over the depth from contact.
-void add_contact(const Problem& problem, const SpecimenFit& fit, std::vector<std::string>& out) {
-  constexpr double kUncertain = 0.02;  // of the force
-  const Part& part = problem.parts.front();
-  const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
-  const double error = part.specimen->preparation.contact_error;
-  double largest = 0.0;
-  double at = 0.0;  // m
+/// Forces [N] of a fit at depths [m] below its first contact.
+std::vector<double> forces_below_contact(const Problem& problem, std::span<const double> shared,
+                                         const std::vector<double>& depths) {
+  const Specimen at{"", {}, depths, std::vector<double>(depths.size())};
+  std::vector<double> force(depths.size());
+  predict(at, problem.parts.front().ranges, problem.settings, shared, Point(kOwnParameters, 0.0), force);
+  return force;
+}
+
+/// Where the force in the deeper half of the data is most uncertain.
+struct Uncertainty {
+  double share = 0.0;  // of the force
+  double depth = 0.0;  // m
+};
+
+constexpr double kUncertain = 0.02;  // of the force
+
+/// Uncertainty due to noise at first contact: a law is a force over the depth from contact.
+Uncertainty uncertainty_by_contact(const Problem& problem, const SpecimenFit& fit, double deepest) {
+  const double error = problem.parts.front().specimen->preparation.contact_error;
+  Uncertainty largest;
   for (const double share : {0.5, 0.75, 1.0}) {
     const double depth = share * deepest;
-    const Specimen depths{"", {}, {depth, depth - error}, {0.0, 0.0}};
-    std::vector<double> force(depths.size());
-    predict(depths, part.ranges, problem.settings, fit.shared, Point(kOwnParameters, 0.0), force);
-    const double uncertain = 1.0 - force[1] / force[0];
-    if (!(uncertain > largest)) continue;
-    largest = uncertain;
-    at = depth;
+    const std::vector<double> force = forces_below_contact(problem, fit.shared, {depth, depth - error});
+    const double off = 1.0 - force[1] / force[0];
+    if (off > largest.share) largest = {off, depth};
   }
-  if (!(largest > kUncertain)) return;
-  out.push_back(
-      fmt::format("noise in the first rows makes first contact uncertain by {} mm or more, and the force at "
-                  "{} mm by {} or more: measure with less noise, or more rows around first contact",
-                  brief(error / kMillimetre, 2), brief(at / kMillimetre, 3), percent(largest, 0)));
+  return largest;
+}
+
+/// Uncertainty due to the other laws, each with its own first contact, that the data allow.
+Uncertainty uncertainty_by_law(const Problem& problem, const std::vector<Point>& points,
+                               const SpecimenFit& fit, double deepest) {
+  const std::vector<double> depths = {0.5 * deepest, 0.75 * deepest, deepest};
+  const std::vector<double> best = forces_below_contact(problem, fit.shared, depths);
+  Uncertainty largest;
+  for (const Point& point : points) {
+    const std::vector<double> force =
+        forces_below_contact(problem, std::span(point).first(fit.shared.size()), depths);
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      const double off = std::abs(force[i] / best[i] - 1.0);
+      if (off > largest.share) largest = {off, depths[i]};
+    }
+  }
+  return largest;
+}
+
+void add_uncertainty(const Problem& problem, const std::vector<Point>& points, const SpecimenFit& fit,
+                     std::vector<std::string>& out) {
+  const Part& part = problem.parts.front();
+  const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
+  const Uncertainty contact = uncertainty_by_contact(problem, fit, deepest);
+  if (contact.share > kUncertain) {
+    out.push_back(fmt::format(
+        "noise in the first rows makes first contact uncertain by {} mm or more, and the force at "
+        "{} mm by {} or more: measure with less noise, or more rows around first contact",
+        brief(part.specimen->preparation.contact_error / kMillimetre, 2),
+        brief(contact.depth / kMillimetre, 3), percent(contact.share, 0)));
+  }
+  if (part.specimen->preparation.contact) return;  // rows show it
+  const Uncertainty law = uncertainty_by_law(problem, points, fit, deepest);
+  if (law.share > std::max(kUncertain, contact.share)) {
+    out.push_back(fmt::format(
+        "other laws and first contacts fit the rows as well (95 %), so that the force {} mm below contact is "
+        "uncertain by {}: measure with less noise, or start 1 mm above the tissue",
+        brief(law.depth / kMillimetre, 3), law.share > 1.0 ? "over 100 %" : percent(law.share, 0)));
+  }
 }
 
 /// A curve whose first row is already in contact: only the law's shape says where contact is. Where the first
@@ -116,14 +161,6 @@ void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std
   if (outliers > 0 && problem.loss_scale > 1e-4) {
     out.push_back(fmt::format("{}{} far off the curve and hardly counted (Cauchy's loss)", outliers,
                               outliers == 1 ? " point lies" : " points lie"));
-  }
-  constexpr double kLongFlat = 0.15;  // of the range of displacement
-  const double flat = flat_until(*part.specimen, part.ranges);
-  if (!preparation.contact && flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement) {
-    out.push_back(
-        "the force does not rise out of the noise before " + brief(flat / kMillimetre, 3) +
-        " mm: if that is motion without contact, cut it off and count displacement from contact; if it is "
-        "tissue, its first layer is hardly visible");
   }
   if (fit.layers_reached < 2) {
     out.emplace_back("the data stay within the first layer: they do not determine beta and q");
@@ -194,7 +231,7 @@ std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vecto
                                      const Curvature& curvature, const SpecimenFit& fit) {
   std::vector<std::string> out;
   add_data(optima, fit, out);
-  add_contact(optima.problem, fit, out);
+  add_uncertainty(optima.problem, points, fit, out);
   add_start_at_depth(optima.problem, fit, out);
   add_undetermined(identifiability_of(optima, points), fit, out);
   for (std::string& warning : correlated_warnings(curvature.correlations, labels(fit.terms))) {

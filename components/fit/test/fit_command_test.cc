@@ -18,6 +18,8 @@
 namespace palpate::tests {
 namespace {
 
+using testing::HasSubstr;
+
 using nlohmann::json;
 using ::testing::Contains;
 using ::testing::DoubleNear;
@@ -177,6 +179,47 @@ TEST(FitCommand, WhatAMapsFitWritesPredictsProbesBetweenThoseThatWereFitted) {
   EXPECT_EQ(run(folder, {"validate", "--map", "new.csv", "--scene", "lumps.toml", "--max-nrmse", "0.0001"})
                 .exit_code,
             4);
+}
+
+TEST(FitCommand, ChecksNewProbesAsThoseOfTheFit) {
+  const Folder folder;
+  std::ofstream(folder / "map.csv") << sloped_map(-12.0, 3.0);
+  std::string loops = "probe,x_mm,y_mm,z_mm,depth_mm,force_N\n";
+  std::string pulling = loops;
+  std::string deeper = loops;
+  for (int probe = 0; probe < 9; ++probe) {
+    const std::string place = std::to_string(probe) + ',' + std::to_string(3 * probe - 12) + ",0,0,";
+    const auto add = [&place](std::string& to, double depth, double force) {
+      to += place + std::to_string(depth) + ',' + std::to_string(force) + '\n';
+    };
+    const double factor = std::exp(0.7 * std::sin(0.3 * (3 * probe - 12)));
+    for (int row = 0; row <= 20; ++row) {
+      const double depth = 0.1 * row;
+      const double force = 0.1 * factor * std::pow(depth + 0.2, 1.4);
+      add(loops, depth, force);
+      add(pulling, depth, force - 0.2);
+      add(deeper, 2.0 * depth, force);
+    }
+    for (int row = 19; row >= 0; --row) add(loops, 0.1 * row, 0.0);
+  }
+  std::ofstream(folder / "loops.csv") << loops;
+  std::ofstream(folder / "pulling.csv") << pulling;
+  std::ofstream(folder / "deeper.csv") << deeper;
+  ASSERT_EQ(run(folder, {"fit", "--map", "map.csv", "--radius-mm", "3", "--max-inclusions", "0", "--out",
+                         "lumps.toml"})
+                .exit_code,
+            0);
+  const auto validated = [&folder](const std::string& file) {
+    return run(folder, {"validate", "--map", file, "--scene", "lumps.toml"});
+  };
+  const Outcome looped = validated("loops.csv");
+  EXPECT_EQ(looped.exit_code, 0) << looped.err;
+  EXPECT_THAT(looped.out, HasSubstr("9 probes, 189 rows"));
+  EXPECT_THAT(looped.out, HasSubstr("180 rows are left out, of each probe the last whole loading stays"));
+  const Outcome refused = validated("pulling.csv");
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("no tissue pulls, so tare the sensor"));
+  EXPECT_THAT(validated("deeper.csv").out, HasSubstr("90 rows are deeper than the fitted ones"));
 }
 
 TEST(FitCommand, ProbesInAnotherFrameAndFlagsWithoutEffectAreRefusedWithAMap) {

@@ -15,6 +15,7 @@
 #include "palpate/spring_law.h"
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/loading.h"
 #include "fit/identify/warnings.h"
 
 namespace palpate::identify {
@@ -123,6 +124,145 @@ TEST(Prepared, ATiltedOrDriftingBaselineIsSubtractedAndSaidWithItsPlace) {
                 Contains(HasSubstr("that ends at a kink: taken as a tilted or drifting sensor")))
         << slope;
   }
+}
+
+// Rows 0.5 mm apart after 3 mm of air: seven rows before contact.
+TEST(Prepared, ASensorThatIsNotTaredIsRightOrGivesNoTissueWhereFewRowsShowContact) {
+  for (const double zero : {-20.0, 20.0}) {
+    for (std::uint32_t n = 0; n < 4; ++n) {
+      Random random(66, n, 0);
+      Specimen specimen;
+      for (int i = 0; i <= 30; ++i) {
+        const double at = 5e-4 * i;
+        specimen.displacement.push_back(at);
+        specimen.force.push_back(exponential(at - 3e-3) + zero + 3e-3 * random.normal());
+      }
+      const SpecimenFit fit = fit_specimen(specimen, smooth(), 0, {});
+      const double off = force_at_ten(fit) / kAtTenMillimetres - 1.0;
+      EXPECT_TRUE(std::abs(off) < 0.03 || !fit.poor.empty()) << zero << ' ' << n << ": " << off;
+    }
+  }
+}
+
+/// A press after 3 mm of air, of a sensor whose reading grows with the square of the displacement.
+Specimen pressed_under_curved_drift(double curve, double lead) {
+  Specimen specimen = pressed({lead, 0.0, 0.0});
+  for (std::size_t i = 0; i < specimen.size(); ++i) {
+    specimen.force[i] += curve * specimen.displacement[i] * specimen.displacement[i];
+  }
+  return specimen;
+}
+
+TEST(Prepared, ADriftAlongACurveGivesNoTissueWhereFewRowsShowIt) {
+  const SpecimenFit fit = fit_specimen(pressed_under_curved_drift(-4000.0, 3e-3), smooth(), 0, {});
+  EXPECT_THAT(fit.poor, HasSubstr("because the sensor drifts and 2.9 mm without contact"));
+  EXPECT_THAT(fit.warnings, Contains(HasSubstr("follow a curve")));
+}
+
+TEST(Prepared, ADriftThatBendsUpwardsAsASoftTissueGivesNoTissue) {
+  const SpecimenFit fit = fit_specimen(pressed_under_curved_drift(4000.0, 3e-3), smooth(), 0, {});
+  EXPECT_THAT(fit.poor,
+              HasSubstr("bend upwards: a sensor that drifts does so, and a soft tissue looks alike"));
+}
+
+TEST(Prepared, ADriftAlongACurveThatManyRowsShowIsSubtracted) {
+  const SpecimenFit fit = fit_specimen(pressed_under_curved_drift(-500.0, 20e-3), smooth(), 0, {});
+  EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres);
+  EXPECT_EQ(fit.poor, "");
+}
+
+TEST(Prepared, RowsBeforeAJumpAtTheStartAreLeftOutAndNamed) {
+  for (const double glitch : {-5.0, 0.8, 5.0}) {
+    for (const std::size_t rows : {1U, 3U, 8U}) {
+      Specimen specimen = pressed({});
+      for (std::size_t i = 0; i < rows; ++i) specimen.force[i] = glitch;
+      const SpecimenFit fit = fit_specimen(specimen, smooth(), 0, {});
+      EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres) << glitch << ' ' << rows;
+      EXPECT_THAT(fit.warnings, Contains(HasSubstr("between row " + std::to_string(rows) + " and the next")))
+          << glitch;
+    }
+  }
+}
+
+TEST(Prepared, AStepOfTheDisplacementAtTheStartIsNoJumpOfTheSensor) {
+  Specimen stairs;
+  for (int i = 0; i < 200; ++i) {
+    stairs.displacement.push_back(1e-3 * (i / 20));
+    stairs.force.push_back(0.1 * (i / 20));
+  }
+  EXPECT_EQ(leave_out_start(stairs).size(), stairs.size());
+}
+
+/// A ramp of 10 mm in 1 s, then a hold of 4 s in which half the force relaxes, 100 rows a second.
+Specimen ramp_and_hold() {
+  Random random(62, 0, 0);
+  Specimen specimen;
+  for (int i = 0; i <= 500; ++i) {
+    const double time = 0.01 * i;
+    const double depth = 10e-3 * std::min(1.0, time);
+    const double relaxed = time > 1.0 ? 0.5 + 0.5 * std::exp(1.0 - time) : 1.0;
+    specimen.time.push_back(time);
+    specimen.displacement.push_back(depth);
+    specimen.force.push_back(relaxed * exponential(depth) + 3e-3 * random.normal());
+  }
+  return specimen;
+}
+
+TEST(RequireUnsaturated, TakesARampAndAHold) {
+  EXPECT_NO_THROW(require_unsaturated(ramp_and_hold(), "a.csv"));
+  Specimen coarse = ramp_and_hold();  // a sensor that resolves 0.05 N
+  for (double& force : coarse.force) force = 0.05 * std::round(force / 0.05);
+  EXPECT_NO_THROW(require_unsaturated(coarse, "a.csv"));
+}
+
+TEST(RequireUnsaturated, TakesACreepUnderAConstantForce) {
+  Specimen creep = ramp_and_hold();
+  for (std::size_t i = 0; i < creep.size(); ++i) {
+    if (creep.time[i] < 1.0) continue;
+    creep.displacement[i] = 10e-3 + 2e-3 * (1.0 - std::exp(1.0 - creep.time[i]));
+    creep.force[i] = exponential(10e-3) + 1e-3 * std::sin(7.0 * static_cast<double>(i));
+  }
+  EXPECT_NO_THROW(require_unsaturated(creep, "a.csv"));
+}
+
+TEST(RequireUnsaturated, RefusesAForceThatStaysWhileTheDisplacementRises) {
+  Specimen frozen = ramp_and_hold();
+  for (std::size_t i = 60; i < frozen.size(); ++i) frozen.force[i] = frozen.force[60];
+  EXPECT_THAT(
+      [&] { require_unsaturated(frozen, "a.csv"); },
+      testing::ThrowsMessage<InputError>(testing::AllOf(testing::StartsWith("a.csv: force_N stays at"),
+                                                        HasSubstr("while the displacement rises"))));
+}
+
+TEST(RequireUnsaturated, RefusesAForceThatIsCutOffInTheHold) {
+  Specimen cut = ramp_and_hold();
+  for (double& force : cut.force) force = std::min(force, 1.2);
+  EXPECT_THAT([&] { require_unsaturated(cut, "a.csv"); },
+              testing::ThrowsMessage<InputError>(HasSubstr("a.csv: force_N is 1.2 in ")));
+}
+
+TEST(RequireUnsaturated, RefusesAForceThatNoLongerChangesInTheHold) {
+  Specimen frozen = ramp_and_hold();
+  for (std::size_t i = 250; i < frozen.size(); ++i) frozen.force[i] = frozen.force[250];
+  EXPECT_THAT([&] { require_unsaturated(frozen, "a.csv"); },
+              testing::ThrowsMessage<InputError>(HasSubstr("in 251 rows from row 251 on")));
+}
+
+TEST(RequireUnsaturated, TakesAForceOfFewDigitsWithoutNoise) {
+  Specimen rounded = ramp_and_hold();
+  for (std::size_t i = 0; i < rounded.size(); ++i) {
+    const double relaxed = rounded.time[i] > 1.0 ? 0.5 + 0.5 * std::exp(10.0 * (1.0 - rounded.time[i])) : 1.0;
+    rounded.force[i] = 1e-3 * std::round(1e3 * relaxed * exponential(rounded.displacement[i]));
+  }
+  EXPECT_NO_THROW(require_unsaturated(rounded, "a.csv"));
+}
+
+TEST(FitSpecimen, RefusesASaturatedSensorWithRelaxation) {
+  Specimen cut = ramp_and_hold();
+  for (double& force : cut.force) force = std::min(force, 0.9);
+  Settings settings = smooth();
+  settings.relaxation = true;
+  EXPECT_THROW((void)fit_specimen(cut, settings, 0, {}), InputError);
 }
 
 TEST(Prepared, MotionWithoutContactOverAThirdOfTheWayIsNoLayer) {
@@ -305,6 +445,19 @@ TEST(FitSpecimen, NamesTheUncertaintyOfTheForceOverTwoPercentInTheDeeperHalf) {
     EXPECT_GT(contact, 0.0);
     EXPECT_NEAR(share, 100.0 * contact / 6.0, 1.5);
   }
+}
+
+// 12 rows with 1 % of noise allow other laws. Where rows show first contact, its place is the only question.
+TEST(FitSpecimen, SaysHowFarTheForceDiffersAmongTheLawsThatTheDataAllow) {
+  Random random(65, 0, 0);
+  Specimen few;
+  for (int i = 0; i < 12; ++i) {
+    few.displacement.push_back(1e-3 * i);
+    few.force.push_back(exponential(1e-3 * i) + 0.02 * random.normal());
+  }
+  const auto said = Contains(HasSubstr("other laws and first contacts fit the rows as well"));
+  EXPECT_THAT(fit_specimen(few, smooth(), 0, {}).warnings, said);
+  EXPECT_THAT(fit_specimen(pressed({4e-3, 0.0, 0.0}), smooth(), 0, {}).warnings, testing::Not(said));
 }
 
 TEST(Prepared, RelaxationKeepsAllRowsOfALoop) {

@@ -23,15 +23,18 @@ struct Preparation {
   double zero = 0.0;        // N, sensor reading without contact at `zero_at`, subtracted from the forces
   double zero_at = 0.0;     // m
   double zero_slope = 0.0;  // N/m, drift or tilt of that reading, subtracted too
+  double zero_curve = 0.0;  // N/m^2, how this slope changes, subtracted too
   std::optional<double> contact;   // m, where the rows without contact end
   double noise = 0.0;              // N, standard deviation
   double contact_error = 0.0;      // m, uncertainty of first contact from the noise of the first rows
   std::vector<std::string> notes;  // one sentence each
   std::string doubt;               // a warning for a fit with a larger error than the noise
+  std::string poor;                // why no tissue may come from these rows; empty: one may
 
   /// [any] Subtracted force [N] at a displacement [m].
   [[nodiscard]] double baseline(double displacement) const noexcept {
-    return zero + zero_slope * (displacement - zero_at);
+    const double from = displacement - zero_at;
+    return zero + (zero_slope + zero_curve * from) * from;
   }
 };
 

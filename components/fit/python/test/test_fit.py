@@ -54,6 +54,17 @@ def test_a_fit_with_an_error_over_a_fifth_of_the_force_range_gives_no_tissue():
     assert pooled['tissue'] is None
 
 
+def test_curves_and_profiles_with_masked_values_are_refused():
+    ramp = np.ma.array(np.linspace(0.0, 1e-2, 20), mask=np.arange(20) == 7)
+    for make in (lambda: palpate.Specimen('masked', ramp.data, 10 * ramp),
+                 lambda: palpate.Specimen('masked', list(ramp), 10 * ramp.data),
+                 lambda: palpate.Deformation('masked', ramp, ramp.data[::-1])):
+        with pytest.raises(palpate.InputError):
+            make()
+    plain = palpate.Specimen('none masked', np.ma.array(ramp.data), 10 * ramp.data)
+    assert np.array_equal(plain.displacement, ramp.data)
+
+
 def test_fit_refuses_what_cannot_be_fitted():
     with pytest.raises(palpate.InputError, match='at least 10'):
         palpate.Specimen('few', [0.0, 1e-3], [0.0, 0.1])

@@ -1,10 +1,12 @@
 #include "io/mesh_io/repair/crossings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numeric>
 
+#include "core/base/infinity.h"
 #include "io/mesh_io/repair/repair_surface.h"
 
 namespace palpate::mesh_io {
@@ -16,6 +18,7 @@ constexpr std::size_t kMaxPairs = 1'000'000;
 constexpr std::size_t kLeaf = 4;  // triangles
 // Smaller volumes, relative to the product of their lengths, are rounding errors.
 constexpr double kRounding = 1e-12;
+constexpr double kShortest = 1e-9;  // of the triangles' size: a shorter common part is a touch
 
 struct Node {
   Box box;
@@ -113,51 +116,59 @@ class Search final {
     int common = 0;
     for (const std::int32_t v : s) common += std::count(t.begin(), t.end(), v) > 0 ? 1 : 0;
     if (common > 1) return false;
-    if (all_on_one_side(s, t) || all_on_one_side(t, s)) return false;
-    return edge_pierces(s, t) || edge_pierces(t, s);
-  }
-
-  [[nodiscard]] double rounding(const geometry::Triangle& s, const geometry::Triangle& t) const {
     const Box box = box_of({s, t});
-    const double size = (box.high - box.low).maxCoeff();
-    return kRounding * (size + 1e-3 * scale_) * size * size;
+    const double size = (box.high - box.low).maxCoeff() + 1e-3 * scale_;
+    const Heights of_s = heights(s, t, size);
+    if (!of_s.on_both_sides()) return false;
+    const Heights of_t = heights(t, s, size);
+    if (!of_t.on_both_sides()) return false;
+    const Vec3 line = geometry::area_vector_doubled(mesh_, s).cross(geometry::area_vector_doubled(mesh_, t));
+    const Interval in_s = cut(s, of_s, line, point(s[0]));
+    const Interval in_t = cut(t, of_t, line, point(s[0]));
+    return std::min(in_s.high, in_t.high) - std::max(in_s.low, in_t.low) > kShortest * size * line.norm();
   }
 
-  /// Whether all corners of s are on one side of t's plane; corners on the plane count for both sides.
-  [[nodiscard]] bool all_on_one_side(const geometry::Triangle& s, const geometry::Triangle& t) const {
-    const double slack = rounding(s, t);
-    int above = 0;
-    int below = 0;
-    for (const std::int32_t v : s) {
-      const double height = volume(point(t[0]), point(t[1]), point(t[2]), point(v));
-      above += height > slack ? 1 : 0;
-      below += height < -slack ? 1 : 0;
+  /// Heights of a triangle's corners above another's plane, times twice that triangle's area; 0 within
+  /// rounding.
+  struct Heights {
+    std::array<double, 3> at{};
+    [[nodiscard]] bool on_both_sides() const {
+      return *std::min_element(at.begin(), at.end()) < 0.0 && *std::max_element(at.begin(), at.end()) > 0.0;
     }
-    return above == 0 || below == 0;
-  }
+  };
 
-  /// Whether an edge of s that shares no corner with t passes through the interior of t.
-  [[nodiscard]] bool edge_pierces(const geometry::Triangle& s, const geometry::Triangle& t) const {
-    const double slack = rounding(s, t);
-    const auto in_t = [&](std::int32_t v) { return std::count(t.begin(), t.end(), v) > 0; };
+  [[nodiscard]] Heights heights(const geometry::Triangle& s, const geometry::Triangle& t, double size) const {
+    Heights found;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t from = s[k];
-      const std::int32_t to = s[(k + 1) % 3];
-      if (in_t(from) || in_t(to)) continue;
-      const Vec3& p = point(from);
-      const Vec3& q = point(to);
-      const Vec3& a = point(t[0]);
-      const Vec3& b = point(t[1]);
-      const Vec3& c = point(t[2]);
-      const double before = volume(a, b, c, p);
-      const double behind = volume(a, b, c, q);
-      if (std::min(std::abs(before), std::abs(behind)) <= slack || (before > 0.0) == (behind > 0.0)) continue;
-      const double u = volume(p, q, a, b);
-      const double v = volume(p, q, b, c);
-      const double w = volume(p, q, c, a);
-      if ((u > slack && v > slack && w > slack) || (u < -slack && v < -slack && w < -slack)) return true;
+      const double height = volume(point(t[0]), point(t[1]), point(t[2]), point(s[k]));
+      found.at[k] = std::abs(height) > kRounding * size * size * size ? height : 0.0;
     }
-    return false;
+    return found;
+  }
+
+  /// Part of the line in which the planes of two triangles meet, as projections on its direction.
+  struct Interval {
+    double low = kInfinity;
+    double high = -kInfinity;
+    void add(double at) {
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+  };
+
+  /// The part that lies in s.
+  [[nodiscard]] Interval cut(const geometry::Triangle& s, const Heights& heights, const Vec3& line,
+                             const Vec3& origin) const {
+    Interval found;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const double from = heights.at[k];
+      const double to = heights.at[next];
+      const double at = line.dot(point(s[k]) - origin);
+      if (from == 0.0) found.add(at);
+      if (from * to < 0.0) found.add(at + from / (from - to) * line.dot(point(s[next]) - point(s[k])));
+    }
+    return found;
   }
 
   [[nodiscard]] Box box_of(std::initializer_list<geometry::Triangle> triangles) const {

@@ -14,9 +14,10 @@ struct Crossings {
   bool all = true;                                  // false: too many candidate pairs to test all
 };
 
-/// [setup] Finds all pairs of triangles where an edge of one passes through the interior of the other by more
-/// than rounding. Neighbours with a common edge and coplanar parts do not count. Tests at most some ten
-/// million pairs with overlapping boxes, so that any mesh takes seconds.
+/// [setup] Finds all pairs of triangles that have a piece of a line in common, longer than rounding, along
+/// which each passes through the plane of the other [Moeller 1997]. Neighbours with a common edge, touches
+/// and coplanar parts do not count. Tests at most some ten million pairs with overlapping boxes, so that any
+/// mesh takes seconds.
 [[nodiscard]] Crossings find_crossings(const geometry::TriangleMesh& mesh);
 
 }  // namespace palpate::mesh_io

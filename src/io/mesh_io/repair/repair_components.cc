@@ -5,7 +5,9 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "io/mesh_io/repair/crossings.h"
+#include "palpate/units.h"
 
 namespace palpate::mesh_io {
 namespace {
@@ -130,6 +132,50 @@ void account_for(const WorkSurface& surface, const Crossings& crossings, Compone
   done.crossing_share = area / surface.area();
 }
 
+/// Refuses a surface whose crossing triangles part it into an outer and an inside-out patch: there the tissue
+/// would be outside.
+void refuse_inside_out(const WorkSurface& surface, const Crossings& crossings, ComponentRepairs& done) {
+  constexpr double kLarge = 0.01;  // of the surface's area
+  Opposites opposite = pair_half_edges(surface);
+  for (const auto& pair : crossings.pairs) {
+    for (const std::uint32_t t : pair) {
+      for (Corner c = 3 * t; c < 3 * t + 3; ++c) {
+        if (opposite[c] != kNoOpposite) opposite[opposite[c]] = kNoOpposite;
+        opposite[c] = kNoOpposite;
+      }
+    }
+  }
+  const std::vector<std::uint32_t> patch_of = components_of(opposite);
+  std::vector<double> area(patch_of.size(), 0.0);
+  std::vector<std::uint32_t> largest(patch_of.size());  // triangle of each patch
+  for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
+    const std::uint32_t patch = patch_of[t];
+    if (area[patch] == 0.0 || surface.area(t) > surface.area(largest[patch])) largest[patch] = t;
+    area[patch] += surface.area(t);
+  }
+  const double whole = surface.area();
+  for (std::size_t patch = 0; patch < area.size(); ++patch) {
+    if (!(area[patch] > kLarge * whole)) continue;
+    const std::uint32_t at = largest[patch];
+    const Vec3 middle =
+        (surface.point_at(3 * at) + surface.point_at(3 * at + 1) + surface.point_at(3 * at + 2)) / 3.0;
+    double half_angles = 0.0;  // of all others: behind the triangle is one turn more than before it
+    for (std::uint32_t t = 0; t < patch_of.size(); ++t) {
+      if (t == at) continue;
+      half_angles += half_solid_angle(surface.point_at(3 * t) - middle, surface.point_at(3 * t + 1) - middle,
+                                      surface.point_at(3 * t + 2) - middle);
+    }
+    if (half_angles > 0.0) continue;
+    const Vec3 mm = middle / kMillimetre;
+    done.refusal = fmt::format(
+        "it goes through itself (at {} pairs of triangles), and {} of its surface, around ({:.3g}, {:.3g}, "
+        "{:.3g}) mm, "
+        "is inside out",
+        crossings.pairs.size(), percent(area[patch] / whole), mm.x(), mm.y(), mm.z());
+    return;
+  }
+}
+
 }  // namespace
 
 RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& opposite) {
@@ -172,6 +218,8 @@ ComponentRepairs clean_components(WorkSurface& surface) {
   if (!crossings.all || done.crossing_share > kMaxCrossing) {
     done.refusal = fmt::format("{}{} pairs of its triangles go through each other",
                                crossings.all ? "" : "at least ", done.crossing_pairs);
+  } else if (done.crossing_pairs > 0) {
+    refuse_inside_out(surface, crossings, done);
   }
   return done;
 }

@@ -390,6 +390,32 @@ TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
   EXPECT_THAT(result.remarks, ElementsAre(HasSubstr("of triangles that go through each other (")));
 }
 
+/// A ball of 20 mm whose part beyond x = 5 mm is mirrored at the plane z = 0, so that its upper and its lower
+/// side change places there. The mesh is symmetric about that plane, so edges meet edges, never the inside of
+/// a triangle.
+geometry::TriangleMesh half_mirrored_ball(int triangles) {
+  geometry::TriangleMesh mesh = geometry::make_ball(0.02, triangles);
+  for (Vec3& v : mesh.vertices) v.z() *= v.x() > 0.005 ? -1.0 : 1.0;
+  return mesh;
+}
+
+TEST(Repair, RefusesASurfaceThatGoesThroughItselfEdgeOnEdge) {
+  EXPECT_THAT(repair_surface(half_mirrored_ball(320)).refusal,
+              HasSubstr("of its triangles go through each other"));
+}
+
+TEST(Repair, RefusesASurfaceOfWhichAPartIsInsideOutBeyondAFewCrossings) {
+  geometry::TriangleMesh twisted = geometry::make_ball(0.02, 20480);  // two lobes with a thin neck at x = 0
+  for (Vec3& v : twisted.vertices) {
+    const double width = 0.05 + 0.95 * std::min(1.0, std::abs(v.x()) / 0.01);
+    v.y() *= width;
+    v.z() *= v.x() > 0.0 ? -width : width;
+  }
+  EXPECT_THAT(repair_surface(twisted).refusal,
+              AllOf(StartsWith("it goes through itself (at "), HasSubstr("of its surface, around ("),
+                    HasSubstr("is inside out")));
+}
+
 TEST(Repair, RefusesASurfaceWithOneSide) {
   geometry::TriangleMesh mesh;  // a Moebius strip of 24 pieces
   constexpr int kPieces = 24;
