@@ -115,12 +115,12 @@ void print(const std::string& name, const DeviceTest& found) {
             << "  overshoot                " << spread(found.overshoot, 100.0, "%") << '\n';
   std::string wall = "unknown";
   if (found.largest_stable && found.least_oscillating) {
-    wall = fmt::format("{} N/m; oscillates at {} N/m", brief(*found.largest_stable),
-                       brief(*found.least_oscillating));
+    wall =
+        fmt::format("{:.0f} N/m; oscillates at {:.0f} N/m", *found.largest_stable, *found.least_oscillating);
   } else if (found.largest_stable) {
-    wall = fmt::format("at least {} N/m, the stiffest that was tried", brief(*found.largest_stable));
+    wall = fmt::format("at least {:.0f} N/m, the stiffest that was tried", *found.largest_stable);
   } else if (found.least_oscillating) {
-    wall = fmt::format("below {} N/m, the softest that was tried", brief(*found.least_oscillating));
+    wall = fmt::format("below {:.0f} N/m, the softest that was tried", *found.least_oscillating);
   }
   std::cout << "  largest stable wall      " << wall << '\n';
   for (const std::string& text : found.untold) std::cout << "  not known: " << text << '\n';
