@@ -24,6 +24,7 @@ void add_repair(CLI::App& program, int& exit_code);
 void add_view(CLI::App& program, int& exit_code);
 void add_serve(CLI::App& program, int& exit_code);
 void add_devices(CLI::App& program, int& exit_code);
+void add_device_test(CLI::App& devices, int& exit_code);
 void add_score(CLI::App& program, const std::string& command_line, int& exit_code);
 void add_list(CLI::App& program, int& exit_code);
 void add_doctor(CLI::App& program, int& exit_code);

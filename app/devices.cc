@@ -156,8 +156,12 @@ void add_devices(CLI::App& program, int& exit_code) {
                       "KIND[:PATH], e.g. forcedimension:/path/libdhd.so: open that device at zero force and "
                       "print its name, version, pose and buttons; exit code 3 when it reports a fault");
   command->add_flag("--json", flags->as_json, "one JSON document");
-  command->footer("Examples:\n  palpate devices\n  palpate devices --try forcedimension --json");
-  command->callback([flags, &exit_code] {
+  command->footer(
+      "Examples:\n  palpate devices\n  palpate devices --try forcedimension --json\n"
+      "  palpate devices test forcedimension");
+  add_device_test(*command, exit_code);
+  command->callback([flags, command, &exit_code] {
+    if (!command->get_subcommands().empty()) return;  // which has run by itself
     exit_code = flags->try_one.empty() ? list_devices(flags->as_json) : try_device(*flags);
   });
 }

@@ -8,6 +8,7 @@ void add_study(CLI::App& program, const std::string& command_line, int& exit_cod
   CLI::App* study = add_component_command(program, "study");
   study->require_subcommand(1);
   add_study_check(*study, exit_code);
+  add_study_calibrate(*study, exit_code);
   add_study_power(*study, exit_code);
   add_study_prepare(*study, exit_code);
   add_study_run(*study, exit_code);

@@ -112,6 +112,9 @@ void check_surroundings(const std::string& file, CheckedStudy& made) {
       made.hints.push_back("task " + task.name + " has no practice: people learn while they are measured");
     }
   }
+  if (noise && !study.calibration) {
+    made.hints.emplace_back("no [study] calibration: nobody knows how much of the noise reaches the grip");
+  }
   if (noise && !study.check_audible) {
     made.hints.emplace_back("no [[check]] kind = \"audible\": nobody tests whether the noise is heard");
   }
@@ -160,6 +163,12 @@ void print_text(const CheckedStudy& made) {
   std::cout << fmt::format("study {}, scene {}, {} and {} min a person\n\n", study.name, study.scene,
                            counted(made.sessions.size(), "session", "sessions"),
                            std::lround(minutes_of(made)));
+  if (study.calibration) {
+    std::cout << fmt::format("calibration {}: {}; the largest noise, {} N (sd), is {} {}\n\n",
+                             study.calibration_file, study::describe(*study.calibration),
+                             shortest(study.max_noise), brief(study.calibration->at_grip(study.max_noise), 3),
+                             study.calibration->unit);
+  }
   std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8}  {}\n", "task", "kind", "arms", "trials",
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {
@@ -212,6 +221,13 @@ void print_json(const CheckedStudy& made) {
   json["study"] = made.study.name;
   json["scene"] = made.study.scene;
   json["minutes"] = minutes_of(made);
+  if (const auto& calibration = made.study.calibration) {
+    json["calibration"] = {{"file", made.study.calibration_file},
+                           {"sha256", calibration->sha256},
+                           {"gain_per_N", calibration->gain},
+                           {"unit", calibration->unit},
+                           {"max_noise_at_grip", calibration->at_grip(made.study.max_noise)}};
+  }
   json["tasks"] = nlohmann::ordered_json::array();
   for (const CheckedTask& checked : made.tasks) json["tasks"].push_back(json_of(checked));
   json["sessions"] = nlohmann::ordered_json::array();

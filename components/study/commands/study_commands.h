@@ -15,6 +15,7 @@ void add_study(CLI::App& program, const std::string& command_line, int& exit_cod
 
 // Each function adds one subcommand of `palpate study`.
 void add_study_check(CLI::App& study, int& exit_code);
+void add_study_calibrate(CLI::App& study, int& exit_code);
 void add_study_power(CLI::App& study, int& exit_code);
 void add_study_prepare(CLI::App& study, int& exit_code);
 void add_study_run(CLI::App& study, int& exit_code);

@@ -29,7 +29,7 @@ void read_effect(const std::string& text, study::PowerRequest& request) {
   const std::size_t equals = text.find('=');
   const std::string name = text.substr(0, equals);
   const std::optional<double> value =
-      equals == std::string::npos ? std::nullopt : parse_number(text.substr(equals + 1));
+      equals == std::string::npos ? std::nullopt : palpate::parse_number(text.substr(equals + 1));
   if ((name != "jnd" && name != "sr") || !value) {
     throw InputError("--effect `" + text +
                      "`: must be jnd=RATIO or sr=NOISE, for example jnd=0.85 or sr=0.4");

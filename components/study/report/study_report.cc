@@ -209,6 +209,15 @@ void write_registration(Page& page, const StudyFolder& study, const StudyAnalysi
               {"scene", study.study.scene},
               {"seed of stimuli and orders", std::to_string(study.study.seed)},
               {"palpate", kVersion}});
+  if (const auto& calibration = study.study.calibration) {
+    page.paragraph(
+        fmt::format("Calibration {} (SHA-256 {}): {}. So the largest noise of the study, {} N, is {} {}.",
+                    study.study.calibration_file, calibration->sha256, describe(*calibration),
+                    shortest(study.study.max_noise), brief(calibration->at_grip(study.study.max_noise), 3),
+                    calibration->unit));
+  } else {
+    page.paragraph("No calibration: how much of the commanded noise reached the grip is not known.");
+  }
   page.code(command);
   if (!analysis.unblinded) {
     page.paragraph(

@@ -162,6 +162,7 @@ void fill_folder(const Study& study, int participants, Preparation& made) {
   copy_consent(study, made, lock);
   if (!study.language_file.empty())
     made.copy(study.file.parent_path() / study.language_file, study.language_file);
+  if (study.calibration) made.copy(study.file.parent_path() / study.calibration_file, study.calibration_file);
   lock["files"] = made.hashes;
   lock["organ"] = read.organ_name;
   lock["organ_sha256"] = hash_of_builtin(read.organ_name);

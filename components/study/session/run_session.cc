@@ -285,6 +285,7 @@ void RunningSession::open_session() {
                                  : std::to_string(begun) + (finished ? " is finished" : " is unfinished")));
   }
   const std::string number = std::to_string(outcome_.session);
+  const std::optional<Calibration>& calibration = study_.study.calibration;
   const std::string program = "palpate " + record::palpate_version();
   if (!finished && outcome_.session == begun) {
     if (!questions().still_wanted()) {
@@ -299,6 +300,7 @@ void RunningSession::open_session() {
                                      {"program", program},
                                      {"device", options_.device},
                                      {"observer", options_.observer},
+                                     {"calibration", calibration ? calibration->sha256 : ""},
                                      {"level", options_.observer.empty() ? "" : "force"}}));
   }
   for (const TrialRecord& trial : before.trials) {

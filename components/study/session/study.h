@@ -10,6 +10,7 @@
 #include "palpate/scene.h"
 
 #include "study/psychophysics/psychophysics.h"
+#include "study/session/calibration.h"
 #include "study/session/language.h"
 #include "study/session/task_kind.h"
 
@@ -134,6 +135,9 @@ struct Study {
   int sessions = 1;
   double max_minutes = 60.0;
   bool latin_order = false;  // tasks that nothing depends on, in the order of a Williams square
+
+  std::string calibration_file;            // beside the study file; empty: none
+  std::optional<Calibration> calibration;  // what the grip gets
 
   std::string consent_file;  // as written; empty: none
   std::string approval;

@@ -33,7 +33,7 @@ TomlTable table_or_empty(const TomlTable& root, std::string_view key, const std:
 void read_study_table(const TomlTable& root, Study& study) {
   const std::optional<TomlTable> table = root.table("study");
   if (!table) root.fail_missing("study", "must be a table [study] with name and scene");
-  table->allow_only({"name", "scene", "seed", "sessions", "max_minutes", "task_order"});
+  table->allow_only({"name", "scene", "seed", "sessions", "max_minutes", "task_order", "calibration"});
   study.name = name_in(*table, "name");
   const std::optional<std::string> scene = table->text("scene");
   if (!scene) table->fail_missing("scene", "must be a scene file or a built-in organ");
@@ -44,6 +44,12 @@ void read_study_table(const TomlTable& root, Study& study) {
   study.sessions = count(*table, "sessions", 1, kMaxSessions, study.sessions);
   study.max_minutes = table->number("max_minutes", kMinutes).value_or(study.max_minutes);
   study.latin_order = choice(*table, "task_order", {"file", "latin-square"}, "file") == "latin-square";
+  study.calibration_file = table->text("calibration").value_or("");
+  if (study.calibration_file.empty()) return;
+  if (study.calibration_file.find('/') != std::string::npos) {
+    table->fail("calibration", "must be a file beside the study file, without a folder");
+  }
+  study.calibration = read_calibration(study.file.parent_path() / study.calibration_file);
 }
 
 void read_people(const TomlTable& root, Study& study) {

@@ -291,4 +291,13 @@ OpenedDevice open_connected(const std::string& what) {
   return kind->connect(colon == std::string::npos ? std::string() : what.substr(colon + 1));
 }
 
+OpenedDevice open_for_test(const std::string& what, double rate_Hz) {
+  if (what != "emulated") return open_connected(what);
+  scene::DeviceSetup setup;
+  setup.kind = what;
+  const scene::PathRow still{0.0, Vec3::Zero(), Quat::Identity(), 0.0};
+  return {std::make_unique<EmulatedDevice>(scene::ToolPath({still}), setup, rate_Hz),
+          "emulated device in an emulated hand", false};
+}
+
 }  // namespace palpate::devices

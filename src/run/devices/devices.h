@@ -33,11 +33,16 @@ namespace palpate::devices {
 struct OpenedDevice {
   std::unique_ptr<haptics::Device> device;
   std::string name;  // the vendor's name of the device, and how it was opened
+  bool held_by_person = true;
 };
 
 /// [setup] Opens one device that is connected to this computer, outside a scene.
 /// @param what KIND or KIND:PATH as on the command line
 /// @throws InputError as open_device(), and when a device of this KIND cannot be connected.
 [[nodiscard]] OpenedDevice open_connected(const std::string& what);
+
+/// [setup] As open_connected(), for a measurement at `rate_Hz`; "emulated" is an emulated device whose hand
+/// stays in one place.
+[[nodiscard]] OpenedDevice open_for_test(const std::string& what, double rate_Hz);
 
 }  // namespace palpate::devices
