@@ -8,14 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
 #include "run/devices/crash_stop.h"
 #include "run/tasks/communicator.h"
 
+#include "app/cli.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
