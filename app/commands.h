@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "app/cli.h"
 
 namespace palpate::app {
 

@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 #include "io/system/plugin.h"
 #include "palpate/error.h"
 #include "run/tasks/communicator.h"
@@ -99,7 +100,7 @@ int execute_component(char** arguments) {
   report_error(
       fmt::format("{}: needs the program {}, which is not in {}: install the package {}, or build it "
                   "(cmake --build DIR --target {})",
-                  command.name, command.program, folder.string(), command.package, command.target));
+                  command.name, command.program, to_text(folder), command.package, command.target));
   return kBadInput;
 }
 

@@ -2,7 +2,7 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
+#include "app/cli.h"
 
 namespace palpate::app {
 

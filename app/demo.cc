@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/system/path_text.h"
 #include "run/session/usable_core.h"
 #include "view/report/page.h"
 #include "view/report/report.h"
@@ -126,9 +127,9 @@ int demo(const DemoFlags& flags, const std::string& command_line) {
   }
   const fs::path page = write_demo_report(sessions, files, flags.folder, profiles, command_line);
   if (flags.json) {
-    std::cout << json_text({{"experiments", summaries}, {"report", page.string()}}) << '\n';
+    std::cout << json_text({{"experiments", summaries}, {"report", to_text(page)}}) << '\n';
   } else {
-    std::cout << "Report: " << page.string() << '\n';
+    std::cout << "Report: " << to_text(page) << '\n';
   }
   return exit_code;
 }

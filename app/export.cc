@@ -1,12 +1,12 @@
 // `palpate export`: writes a recording's ticks to a CSV file.
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include <fmt/core.h>
 
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/recording.h"
 
 #include "app/commands.h"
@@ -18,8 +18,8 @@ namespace palpate::app {
 namespace {
 
 struct ExportFlags {
-  std::string file;
-  std::string csv;
+  std::filesystem::path file;
+  std::filesystem::path csv;
   bool break_blind = false;
 };
 
@@ -32,19 +32,20 @@ int export_file(const ExportFlags& flags) {
   record::Recording recording;
   {
     Progress bar("export");
-    recording = read_to_show(flags.file, "palpate export", flags.break_blind,
-                             [&](double share) { bar.update(0.3 * share, "reading " + flags.file); });
+    recording = read_to_show(flags.file, "palpate export", flags.break_blind, [&](double share) {
+      bar.update(0.3 * share, "reading " + to_text(flags.file));
+    });
     record::export_csv(recording, flags.csv,
-                       [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + flags.csv); });
+                       [&](double share) { bar.update(0.3 + 0.7 * share, "writing " + to_text(flags.csv)); });
   }
   if (!recording.changes.empty() && has_place_beside) record::export_changes_csv(recording, changes);
   report_message(fmt::format(
-      "{}: {} rows{}", flags.csv, recording.rows.size(),
+      "{}: {} rows{}", to_text(flags.csv), recording.rows.size(),
       recording.facts.complete ? "" : "; the recording is incomplete: it was cut off after the last row"));
   if (!recording.changes.empty()) {
     report_message(fmt::format(
         "{}: {} changes of tissue or noise during the run",
-        has_place_beside ? changes.string() : "not written, because no file can be made beside --csv",
+        has_place_beside ? to_text(changes) : "not written, because no file can be made beside --csv",
         recording.changes.size()));
   }
   return kDone;

@@ -17,6 +17,7 @@
 #include "io/mesh_io/repair/repair.h"
 #include "io/scene/plausibility.h"
 #include "io/scene/support_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
@@ -64,7 +65,7 @@ struct Inspected {
 mesh_io::LoadedMesh load(const InspectOptions& options) {
   if (is_path(options.mesh)) {
     const LengthUnit unit = options.unit.empty() ? LengthUnit::kMillimetre : parse_length_unit(options.unit);
-    return mesh_io::read_mesh(options.mesh, unit);
+    return mesh_io::read_mesh(to_path(options.mesh), unit);
   }
   if (!options.unit.empty()) {
     throw InputError("--unit: " + options.mesh + " is a built-in mesh, whose unit is fixed; omit the flag");
@@ -78,9 +79,9 @@ void check_screenshot(const InspectOptions& options) {
   require_png_file(options.screenshot, "--screenshot");
   std::vector<NamedFile> inputs;
   if (!options.reference.empty()) inputs.push_back({"--reference", options.reference});
-  if (is_path(options.mesh)) inputs.push_back({"the mesh", options.mesh});
+  if (is_path(options.mesh)) inputs.push_back({"the mesh", to_path(options.mesh)});
   if (is_path(options.mesh))
-    for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(options.mesh))
+    for (const std::filesystem::path& buffer : mesh_io::gltf_buffer_files(to_path(options.mesh)))
       inputs.push_back({"a buffer of the mesh", buffer});
   require_no_overwrite(std::vector<NamedFile>{{"--screenshot", options.screenshot}}, inputs);
 }

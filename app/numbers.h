@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "palpate/error.h"
+
+#include "app/cli.h"
 
 namespace palpate::app {
 

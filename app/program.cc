@@ -8,14 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
 #include "run/devices/crash_stop.h"
 #include "run/tasks/communicator.h"
 
+#include "app/cli.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
@@ -140,6 +139,7 @@ void report_once(const std::string& error) {
 /// Runs the command of a command line. @return the exit code
 int run_command(int argc, char** argv, const AddCommands& add_commands) {
   CLI::App program{"Palpate lets a hand feel soft tissue through a force-feedback device, in real time."};
+  program.allow_windows_style_options(false);  // /data/organ.stl is a path
   program.name("palpate");
   program.set_version_flag("--version", std::string("palpate ") + kVersion);
   program.require_subcommand(1);

@@ -2,7 +2,7 @@
 #include <functional>
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "app/cli.h"
 
 namespace palpate::app {
 

@@ -1,8 +1,9 @@
 // `palpate repair`: makes an incomplete recording readable for every HDF5 tool.
+#include <filesystem>
 #include <iostream>
 #include <memory>
-#include <string>
 
+#include "io/system/path_text.h"
 #include "palpate/recording.h"
 
 #include "app/commands.h"
@@ -11,21 +12,22 @@
 namespace palpate::app {
 namespace {
 
-int repair_file(const std::string& file) {
+int repair_file(const std::filesystem::path& file) {
   record::RepairResult result;
   {
     Progress bar("repair");
-    result = record::repair_recording(file, [&](double share) { bar.update(share, "writing " + file); });
+    result =
+        record::repair_recording(file, [&](double share) { bar.update(share, "writing " + to_text(file)); });
   }
-  std::cout << file << ": " << (result.was_damaged ? "repaired, " : "nothing to repair, ") << result.rows
-            << " rows\n";
+  std::cout << to_text(file) << ": " << (result.was_damaged ? "repaired, " : "nothing to repair, ")
+            << result.rows << " rows\n";
   return kDone;
 }
 
 }  // namespace
 
 void add_repair(CLI::App& program, int& exit_code) {
-  auto file = std::make_shared<std::string>();
+  auto file = std::make_shared<std::filesystem::path>();
   CLI::App* command =
       program.add_subcommand("repair", "Repair an incomplete recording, so that every HDF5 tool can open it");
   command->add_option("recording", *file, "The recording (.h5); it is replaced by the repaired file")

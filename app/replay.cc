@@ -1,12 +1,14 @@
 // `palpate replay`: computes the ticks of a recording again from its device samples and compares the rows.
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 
@@ -18,7 +20,7 @@ namespace palpate::app {
 namespace {
 
 struct ReplayFlags {
-  std::string file;
+  std::filesystem::path file;
   bool verify = false;
   bool json = false;
   bool no_cache = false;
@@ -56,22 +58,22 @@ void print_text(const record::Recording& recording, const record::ReplayResult& 
             << " rows; first: " << result.first_difference << '\n';
 }
 
-record::ReplayResult run_again(const record::Recording& recording, const std::string& file, Progress& bar,
-                               bool no_cache) {
+record::ReplayResult run_again(const record::Recording& recording, const std::filesystem::path& file,
+                               Progress& bar, bool no_cache) {
   try {
     const OrganPreparation preparation(no_cache);
     return record::replay(
         recording, [&](double share) { bar.update(0.2 + 0.8 * share, "running the ticks again"); },
         preparation.how());
   } catch (const InputError& error) {
-    throw InputError(file + ": " + error.what());
+    throw InputError(to_text(file) + ": " + error.what());
   }
 }
 
 int replay_file(const ReplayFlags& flags) {
   Progress bar("replay");
   const record::Recording recording = record::read_recording(
-      flags.file, [&](double share) { bar.update(0.2 * share, "reading " + flags.file); },
+      flags.file, [&](double share) { bar.update(0.2 * share, "reading " + to_text(flags.file)); },
       record::Blind::kAllow);
   const record::ReplayResult result = run_again(recording, flags.file, bar, flags.no_cache);
   const std::uint64_t ticks = result.rows_compared / recording.scene.tools.size();

@@ -17,6 +17,7 @@
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "net/igtl_server.h"
 #include "palpate/builtin.h"
@@ -134,9 +135,9 @@ void check_outputs(const OutputFiles& files, const scene::Scene& scene, const fs
 /// Rejects the name of a built-in organ in place of a scene file. @throws InputError
 void require_no_organ_name(const fs::path& scene) {
   const std::vector<std::string>& organs = geometry::builtin_organ_names();
-  if (std::find(organs.begin(), organs.end(), scene.string()) == organs.end() || file_exists(scene)) return;
-  throw InputError(scene.string() + ": is a built-in organ, must be a scene file: palpate run --organ " +
-                   scene.string());
+  if (std::find(organs.begin(), organs.end(), to_text(scene)) == organs.end() || file_exists(scene)) return;
+  throw InputError(to_text(scene) + ": is a built-in organ, must be a scene file: palpate run --organ " +
+                   to_text(scene));
 }
 
 /// Whether this run has a window. Reports a missing display for a run in real time without --headless.
@@ -194,7 +195,7 @@ void print_searches(const std::vector<SearchOutcome>& searches) {
     const SearchOutcome& search = searches[i];
     if (searches.size() > 1) std::cout << fmt::format("\nsearch {}, seed {}\n", i + 1, search.seed);
     if (searches.size() > 1 && !search.recording.empty()) {
-      std::cout << fmt::format("{:<20}{}\n", "recording", search.recording.string());
+      std::cout << fmt::format("{:<20}{}\n", "recording", to_text(search.recording));
     }
     if (search.score.contact_time == 0.0) {
       std::cout << "the tissue was never touched\n";
@@ -208,7 +209,7 @@ nlohmann::ordered_json searches_json(const std::vector<SearchOutcome>& searches)
   auto list = nlohmann::ordered_json::array();
   for (const SearchOutcome& search : searches) {
     nlohmann::ordered_json one = {{"seed", search.seed}, {"recording", nullptr}};
-    if (!search.recording.empty()) one["recording"] = search.recording.string();
+    if (!search.recording.empty()) one["recording"] = to_text(search.recording);
     one["score"] = nlohmann::ordered_json::parse(palpation::to_json(search.score));  // its own JSON
     list.push_back(std::move(one));
   }
@@ -292,7 +293,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const bool palpates = session->scene().task == scene::Task::kPalpate;
   if (recorded.empty() && ((palpates && !window) || !files.screenshot.empty())) {
     const fs::path folder = temporary.emplace("palpate-").path();
-    if (folder.empty()) throw InputError(fs::temp_directory_path().string() + ": cannot make a folder in it");
+    if (folder.empty()) throw InputError(to_text(fs::temp_directory_path()) + ": cannot make a folder in it");
     recorded = folder / "run.h5";
   }
 
@@ -311,7 +312,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
         std::string(": no report and no screenshot were written") +
         (files.recording.empty() || !file_exists(files.recording)
              ? std::string()
-             : "; to draw one: palpate view " + files.recording.string() + " --screenshot FILE.png"));
+             : "; to draw one: palpate view " + to_text(files.recording) + " --screenshot FILE.png"));
     draw = false;
     files.report.clear();
     files.screenshot.clear();

@@ -2,10 +2,10 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
+
+#include "app/cli.h"
 
 namespace palpate::app {
 

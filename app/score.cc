@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "view/report/palpation_report.h"
@@ -21,17 +22,17 @@ namespace palpate::app {
 namespace {
 
 struct ScoreFlags {
-  std::string file;
-  std::string map;
-  std::string picture;
-  std::string report;
+  std::filesystem::path file;
+  std::filesystem::path map;
+  std::filesystem::path picture;
+  std::filesystem::path report;
   bool json = false;
   bool no_cache = false;
   bool break_blind = false;
 };
 
 int score_file(const ScoreFlags& flags, const std::string& command_line) {
-  const std::filesystem::path report = flags.report;
+  const std::filesystem::path& report = flags.report;
   std::vector<NamedFile> outputs{{"--map", flags.map}, {"--picture", flags.picture}};
   if (!flags.report.empty()) {
     require_pictures("--report");
@@ -44,15 +45,16 @@ int score_file(const ScoreFlags& flags, const std::string& command_line) {
   if (!flags.map.empty()) require_writable_file(flags.map, "--map");
   if (!flags.picture.empty()) require_png_file(flags.picture, "--picture");
   const record::Recording recording = read_to_show(flags.file, "palpate score", flags.break_blind);
-  if (recording.rows.empty()) throw InputError(flags.file + ": has no tick, must have at least one");
-  palpation::require_search(recording.scene, flags.file, "palpate run --task palpate makes a search");
+  if (recording.rows.empty()) throw InputError(to_text(flags.file) + ": has no tick, must have at least one");
+  palpation::require_search(recording.scene, to_text(flags.file),
+                            "palpate run --task palpate makes a search");
   const palpation::ScoredRecording scored = score_of(recording, flags.no_cache);
   const palpation::Scorer& made = scored.scorer();
   if (!flags.map.empty()) palpation::write_map(made.map(), flags.map);
   if (!flags.picture.empty()) write_png(report::draw_felt_stiffness(recording.scene, made), flags.picture);
   if (!flags.report.empty()) {
     report_message("report: " +
-                   report::write_palpation_report(recording.scene, made, report, command_line).string());
+                   to_text(report::write_palpation_report(recording.scene, made, report, command_line)));
   }
   if (flags.json) {
     std::cout << palpation::to_json(made.score()) << '\n';

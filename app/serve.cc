@@ -18,6 +18,7 @@
 
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "net/live_access.h"
 #include "net/live_server.h"
 #include "palpate/error.h"
@@ -72,13 +73,13 @@ std::map<std::string, net::PageFile> read_page(const fs::path& page) try {
     });
     if (type == kPageTypes.end() || entry.symlink_status().type() != fs::file_type::regular) continue;
     if (files.size() == kMaxPageFiles) {
-      throw InputError(fmt::format("{}: has more than {} files", page.string(), kMaxPageFiles));
+      throw InputError(fmt::format("{}: has more than {} files", to_text(page), kMaxPageFiles));
     }
     const std::string path = "/" + entry.path().lexically_relative(page).generic_string();
     files[path == "/index.html" ? "/" : path] = {std::string(type->second),
                                                  InputFile(entry.path(), kPageInput).read_rest()};
   }
-  if (files.count("/") == 0) throw InputError(page.string() + ": this folder has no index.html");
+  if (files.count("/") == 0) throw InputError(to_text(page) + ": this folder has no index.html");
   return files;
 } catch (const std::exception& error) {
   throw InputError(std::string("--page ") + error.what());
@@ -94,7 +95,7 @@ net::LiveOptions server_options(const ServeFlags& flags) {
   options.port = static_cast<std::uint16_t>(flags.port);
   if (!flags.page.empty()) options.page = read_page(flags.page);
   if (!flags.token_file.empty() && flags.new_token) {
-    throw InputError("--new-token: --token-file " + flags.token_file.string() + " already gives a token");
+    throw InputError("--new-token: --token-file " + to_text(flags.token_file) + " already gives a token");
   }
   if (!flags.token_file.empty()) options.token = net::read_token_file(flags.token_file);
   if (flags.new_token) options.token = net::new_token();
@@ -105,7 +106,7 @@ void check_runs(const ServedOptions& options) {
   session::require_usable_core(options.thread.core, "--core");
   if (!options.recording.empty()) require_regular_file(options.recording, "--record");
   if (!options.scenes.empty() && !folder_exists(options.scenes)) {
-    throw InputError("--scenes " + options.scenes.string() + ": is not a folder");
+    throw InputError("--scenes " + to_text(options.scenes) + ": is not a folder");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "io/scene/names.h"
 #include "io/scene/variation_reader.h"
 #include "io/system/clock.h"
+#include "io/system/path_text.h"
 #include "net/live_inclusions.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
@@ -59,12 +60,12 @@ void ServedRuns::send_event(const std::string& event, Json members) {
 /// client must not replace an existing recording.
 fs::path ServedRuns::next_recording() const {
   if (options_.recording.empty()) return {};
-  const std::string stem = options_.recording.stem().string();
+  const std::string stem = to_text(options_.recording.stem());
   fs::path file = options_.recording;
   std::error_code error;
   for (std::uint64_t number = runs_ + 1;; ++number) {
     if (number > 1) {
-      file.replace_filename(stem + "-" + std::to_string(number) + options_.recording.extension().string());
+      file.replace_filename(stem + "-" + std::to_string(number) + to_text(options_.recording.extension()));
     }
     // An error counts as absent: the recorder then reports that it cannot create the file.
     const bool is_newest = run_ != nullptr && file == run_->recording();  // its file may not exist yet
@@ -134,7 +135,7 @@ Json ServedRuns::about_run() {
              {"scene", scene().name},
              {"rate_Hz", scene().rate_Hz}};
   if (run_ == nullptr) return about;
-  about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(run_->recording().string());
+  about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(to_text(run_->recording()));
   if (!accounted_) return about;
   if (const std::optional<RunResult> result = run_->result()) {
     about["ticks"] = result->loop.ticks;
@@ -240,7 +241,7 @@ std::string ServedRuns::file_below(const std::string& key, const std::string& na
   if (error || inside.empty() || *inside.begin() == "..") {
     throw LiveError("refused", key + " = \"" + name + "\": must be a file below the server's --scenes", key);
   }
-  return file.string();
+  return to_text(file);
 }
 
 scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {

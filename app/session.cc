@@ -22,6 +22,7 @@
 #include "io/scene/device_kinds.h"
 #include "io/system/file_exists.h"
 #include "io/system/files.h"
+#include "io/system/path_text.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
@@ -160,10 +161,10 @@ class SignalRelay final : public haptics::TickObserver {
 void require_writable_parent(const fs::path& path, const std::string& flag) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!folder_exists(folder)) {
-    throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " does not exist");
+    throw InputError(flag + " " + to_text(path) + ": the folder " + to_text(folder) + " does not exist");
   }
   if (!may_write(folder)) {
-    throw InputError(flag + " " + path.string() + ": the folder " + folder.string() + " is not writable");
+    throw InputError(flag + " " + to_text(path) + ": the folder " + to_text(folder) + " is not writable");
   }
 }
 
@@ -213,11 +214,11 @@ std::unique_ptr<Session> prepare(scene::Scene scene, std::optional<double> durat
 
 void require_writable_file(const fs::path& file, const std::string& flag) {
   if (!file.has_filename() || folder_exists(file)) {
-    throw InputError(flag + " " + file.string() + ": is a folder; must be a file");
+    throw InputError(flag + " " + to_text(file) + ": is a folder; must be a file");
   }
   if (!is_special_file(file)) require_writable_parent(link_target(file), flag);
   if (file_exists(file) && !may_write(file)) {
-    throw InputError(flag + " " + file.string() + ": the file exists and is not writable");
+    throw InputError(flag + " " + to_text(file) + ": the file exists and is not writable");
   }
 }
 
@@ -228,14 +229,14 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
 
 void require_png_file(const fs::path& file, const std::string& flag) {
   require_pictures(flag);
-  const std::string extension = file.extension().string();
+  const std::string extension = to_text(file.extension());
   std::string lower = extension;
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   static constexpr std::array<const char*, 11> kOthers = {".jpg",  ".jpeg", ".gif", ".bmp", ".tif", ".tiff",
                                                           ".webp", ".svg",  ".pdf", ".ppm", ".eps"};
   if (std::find(kOthers.begin(), kOthers.end(), lower) != kOthers.end()) {
-    throw InputError(flag + " " + file.string() + ": pictures are PNG files, must end in .png: " +
-                     fs::path(file).replace_extension(".png").string());
+    throw InputError(flag + " " + to_text(file) + ": pictures are PNG files, must end in .png: " +
+                     to_text(fs::path(file).replace_extension(".png")));
   }
   require_writable_file(file, flag);
 }
@@ -250,10 +251,10 @@ void require_none_of_report(const fs::path& report_folder, std::span<const Named
   for (const NamedFile& named : files) {
     if (named.path.empty()) continue;
     for (const fs::path& file : {fs::absolute(named.path), fs::absolute(link_target(named.path))}) {
-      if (!report::is_report_file(file.filename().string()) || resolved(file.parent_path()) != folder)
+      if (!report::is_report_file(to_text(file.filename())) || resolved(file.parent_path()) != folder)
         continue;
-      throw InputError(named.flag + " " + named.path.string() + ": the report in " + report_folder.string() +
-                       " may write " + file.filename().string() + " there: use another name or folder");
+      throw InputError(named.flag + " " + to_text(named.path) + ": the report in " + to_text(report_folder) +
+                       " may write " + to_text(file.filename()) + " there: use another name or folder");
     }
   }
 }
@@ -268,10 +269,10 @@ void require_writable_folder(const fs::path& folder, const std::string& flag) {
   fs::path there = fs::absolute(folder);
   while (!file_exists(there) && there.has_relative_path()) there = there.parent_path();
   if (!folder_exists(there)) {
-    throw InputError(flag + " " + folder.string() + ": " + there.string() + " is not a folder");
+    throw InputError(flag + " " + to_text(folder) + ": " + to_text(there) + " is not a folder");
   }
   if (!may_write(there)) {
-    throw InputError(flag + " " + folder.string() + ": the folder " + there.string() + " is not writable");
+    throw InputError(flag + " " + to_text(folder) + ": the folder " + to_text(there) + " is not writable");
   }
 }
 
@@ -312,7 +313,7 @@ int exit_code_of(const RunResult& run, std::optional<std::uint64_t> max_missed) 
 }
 
 std::string title_of(const scene::Scene& scene) {
-  std::string organ = fs::path(scene.organ_name).stem().string();
+  std::string organ = to_text(to_path(scene.organ_name).stem());
   if (organ.empty()) organ = "organ";
   organ.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(organ.front())));
   std::string tools;

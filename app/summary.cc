@@ -201,12 +201,12 @@ void print_summary(std::ostream& out, const RunResult& run, const OutputFiles& f
       << std::defaultfloat;
   print_timing(out, run);
   for (const std::string& remark : remarks(run)) out << "Note: " << remark << '\n';
-  if (!files.recording.empty()) out << "Recording: " << files.recording.string() << '\n';
+  if (!files.recording.empty()) out << "Recording: " << to_text(files.recording) << '\n';
   if (!run.fault_recording.empty()) {
-    out << "The last seconds before the fault: " << run.fault_recording.string() << '\n';
+    out << "The last seconds before the fault: " << to_text(run.fault_recording) << '\n';
   }
-  if (!files.screenshot.empty()) out << "Picture: " << files.screenshot.string() << '\n';
-  if (!files.report.empty()) out << "Report: " << files.report.string() << '\n';
+  if (!files.screenshot.empty()) out << "Picture: " << to_text(files.screenshot) << '\n';
+  if (!files.report.empty()) out << "Report: " << to_text(files.report) << '\n';
 }
 
 }  // namespace palpate::app

@@ -1,5 +1,6 @@
 #pragma once
-// The program in a child process, for tests of its outputs. PALPATE_PROGRAM is its path.
+// The program in a child process, for tests of its outputs. PALPATE_PROGRAM is its path, or in the
+// environment that of another one, for example of palpate.exe under Wine (tools/check_windows).
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -44,13 +45,18 @@ struct Outcome {
   std::string err;
 };
 
+inline std::string tested_program() {
+  const char* other = std::getenv("PALPATE_PROGRAM");
+  return other == nullptr ? PALPATE_PROGRAM : other;
+}
+
 /// The program in a child process, with its output in files of another folder. The user's cache is off unless
 /// the test sets one.
 class Program final {
  public:
   Program(const fs::path& working_folder, std::vector<std::string> words,
           const std::map<std::string, std::string>& environment = {}) {
-    words.insert(words.begin(), PALPATE_PROGRAM);
+    words.insert(words.begin(), tested_program());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -64,7 +70,7 @@ class Program final {
     const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
     const int err_file = open(err.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
     if (chdir(working_folder.c_str()) == 0 && dup2(out_file, 1) == 1 && dup2(err_file, 2) == 2) {
-      execv(PALPATE_PROGRAM, argv.data());
+      execv(argv[0], argv.data());
     }
     _exit(127);
   }

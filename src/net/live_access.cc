@@ -9,6 +9,7 @@
 
 #include "io/system/files.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::net {
@@ -36,11 +37,11 @@ std::string new_token() {
 
 std::string read_token_file(const std::filesystem::path& file) try {
   InputFile input(file, kTokenInput);
-  const auto refuse = [&file](const std::string& why) { throw InputError(file.string() + ": " + why); };
+  const auto refuse = [&file](const std::string& why) { throw InputError(to_text(file) + ": " + why); };
   FileStatus facts{};
   if (status_of(input.descriptor(), facts) != 0) refuse("cannot be read");
   if (is_usable_by_others(facts)) {
-    refuse("others than its owner may use it, so that it is no secret: chmod 600 " + file.string());
+    refuse("others than its owner may use it, so that it is no secret: chmod 600 " + to_text(file));
   }
   std::istringstream lines(input.read_rest());
   std::string token;

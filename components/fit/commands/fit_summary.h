@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "palpate/identify.h"
 
+#include "app/cli.h"
 #include "fit/identify/map_choice.h"
 #include "fit/identify/sweep.h"
 #include "fit/imaging/compare.h"

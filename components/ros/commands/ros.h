@@ -1,5 +1,5 @@
 #pragma once
-#include <CLI/CLI.hpp>
+#include "app/cli.h"
 
 namespace palpate::app {
 

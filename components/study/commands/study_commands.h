@@ -1,8 +1,7 @@
 #pragma once
 #include <string>
 
-#include <CLI/CLI.hpp>
-
+#include "app/cli.h"
 #include "study/session/folder.h"
 
 namespace palpate::app {

@@ -54,7 +54,7 @@ void create_whole_file(const fs::path& file, std::string_view bytes, mode_t mode
 
 std::string name_of_unfinished(const fs::path& temporary) {
   constexpr std::size_t kEnding = 7;  // the second dot and six letters
-  const std::string name = temporary.filename().string();
+  const std::string name = to_text(temporary.filename());
   if (name.size() < kEnding + 2 || name.front() != '.' || name[name.size() - kEnding] != '.') return {};
   return name.substr(1, name.size() - 1 - kEnding);
 }

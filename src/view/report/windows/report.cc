@@ -4,6 +4,7 @@
 #include "palpate/error.h"
 #include "view/report/palpation_report.h"
 #include "view/report/subject.h"
+#include "view/report/surface_error.h"
 
 namespace palpate::report {
 namespace {
@@ -37,6 +38,11 @@ render::Image draw_held(const geometry::TriangleMesh& /*organ*/, const geometry:
 
 render::Image draw_felt_stiffness(const scene::Scene& /*scene*/, const palpation::Scorer& /*scorer*/,
                                   int /*height*/) {
+  refuse_pictures();
+}
+
+render::Image draw_error(const geometry::TriangleMesh& /*organ*/, const SurfaceError& /*error*/,
+                         double /*range*/, int /*height*/) {
   refuse_pictures();
 }
 
