@@ -37,9 +37,7 @@ class OrganResponse final {
     return std::clamp(kSpread, kLeastSpread * grid_.edge(), grid_.edge());
   }
   [[nodiscard]] std::size_t node_count() const noexcept { return body_.nodes.size(); }
-  [[nodiscard]] std::size_t bytes() const noexcept {
-    return body_.compliance.bytes();
-  }
+  [[nodiscard]] std::size_t bytes() const noexcept { return body_.compliance.bytes(); }
 
   /// A force spread like Hertz's pressure over the surface within `radius` [m] of a point on the side that
   /// `normal` faces. @param point on the surface [m] @param normal outward, unit

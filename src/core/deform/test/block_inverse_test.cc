@@ -1,6 +1,11 @@
 #include "core/deform/block_inverse.h"
 
+#include <algorithm>
+#include <array>
+#include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
