@@ -46,8 +46,12 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
+#ifdef __EMSCRIPTEN__  // has no vectors, and the page waits for the result
+constexpr std::size_t kMostNodes = 400;
+#else
 constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
-constexpr double kFewestCells = 3.0;     // along the longest extent
+#endif
+constexpr double kFewestCells = 3.0;  // along the longest extent
 constexpr double kMostCells = 60.0;
 constexpr int kSteps = 7;                // of the search for the finest grid
 constexpr double kWhole = 1.0 - 1e-9;    // share of a cell that counts as filled
