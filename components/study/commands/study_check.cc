@@ -62,7 +62,7 @@ double press_force(const StudyTask& task, const scene::Scene& scene) {
 void check_task(const StudyTask& task, CheckedStudy& made) {
   CheckedTask& checked = made.tasks.emplace_back();
   checked.task = &task;
-  checked.trials = task.practice + task.trials * static_cast<int>(task.arms.size());
+  checked.trials = task.least_practice() + task.trials * static_cast<int>(task.arms.size());
   checked.minutes = checked.trials * study::trial_seconds(made.study, task) / kSecondsPerMinute;
   checked.force = study::force_bound(made.study, task);
   const bool pressed = task.hand() == HandAction::kPress && task.depth > 0.0;
@@ -72,6 +72,13 @@ void check_task(const StudyTask& task, CheckedStudy& made) {
         "task {}: its largest force is {} N, must be at most {} N, safety.max_force_N of scene and study{}",
         task.name, brief(checked.force.sum()), shortest(made.scene.safety.max_force),
         pressed ? ": lower depth_mm, ratio or standard_k1_N_per_m" : ""));
+  }
+  if (task.practice_until && task.practice_until->most > task.least_practice()) {
+    const int more = task.practice_until->most - task.least_practice();
+    made.hints.push_back(fmt::format(
+        "task {}: practice until {} of {} are correct may take {} trials, {} min, more than planned",
+        task.name, task.practice_until->correct, task.practice_until->of, more,
+        brief(more * study::trial_seconds(made.study, task) / kSecondsPerMinute, 2)));
   }
   const double hold = task.two_intervals() ? 0.0 : 8.0;  // s, with reaching
   const double longest = task.hand() == HandAction::kSearch ? task.search_time : hold;
@@ -174,13 +181,12 @@ void print_text(const CheckedStudy& made) {
   for (const CheckedTask& checked : made.tasks) {
     const StudyTask& task = *checked.task;
     const std::string practice = task.practice_until
-                                     ? fmt::format("{}-{}", std::max(task.practice, task.practice_until->of),
-                                                   task.practice_until->most)
+                                     ? fmt::format("{}-{}", task.least_practice(), task.practice_until->most)
                                      : std::to_string(task.practice);
-    std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8.1f}  {} + {} + {}\n", task.name,
-                             describe(task.kind).name, task.arms.size(), checked.trials - task.practice,
-                             practice, checked.minutes, brief(checked.force.tissue, 3),
-                             brief(checked.force.commanded, 3), brief(checked.force.noise, 3));
+    std::cout << fmt::format(
+        "{:<16}{:<17}{:>5}{:>8}{:>10}{:>8.1f}  {} + {} + {}\n", task.name, describe(task.kind).name,
+        task.arms.size(), checked.trials - task.least_practice(), practice, checked.minutes,
+        brief(checked.force.tissue, 3), brief(checked.force.commanded, 3), brief(checked.force.noise, 3));
   }
   std::cout << '\n';
   for (std::size_t i = 0; i < made.sessions.size(); ++i) {
@@ -207,8 +213,8 @@ nlohmann::ordered_json json_of(const CheckedTask& checked) {
   json["name"] = checked.task->name;
   json["kind"] = describe(checked.task->kind).name;
   json["arms"] = checked.task->arms.size();
-  json["trials"] = checked.trials - checked.task->practice;
-  json["practice"] = checked.task->practice;
+  json["trials"] = checked.trials - checked.task->least_practice();
+  json["practice"] = checked.task->least_practice();
   json["minutes"] = checked.minutes;
   json["tissue_N"] = checked.force.tissue;
   json["commanded_N"] = checked.force.commanded;

@@ -32,15 +32,18 @@ std::string tasks_text(const Study& study) {
   std::string text;
   for (const StudyTask& task : study.tasks) {
     text += fmt::format(
-        "- {} ({}): {} a condition, {} % of them catch trials. Conditions: {}.{}\n", task.name,
+        "- {} ({}): {} a condition, {} % of them catch trials. Conditions: {}.{}{}\n", task.name,
         describe(task.kind).name, counted(static_cast<std::size_t>(task.trials), "trial", "trials"),
         brief(100.0 * task.catch_share), arms_text(task),
         task.practice_until
             ? fmt::format(" Practice until {} of {} are correct, {} at most.", task.practice_until->correct,
                           task.practice_until->of, task.practice_until->most)
-            : "");
+            : "",
+        task.each_session ? " Measured again at the start of each session, whose noise it sets." : "");
   }
-  return text;
+  return text + (study.latin_order
+                     ? "- Tasks that nothing depends on: in the orders of a Williams square, in turn.\n"
+                     : "- Tasks in this order.\n");
 }
 
 std::string hypothesis_text(const Study& study) {
@@ -57,6 +60,12 @@ std::string hypothesis_text(const Study& study) {
   if (study.inverted_u) {
     text += fmt::format("- Inverted U in task {}: both one-sided tests must reject at {}.\n",
                         study.inverted_u->task, percent(study.inverted_u->alpha, 0));
+  }
+  if (!study.own_level.empty()) {
+    text += fmt::format(
+        "- Own level in task {}: each person's best noise is chosen in one half of the trials and tested "
+        "against no noise in the other, both ways round.\n",
+        study.own_level);
   }
   return text + "- All other contrasts are exploratory, adjusted by Holm within a task.\n";
 }

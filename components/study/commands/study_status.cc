@@ -33,8 +33,9 @@ struct StudyFolderFlags {
 
 struct ParticipantStatus {
   std::string id;
-  std::size_t sessions = 0;  // completed
-  std::size_t planned = 0;
+  std::size_t sessions = 0;          // completed
+  std::size_t planned_sessions = 0;  // by this person's order of the tasks
+  int planned_trials = 0;
   int trials = 0;  // that count, without practice
   int spoiled = 0;
   bool withdrawn = false;
@@ -49,11 +50,21 @@ std::size_t cut_lines_in(const std::filesystem::path& log) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
+int planned_trials(const std::vector<study::PlannedSession>& sessions) {
+  int trials = 0;
+  for (const study::PlannedSession& session : sessions) {
+    for (const study::PlannedPart& part : session.parts) trials += part.trials;
+  }
+  return trials;
+}
+
 ParticipantStatus status_of(const study::StudyFolder& study, const std::string& id) {
   const study::ParticipantLog log = study.read(id);
   ParticipantStatus status;
   status.id = id;
-  status.planned = study::plan_sessions(study.study, study.number_of(id)).size();
+  const std::vector<study::PlannedSession> planned = study::plan_sessions(study.study, study.number_of(id));
+  status.planned_sessions = planned.size();
+  status.planned_trials = planned_trials(planned);
   for (const study::EventRecord& event : log.events) {
     if (event.event == "session-end") ++status.sessions;
     status.last = std::max(status.last, event.time);
@@ -67,41 +78,34 @@ ParticipantStatus status_of(const study::StudyFolder& study, const std::string& 
   return status;
 }
 
-int planned_trials(const std::vector<study::PlannedSession>& sessions) {
-  int trials = 0;
-  for (const study::PlannedSession& session : sessions) {
-    for (const study::PlannedPart& part : session.parts) trials += part.trials;
-  }
-  return trials;
-}
-
-void print_status(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people,
-                  std::size_t /*sessions*/, int trials) {
+void print_status(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people) {
   std::cout << fmt::format("study {}, {}{}\n\n", study.study.name, study.unblinded() ? "unblinded" : "blind",
                            study.simulated ? ", simulated participants" : "");
   std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}\n", "id", "sessions", "trials", "spoiled", "cut",
                            "last entry (UTC)");
   for (const ParticipantStatus& one : people) {
     std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}{}\n", one.id,
-                             fmt::format("{}/{}", one.sessions, one.planned),
-                             fmt::format("{}/{}", one.trials, trials), one.spoiled, one.cut_lines,
+                             fmt::format("{}/{}", one.sessions, one.planned_sessions),
+                             fmt::format("{}/{}", one.trials, one.planned_trials), one.spoiled, one.cut_lines,
                              one.last.empty() ? "-" : one.last, one.withdrawn ? "  withdrawn" : "");
   }
 }
 
-void print_status_json(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people,
-                       std::size_t sessions, int trials) {
+void print_status_json(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people) {
+  const std::vector<study::PlannedSession> first = study::plan_sessions(study.study);
   nlohmann::ordered_json json;
   json["study"] = study.study.name;
   json["unblinded"] = study.unblinded();
   json["simulated"] = study.simulated;
-  json["sessions"] = sessions;
-  json["trials"] = trials;
+  json["sessions"] = first.size();
+  json["trials"] = planned_trials(first);
   json["participants"] = nlohmann::ordered_json::array();
   for (const ParticipantStatus& one : people) {
     json["participants"].push_back({{"id", one.id},
                                     {"sessions", one.sessions},
+                                    {"planned_sessions", one.planned_sessions},
                                     {"trials", one.trials},
+                                    {"planned_trials", one.planned_trials},
                                     {"spoiled", one.spoiled},
                                     {"withdrawn", one.withdrawn},
                                     {"last", one.last},
@@ -112,11 +116,10 @@ void print_status_json(const study::StudyFolder& study, const std::vector<Partic
 
 int show_status(const StudyFolderFlags& flags) {
   const study::StudyFolder study = study::open_study(flags.folder);
-  const std::vector<study::PlannedSession> sessions = study::plan_sessions(study.study);
   std::vector<ParticipantStatus> people;
   for (const std::string& id : study.ids) people.push_back(status_of(study, id));
   const auto print = flags.json ? print_status_json : print_status;
-  print(study, people, sessions.size(), planned_trials(sessions));
+  print(study, people);
   return kDone;
 }
 

@@ -57,11 +57,6 @@ class SessionClock final {
 
 int trials_of(const StudyTask& task) { return task.trials * static_cast<int>(task.arms.size()); }
 
-// Practice trials that are planned for; a criterion may need more or fewer.
-int practice_of(const StudyTask& task) {
-  return task.practice_until ? std::max(task.practice, task.practice_until->of) : task.practice;
-}
-
 int round_of(const StudyTask& task) {
   return static_cast<int>(task.two_intervals() ? task.arms.size() : task.targets.size());
 }
@@ -142,7 +137,7 @@ class Planner final {
     const StudyTask& task = study_.tasks[index];
     const double seconds = trial_seconds(study_, task);
     SessionClock clock = *clock_;
-    for (int i = 0; done == 0 && i < practice_of(task); ++i) clock.add_trial(seconds);
+    for (int i = 0; done == 0 && i < task.least_practice(); ++i) clock.add_trial(seconds);
     const double limit = limit_ - reserved_ - repetition_time(task);
     const int added = clock.add_rounds(trials_of(task) - done, round_of(task), seconds, limit);
     if (added == 0) return 0;

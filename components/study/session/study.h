@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -82,6 +83,10 @@ struct StudyTask {
 
   /// [any] Some arm has noise.
   [[nodiscard]] bool has_noise() const noexcept;
+  /// [any] Practice trials that are planned for; a criterion may need more.
+  [[nodiscard]] int least_practice() const noexcept {
+    return practice_until ? std::max(practice, practice_until->of) : practice;
+  }
   /// [any]
   [[nodiscard]] Stimulus stimulus() const noexcept { return describe(kind).stimulus; }
   [[nodiscard]] HandAction hand() const noexcept { return describe(kind).hand; }

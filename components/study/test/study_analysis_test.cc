@@ -119,6 +119,17 @@ TEST(StudyExportCommand, APreregistrationHasTestsExclusionsPeopleAndHashesBefore
   EXPECT_EQ(run(folder, {"study", "export", "study", "--preregistration", "r.md"}).exit_code, 2);
 }
 
+TEST(StudyExportCommand, APreregistrationHasTheOrderOfTasksAndWhatIsMeasuredAgain) {
+  const Folder folder;
+  const std::string file = PALPATE_EXAMPLES "/study/touch-noise.toml";
+  ASSERT_EQ(run(folder, {"study", "prepare", file, "study", "--participants", "1"}).exit_code, 0);
+  ASSERT_EQ(run(folder, {"study", "export", "study", "--preregistration", "r.md"}).exit_code, 0);
+  const std::string text = text_of(folder / "r.md");
+  EXPECT_THAT(text, HasSubstr("Measured again at the start of each session"));
+  EXPECT_THAT(text, HasSubstr("in the orders of a Williams square"));
+  EXPECT_THAT(text, Not(HasSubstr("Own level")));
+}
+
 TEST(StudyPowerCommand, PrintsATableAndRefusesUnknownEffects) {
   const Folder folder;
   write_study(folder);

@@ -46,6 +46,14 @@ TEST(StudyCheckCommand, ShowsThePlanAndForcesOfTheExample) {
   EXPECT_EQ(found["max_force_N"], 6.0);
 }
 
+TEST(StudyCheckCommand, CountsThePracticeThatACriterionNeedsAtLeastAndSaysHowMuchItMayAdd) {
+  const Folder folder;  // 8 of 10, at most 30
+  const char* const file = PALPATE_EXAMPLES "/study/one-session.toml";
+  const json found = json::parse(run(folder, {"study", "check", file, "--json"}).out);
+  EXPECT_EQ(found["tasks"][1]["practice"], 10);
+  EXPECT_THAT(found["hints"].dump(), HasSubstr("practice until 8 of 10 are correct may take 20 trials, "));
+}
+
 TEST(StudyCheckCommand, RefusesTheExampleInTwoSessions) {
   const Folder folder;
   std::string text = text_of(kExample);
@@ -139,7 +147,9 @@ TEST(StudyStatusCommand, CountsSessionsTrialsAndCutLines) {
   EXPECT_EQ(found["trials"], 4);
   EXPECT_EQ(found["participants"][0], json({{"id", study.ids[0]},
                                             {"sessions", 1},
+                                            {"planned_sessions", 1},
                                             {"trials", 1},
+                                            {"planned_trials", 4},
                                             {"spoiled", 1},
                                             {"withdrawn", true},
                                             {"last", "2026-03-01T10:02:00.000Z"},
