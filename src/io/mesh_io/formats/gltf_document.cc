@@ -384,7 +384,11 @@ std::string_view GltfDocument::buffer_bytes(std::uint64_t buffer, std::uint64_t 
   const auto& name = owner["uri"].get_ref<const std::string&>();
   std::string& bytes = buffers_[buffer];
   if (!name.starts_with("data:")) {
-    bytes = InputFile(file_.path.parent_path() / to_path(decoded(name)), kMeshInput).read_rest();
+    try {
+      bytes = InputFile(file_.path.parent_path() / to_path(decoded(name)), kMeshInput).read_rest();
+    } catch (const InputError& error) {
+      refuse(fmt::format("buffer \"{}\": {}", excerpt(name), error.what()));
+    }
     return bytes;
   }
   constexpr std::string_view kMark = ";base64,";

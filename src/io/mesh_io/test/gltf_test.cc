@@ -371,6 +371,13 @@ TEST_F(Gltf, OpensABufferWhoseNameIsPercentEncoded) {
   EXPECT_NEAR(read("a.gltf", json).findings.volume, 4.0, 1e-9);
 }
 
+TEST_F(Gltf, NamesItselfAndABufferThatIsNotThere) {
+  Rigged rigged;
+  std::string json = rigged.json("", "", R"("nodes":[{"mesh":0}])");
+  json.replace(json.find("a.bin"), 5, "b%0Ac.bin");
+  expect_refused("a.gltf", json, R"(a.gltf: buffer "b%0Ac.bin": )");
+}
+
 TEST_F(Gltf, RefusesASkinThatTakesTimeBeyondTheFile) {
   std::string uses = "0";
   for (int i = 0; i < 3000; ++i) uses += ",0";
