@@ -84,7 +84,7 @@ TestJson document(const DeviceTestFlags& flags, const std::string& name, const D
   put(json, "overshoot", found.overshoot);
   put(json, "largest_stable_N_per_m", found.largest_stable);
   put(json, "least_oscillating_N_per_m", found.least_oscillating);
-  json["unknown"] = found.untold;
+  json["unknown"] = found.unknown;
   json["failure"] = found.failure;
   return json;
 }
@@ -123,7 +123,7 @@ void print(const std::string& name, const DeviceTest& found) {
     wall = fmt::format("below {:.0f} N/m, the softest that was tried", *found.least_oscillating);
   }
   std::cout << "  largest stable wall      " << wall << '\n';
-  for (const std::string& text : found.untold) std::cout << "  not known: " << text << '\n';
+  for (const std::string& text : found.unknown) std::cout << "  not known: " << text << '\n';
   if (found.friction || found.resolution) {
     std::cout << "For the stability check, in a scene:\n  [device]\n";
     if (found.friction) std::cout << "  friction_N = " << brief(found.friction->mean, 2) << '\n';

@@ -1,5 +1,4 @@
 // `palpate study calibrate`: what a commanded noise is at the grip.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -14,7 +13,6 @@
 
 #include "core/base/text.h"
 #include "io/system/input_file.h"
-#include "io/system/json_text.h"
 #include "io/system/output_file.h"
 #include "io/system/sha256.h"
 #include "palpate/error.h"
@@ -164,9 +162,7 @@ int compare_with_sensor(const CalibrateFlags& flags) {
   const study::TimedSignal played = study::read_timed_signal(folder / "played.csv", "force_N", 1.0);
   const study::TimedSignal sensor = study::read_timed_signal(flags.sensor, unit.column, unit.size);
   study::Calibration made = study::calibrate(played, sensor, band_of(flags.band));
-  const auto about = parse_json(InputFile(folder / "played.json", kSignalInput).read_rest());
-  made.device = about.value("device", "");
-  made.axis = std::clamp(about.value("axis", 2), 0, 2);
+  study::read_playback(folder / "played.json", made);
   made.unit = unit.si;
   made.played_sha256 = hash_of(folder / "played.csv");
   made.sensor_sha256 = hash_of(flags.sensor);

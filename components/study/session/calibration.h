@@ -85,6 +85,9 @@ struct Calibration {
 [[nodiscard]] TimedSignal read_timed_signal(const std::filesystem::path& file, const std::string& column,
                                             double unit);
 
+/// [setup] Reads the device's name and the axis of a playback: {"device": TEXT, "axis": 0 to 2}.
+void read_playback(const std::filesystem::path& file, Calibration& made);
+
 /// [setup] The calibration as a JSON document, and back. @throws InputError
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
 [[nodiscard]] Calibration read_calibration(const std::filesystem::path& file);

@@ -5,6 +5,7 @@
 #include "io/system/input_file.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
+#include "io/system/path_text.h"
 #include "io/system/sha256.h"
 #include "palpate/error.h"
 
@@ -16,6 +17,14 @@ namespace {
 constexpr const char* kCalibrationFormat = "palpate calibration 1";
 constexpr InputKind kCalibrationInput{"a calibration", std::uint64_t{16} << 20};
 constexpr double kMicro = 1e-6;
+
+nlohmann::json parsed(const std::filesystem::path& file, const std::string& text) {
+  try {
+    return parse_json(text);
+  } catch (const InputError& error) {
+    throw InputError(to_text(file) + ": " + error.what());
+  }
+}
 
 }  // namespace
 
@@ -36,6 +45,13 @@ TimedSignal read_timed_signal(const std::filesystem::path& file, const std::stri
   constexpr std::size_t kFewest = 1000;
   if (signal.time.size() < kFewest) table.fail("the table ends; must have at least 1000 rows");
   return signal;
+}
+
+void read_playback(const std::filesystem::path& file, Calibration& made) {
+  const nlohmann::json document = parsed(file, InputFile(file, kCalibrationInput).read_rest());
+  const JsonField json(document, to_text(file) + ": ");
+  made.device = json.at("device").text();
+  made.axis = static_cast<int>(json.at("axis").number(0.0, 2.0));
 }
 
 std::string calibration_json(const Calibration& made) {
@@ -69,13 +85,8 @@ std::string calibration_json(const Calibration& made) {
 
 Calibration read_calibration(const std::filesystem::path& file) {
   const std::string text = InputFile(file, kCalibrationInput).read_rest();
-  nlohmann::json parsed;
-  try {
-    parsed = parse_json(text);
-  } catch (const InputError& error) {
-    throw InputError(file.string() + ": " + error.what());
-  }
-  const JsonField json(parsed, file.string() + ": ");
+  const nlohmann::json document = parsed(file, text);
+  const JsonField json(document, to_text(file) + ": ");
   if (json.at("format").text() != kCalibrationFormat) {
     json.at("format").fail("\"palpate calibration 1\", as palpate study calibrate writes it");
   }

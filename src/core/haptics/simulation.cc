@@ -6,20 +6,6 @@
 namespace palpate::haptics {
 namespace {
 
-/// The fault of a sample, or kNone.
-Fault sample_fault(const DeviceState& sample) noexcept {
-  if (sample.fault != Fault::kNone) return sample.fault;
-  const double norm = sample.orientation_D.norm();
-  if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
-      !std::isfinite(norm) || !std::isfinite(sample.age)) {
-    return Fault::kNotFinite;
-  }
-  if (sample.age > kStaleAfter) return Fault::kStale;
-  if (std::abs(norm - 1.0) > kQuaternionSlack) return Fault::kDevice;
-  if (sample.position_D.cwiseAbs().maxCoeff() > kFarthest) return Fault::kDevice;
-  return Fault::kNone;
-}
-
 bool finite(const contact::ToolResult& result) noexcept {
   return std::isfinite(result.distance) && result.nearest_W.allFinite() && result.away_W.allFinite() &&
          std::isfinite(result.force_W.norm()) && std::isfinite(result.torque_W.norm()) &&
@@ -173,6 +159,19 @@ void fill_row(const SimulationWorld& world, const SimulationState& state, std::u
 }
 
 }  // namespace
+
+Fault sample_fault(const DeviceState& sample) noexcept {
+  if (sample.fault != Fault::kNone) return sample.fault;
+  const double norm = sample.orientation_D.norm();
+  if (!sample.position_D.allFinite() || !sample.velocity_D.allFinite() || !std::isfinite(sample.gripper) ||
+      !std::isfinite(norm) || !std::isfinite(sample.age)) {
+    return Fault::kNotFinite;
+  }
+  if (sample.age > kStaleAfter) return Fault::kStale;
+  if (std::abs(norm - 1.0) > kQuaternionSlack) return Fault::kDevice;
+  if (sample.position_D.cwiseAbs().maxCoeff() > kFarthest) return Fault::kDevice;
+  return Fault::kNone;
+}
 
 SimulationState::SimulationState(const SimulationWorld& world)
     : contact(world.contact),

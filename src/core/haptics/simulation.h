@@ -79,13 +79,16 @@ struct SimulationState {
 /// [any] The device sample of a row, bit for bit.
 [[nodiscard]] DeviceState sample_of(const TickRow& row) noexcept;
 
+/// [rt] The fault of a sample, or kNone: one that it reports, a number that is not finite, an age over
+/// kStaleAfter, a position beyond kFarthest, no unit quaternion.
+[[nodiscard]] Fault sample_fault(const DeviceState& sample) noexcept;
+
 /// [rt] One haptic tick (docs/model.md, section 4): samples in, rows and commands out. A pure function of its
 /// arguments; it reads no clock, so tick_ns and late_ns stay 0.
 ///
-/// An invalid sample latches a fault on its hand. A sample is invalid when it reports a fault, is not finite,
-/// is older than kStaleAfter, is farther out than kFarthest or has no unit quaternion. Contact then uses the
-/// hand's last valid pose. All values of a row are finite, except `device`, `device_q`, `device_velocity`,
-/// `device_gripper` and `device_age`: they are the sample as received, so that a replay gives the same fault.
+/// A sample with a sample_fault() latches it on its hand. Contact then uses the hand's last valid pose. All
+/// values of a row are finite, except `device`, `device_q`, `device_velocity`, `device_gripper` and
+/// `device_age`: they are the sample as received, so that a replay gives the same fault.
 /// @param samples, commands, rows one entry per hand
 void tick(const SimulationWorld& world, SimulationState& state, std::uint64_t tick_number,
           std::span<const DeviceState> samples, std::span<ForceCommand> commands,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <span>
 
 #include <Eigen/Dense>
@@ -125,15 +126,15 @@ bool test_friction(HeldPlay& play, const DeviceTestSettings& settings, DeviceTes
   }
   found.friction = friction_of(cycles[0], cycles[1]);
   if (!found.friction) {
-    found.untold.emplace_back("friction: the grip hardly moved under the slow pushes; hold it more loosely");
+    found.unknown.emplace_back("friction: the grip hardly moved under the slow pushes; hold it more loosely");
   } else if (found.friction->mean < 2.0 * found.friction->sd) {
-    found.untold.push_back(
+    found.unknown.push_back(
         "friction: " + brief(found.friction->mean) +
         " N is not clear of its spread; the hand moved by itself, or the friction is smaller");
     found.friction.reset();
   }
   if (!found.resolution) {
-    found.untold.emplace_back(
+    found.unknown.emplace_back(
         "position resolution: the position changes at nearly every sample, so that its step is hidden by "
         "noise, "
         "filtering or motion");
@@ -258,7 +259,7 @@ bool test_steps(HeldPlay& play, const DeviceTestSettings& settings, DeviceTest& 
     overshoot.push_back(one->overshoot);
   }
   if (latency.size() < kSteps / 2) {
-    found.untold.emplace_back(
+    found.unknown.emplace_back(
         "latency and force step: the steps hardly moved the grip; hold it more loosely, or give a larger "
         "--max-force-N");
     return true;
@@ -275,7 +276,7 @@ bool test_steps(HeldPlay& play, const DeviceTestSettings& settings, DeviceTest& 
 /// A second-order high-pass filter, which the hand's own tremor (8 to 12 Hz) hardly passes.
 class HighPass {
  public:
-  explicit HighPass(double rate) : keep_(1.0 / (1.0 + 2.0 * 3.14159265358979 * kCorner / rate)) {}
+  explicit HighPass(double rate) : keep_(1.0 / (1.0 + 2.0 * std::numbers::pi * kCorner / rate)) {}
   double operator()(double value) {
     for (Stage& stage : stages_) {
       if (!stage.begun) stage.last = value;
@@ -363,8 +364,8 @@ void test_walls(HeldPlay& play, const DeviceTestSettings& settings, DeviceTest& 
     if (result == WallResult::kOscillates) result = try_wall(play, settings, stiffness, resolution);
     if (result == WallResult::kFailed) return;
     if (result == WallResult::kNoContact) {
-      found.untold.emplace_back("largest stable stiffness: the hand gave way to the wall of " +
-                                brief(stiffness) + " N/m; hold the grip in one place");
+      found.unknown.emplace_back("largest stable stiffness: the hand gave way to the wall of " +
+                                 brief(stiffness) + " N/m; hold the grip in one place");
       return;
     }
     if (result == WallResult::kStable) {
@@ -383,13 +384,13 @@ void test_walls(HeldPlay& play, const DeviceTestSettings& settings, DeviceTest& 
   }
 }
 
-void add_untold(DeviceTest& found) {
-  found.untold.emplace_back(
+void add_unknown(DeviceTest& found) {
+  found.unknown.emplace_back(
       "true force: without a force sensor nothing shows how many newtons reach the hand; masses and friction "
       "take the commanded force as true");
-  found.untold.emplace_back(
+  found.unknown.emplace_back(
       "position accuracy: without a ruler only the step and the noise of the position are known");
-  found.untold.emplace_back(
+  found.unknown.emplace_back(
       "parts of the latency: only the whole way is seen, from the written force to the sample that shows it");
 }
 
@@ -425,7 +426,7 @@ DeviceTest test_device(HeldPlay& play, const DeviceTestSettings& settings, const
   };
   run();
   found.failure = play.failure();
-  add_untold(found);
+  add_unknown(found);
   return found;
 }
 

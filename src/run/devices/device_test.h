@@ -37,7 +37,7 @@ struct DeviceTest {
   std::optional<Repeated> overshoot;        // fraction of the step's displacement
   std::optional<double> largest_stable;     // N/m, stiffest virtual wall without oscillation
   std::optional<double> least_oscillating;  // N/m; empty with largest_stable: none oscillated
-  std::vector<std::string> untold;          // what the device cannot tell, in sentences
+  std::vector<std::string> unknown;         // what the device cannot tell, in sentences
   std::string failure;                      // why the test ended early; empty: it did not
 };
 

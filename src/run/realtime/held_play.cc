@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/haptics/simulation.h"
 #include "io/system/clock.h"
 #include "run/realtime/watchdog.h"
 
@@ -33,12 +34,6 @@ HeldPlay::HeldPlay(haptics::Device& device, double rate_Hz, const PlayLimits& li
 
 HeldPlay::~HeldPlay() { device_.stop(); }
 
-haptics::Fault HeldPlay::fault_of(const haptics::DeviceState& sample) const noexcept {
-  if (sample.fault != haptics::Fault::kNone) return sample.fault;
-  if (!sample.position_D.allFinite() || !std::isfinite(sample.age)) return haptics::Fault::kNotFinite;
-  return sample.age > haptics::kStaleAfter ? haptics::Fault::kStale : haptics::Fault::kNone;
-}
-
 void HeldPlay::judge(const haptics::DeviceState& sample) noexcept {
   if (ending_ != Ending::kNone) return;
   if (!start_) start_ = sample.position_D;
@@ -58,7 +53,7 @@ void HeldPlay::judge(const haptics::DeviceState& sample) noexcept {
 bool HeldPlay::advance(const ForceOf& force_of, PlayedTick& tick) noexcept {
   haptics::GateInput input;
   const haptics::DeviceState sample = device_.read(tick_, static_cast<double>(tick_) / rate_Hz_);
-  input.fault = fault_of(sample);
+  input.fault = haptics::sample_fault(sample);
   bool goes_on = false;
   if (input.fault == haptics::Fault::kNone) {
     tick.position = sample.position_D;

@@ -66,7 +66,6 @@ class HeldPlay final {
   bool advance(const ForceOf& force_of, PlayedTick& tick) noexcept;
   /// [rt] Whether travel, speed or the user end the measurement.
   void judge(const haptics::DeviceState& sample) noexcept;
-  [[nodiscard]] haptics::Fault fault_of(const haptics::DeviceState& sample) const noexcept;
   void describe_failure();
 
   haptics::Device& device_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <memory>
 
 #include <Eigen/Dense>
@@ -41,7 +42,9 @@ class Delayed final : public haptics::Device {
       : device_(scene::ToolPath({{0.0, Vec3(0.1, 0.02, 0.03), Quat::Identity(), 0.0}}), setup, kTestedRate),
         waiting_(ticks) {}
   haptics::DeviceState read(std::uint64_t tick, double time) noexcept override {
-    return device_.read(tick, time);
+    haptics::DeviceState sample = device_.read(tick, time);
+    if (time > velocity_fails) sample.velocity_D.x() = std::nan("");
+    return sample;
   }
   bool write(const haptics::ForceCommand& command) noexcept override {
     largest = std::max(largest, command.force.norm());
@@ -56,7 +59,8 @@ class Delayed final : public haptics::Device {
     ++stops;
   }
 
-  double largest = 0.0;  // N
+  double velocity_fails = std::numeric_limits<double>::infinity();  // s
+  double largest = 0.0;                                             // N
   Vec3 last = Vec3::Zero();
   int stops = 0;
 
@@ -157,6 +161,14 @@ TEST(DeviceTest, AFaultEndsTheTestAtZeroForceWithASentence) {
   EXPECT_GE(device.stops, 1);
 }
 
+TEST(DeviceTest, AVelocityThatIsNoNumberEndsTheTestAtZeroForce) {
+  Delayed device(tested_setup(0.05, 1e-5), 0);
+  device.velocity_fails = 8.0;
+  const DeviceTest found = test_of(device);
+  EXPECT_THAT(found.failure, HasSubstr("the force is zero, and the measurement ended"));
+  EXPECT_EQ(device.last, Vec3::Zero());
+}
+
 TEST(DeviceTest, ARunawayEndsTheTestAtZeroForceWithASentence) {
   scene::DeviceSetup setup = tested_setup(0.0, 1e-5);
   setup.emulated.grip = {0.0, 0.1};  // nobody holds it
@@ -185,7 +197,7 @@ TEST(DeviceTest, SaysThatAPositionWithoutStepsHasNoResolution) {
   settings.max_stiffness = settings.least_stiffness;
   const DeviceTest found = test_of(device, settings);
   EXPECT_FALSE(found.resolution);
-  EXPECT_THAT(found.untold, testing::Contains(HasSubstr("position resolution")));
+  EXPECT_THAT(found.unknown, testing::Contains(HasSubstr("position resolution")));
 }
 
 }  // namespace
