@@ -81,7 +81,7 @@ ToolPlane plane_across(const Vec3& axis_W, const OrbitCamera& camera) {
   return {right, away.normalized()};
 }
 
-devices::Ray ray_through(const render::Camera& camera, double aspect, double x, double y) {
+geometry::Ray ray_through(const render::Camera& camera, double aspect, double x, double y) {
   const Vec3 back = (camera.eye - camera.target).normalized();
   const Vec3 right = camera.up.cross(back).normalized();
   const double half = std::tan(0.5 * camera.vertical_view_deg * std::numbers::pi / 180.0);

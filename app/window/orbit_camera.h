@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
+#include "core/geometry/ray.h"
 #include "palpate/offscreen.h"
-#include "run/devices/surface_rider.h"
 
 namespace palpate::app {
 
@@ -54,7 +54,7 @@ struct ToolPlane {
 
 /// [any] The line of sight through a point of the picture. @param aspect width over height of the picture
 /// @param x, y 0 to 1 from the picture's upper left corner
-[[nodiscard]] devices::Ray ray_through(const render::Camera& camera, double aspect, double x, double y);
+[[nodiscard]] geometry::Ray ray_through(const render::Camera& camera, double aspect, double x, double y);
 
 /// A place of a picture: 0 to 1 from its upper left corner.
 struct PicturePlace {

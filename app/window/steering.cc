@@ -53,7 +53,7 @@ void Steering::drop() {
   chosen_ = 0;
 }
 
-void Steering::point_at(const devices::Ray& ray_W) {
+void Steering::point_at(const geometry::Ray& ray_W) {
   if (!mice_.empty()) mice_[chosen_].rider->point_at(ray_W);
 }
 

@@ -41,7 +41,7 @@ class Steering final {
   [[nodiscard]] bool gamepad_steers() const noexcept { return !pads_.empty(); }
 
   /// The pointer is over the picture: the tool rides on the organ's surface under it. Call once per frame.
-  void point_at(const devices::Ray& ray_W);
+  void point_at(const geometry::Ray& ray_W);
   /// The pointer is on a panel, or turns the view: the tool stays where it is.
   void freeze();
   /// Changes the set depth by notches of the wheel; positive presses.

@@ -18,27 +18,6 @@
 namespace palpate::app {
 namespace {
 
-/// Nearest point of a mesh on a line of sight; empty: none. Moeller and Trumbore 1997.
-std::optional<Vec3> seen_point(const geometry::TriangleMesh& mesh, const devices::Ray& ray) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const geometry::Triangle& t : mesh.triangles) {
-    const Vec3& a = mesh.vertices[at(t[0])];
-    const Vec3 ab = mesh.vertices[at(t[1])] - a;
-    const Vec3 ac = mesh.vertices[at(t[2])] - a;
-    const Vec3 across = ray.direction.cross(ac);
-    const double det = ab.dot(across);
-    if (det == 0.0) continue;
-    const Vec3 from = ray.origin - a;
-    const double u = from.dot(across) / det;
-    const Vec3 q = from.cross(ab);
-    const double v = ray.direction.dot(q) / det;
-    const double way = ac.dot(q) / det;
-    if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && way > 0.0 && way < nearest) nearest = way;
-  }
-  if (!std::isfinite(nearest)) return std::nullopt;
-  return ray.origin + nearest * ray.direction;
-}
-
 std::string response_text(const SupportStatus& status) {
   if (status.support.empty()) return "nothing: the surface around a contact alone gives way";
   if (!status.refusal.empty()) return status.refusal;
@@ -124,10 +103,10 @@ void SupportEditor::apply(const SupportChange& change, LivePicture& picture) {
   if (change.support) set(*change.support, change.settled, picture);
 }
 
-bool SupportEditor::pick(const devices::Ray& ray_W, const Pose& organ_W, LivePicture& picture) {
+bool SupportEditor::pick(const geometry::Ray& ray_W, const Pose& organ_W, LivePicture& picture) {
   const Quat back = organ_W.rotation.conjugate();
-  const devices::Ray ray_S{back * (ray_W.origin - organ_W.position), back * ray_W.direction};
-  const std::optional<Vec3> point = seen_point(organ_, ray_S);
+  const geometry::Ray ray_S{back * (ray_W.origin - organ_W.position), back * ray_W.direction};
+  const std::optional<Vec3> point = geometry::seen_point(organ_, ray_S);
   if (!point) return false;
   geometry::Support support = status_.support;
   support.attachments.push_back({*point, status_.radius});

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/ray.h"
 #include "palpate/pose.h"
 #include "palpate/scene.h"
 #include "palpate/support.h"
-#include "run/devices/surface_rider.h"
 #include "view/report/subject.h"
 
 #include "app/window/live_picture.h"
@@ -48,7 +48,7 @@ class SupportEditor final {
 
   void apply(const SupportChange& change, LivePicture& picture);
   /// Attaches the organ where a line of sight meets its rest surface. @return whether it does
-  bool pick(const devices::Ray& ray_W, const Pose& organ_W, LivePicture& picture);
+  bool pick(const geometry::Ray& ray_W, const Pose& organ_W, LivePicture& picture);
   /// Colours what is held, while choosing.
   void draw_on(LivePicture& picture) const;
   [[nodiscard]] SupportStatus status(const LivePicture& picture) const;

@@ -109,7 +109,7 @@ class Window final {
   void mouse_button(const SDL_MouseButtonEvent& button);
   void mouse_motion(std::pair<int, int> way);
   void point_the_tool();
-  [[nodiscard]] std::optional<devices::Ray> pointer_ray() const;
+  [[nodiscard]] std::optional<geometry::Ray> pointer_ray() const;
   void attach_at_pointer();
   [[nodiscard]] double aspect() const {
     return static_cast<double>(layout_.picture.width) / std::max(1.0F, layout_.picture.height);

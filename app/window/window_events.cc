@@ -57,7 +57,7 @@ void Window::mouse_motion(std::pair<int, int> way) {
 }
 
 /// The line of sight through the pointer; nothing: it is not over the picture, or turns the view.
-std::optional<devices::Ray> Window::pointer_ray() const {
+std::optional<geometry::Ray> Window::pointer_ray() const {
   const auto [x, y] = viewport_.mouse_at();
   const Rectangle& place = layout_.picture;
   if (!mouse_inside_ || !over_picture(x, y) || camera_controller_.busy() || !camera_set_) return std::nullopt;
@@ -71,7 +71,7 @@ std::optional<devices::Ray> Window::pointer_ray() const {
 /// The tool rides under the pointer. On a panel, while the pointer turns the view and while it chooses what
 /// holds the organ, the tool stays.
 void Window::point_the_tool() {
-  const std::optional<devices::Ray> ray = pointer_ray();
+  const std::optional<geometry::Ray> ray = pointer_ray();
   if (ray && !(support_ != nullptr && support_->choosing())) {
     steering_.point_at(*ray);
   } else {
@@ -80,7 +80,7 @@ void Window::point_the_tool() {
 }
 
 void Window::attach_at_pointer() {
-  const std::optional<devices::Ray> ray = pointer_ray();
+  const std::optional<geometry::Ray> ray = pointer_ray();
   if (!ray) return;
   if (support_->pick(*ray, shown_.organ_W, live_)) {
     keep_support();

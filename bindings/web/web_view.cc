@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,7 +26,7 @@ using palpate::Vec3;
 using palpate::app::ray_through;
 using palpate::c_interface::guarded;
 using palpate::c_interface::UseError;
-using palpate::devices::Ray;
+using palpate::geometry::Ray;
 using palpate::haptics::Snapshot;
 using palpate::render::Quality;
 
@@ -126,23 +125,6 @@ void read_hand(StateReader& numbers, const Pose& organ_W, const palpate::geometr
 // The renderer's first pictures, which prepare its shaders, are small.
 constexpr int kFirstWidth = 60;
 constexpr int kFirstHeight = 44;
-
-/// Distance along the ray to a triangle's front; infinite: it does not meet it.
-double distance_to(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  const Vec3 ab = b - a;
-  const Vec3 ac = c - a;
-  const Vec3 q = ray.direction.cross(ac);
-  const double determinant = ab.dot(q);
-  if (!(determinant > 0.0)) return kNone;
-  const Vec3 s = ray.origin - a;
-  const double u = s.dot(q);
-  const Vec3 r = s.cross(ab);
-  const double v = ray.direction.dot(r);
-  if (u < 0.0 || v < 0.0 || u + v > determinant) return kNone;
-  const double distance = ac.dot(r) / determinant;
-  return distance > 0.0 ? distance : kNone;
-}
 
 /// Shapes as palpate_web_view_marks() gives them.
 std::string marks_text(const palpate::app::MarkShapes& shapes) {
@@ -358,18 +340,12 @@ int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, 
   const Ray ray_W = ray_through(view->camera.camera(), view->aspect(), x, y);
   const Pose to_organ = view->shown.organ_W.inverse();
   const Ray ray_S{to_organ * ray_W.origin, to_organ.rotation * ray_W.direction};
-  const palpate::geometry::TriangleMesh& organ = view->simulation.scene().organ;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const palpate::geometry::Triangle& triangle : organ.triangles) {
-    const auto corner = [&](std::size_t i) { return organ.vertices[static_cast<std::size_t>(triangle[i])]; };
-    nearest = std::min(nearest, distance_to(ray_S, corner(0), corner(1), corner(2)));
-  }
-  if (!std::isfinite(nearest)) return 0;
-  const Vec3 point_W = ray_W.origin + nearest * ray_W.direction;
-  const Vec3 point_S = ray_S.origin + nearest * ray_S.direction;
+  const std::optional<Vec3> point_S = palpate::geometry::seen_point(view->simulation.scene().organ, ray_S);
+  if (!point_S) return 0;
+  const Vec3 point_W = view->shown.organ_W * *point_S;
   for (int i = 0; i < 3; ++i) {
     point[i] = point_W[i];
-    point[3 + i] = point_S[i];
+    point[3 + i] = (*point_S)[i];
   }
   return 1;
 }

@@ -64,7 +64,7 @@ class SteeredRun {
   [[nodiscard]] Vec3 tool() const { return shown.tools[0].pose_W.position; }
   /// Distance of a world point from the line of sight through a place of the picture [m].
   [[nodiscard]] double off_sight(const Vec3& point_W, double x, double y) const {
-    const devices::Ray ray = ray_through(camera.camera(), kAspect, x, y);
+    const geometry::Ray ray = ray_through(camera.camera(), kAspect, x, y);
     return (point_W - ray.origin).cross(ray.direction).norm();
   }
   Steering steering;
@@ -147,7 +147,7 @@ TEST(Steering, WhereverThePointerJumpsTheToolTouchesNothingBeforeThePress) {
 
 TEST(Steering, ALineOfSightMeetsThePlaceThatItIsThrough) {
   const render::Camera camera{Vec3(0.1, -0.3, 0.2), Vec3(0.02, 0.01, 0.0), Vec3::UnitZ(), 28.0};
-  const devices::Ray ray = ray_through(camera, kAspect, 0.2, 0.7);
+  const geometry::Ray ray = ray_through(camera, kAspect, 0.2, 0.7);
   const std::optional<PicturePlace> place = place_of(ray.origin + 0.35 * ray.direction, camera, kAspect);
   ASSERT_TRUE(place.has_value());
   EXPECT_NEAR(place->x, 0.2, 1e-12);

@@ -90,7 +90,7 @@ struct DeformedSurface::TrackedContact {
 DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::FalloffRatios& reach,
                                  double rounding, float least_share)
     : rest_(std::move(rest)),
-      grid_(rest_),
+      search_(rest_),
       surface_(rest_),
       reach_(reach),
       profile_(reach, rounding),
@@ -419,13 +419,13 @@ DeformedSurface::Drawn DeformedSurface::drawn_at(const Indentation& indentation,
   Drawn drawn;
   const double depth = share * indentation.depth;
   if (!(depth > 0.0)) return drawn;
-  drawn.place = grid_.nearest(indentation.point);
+  drawn.place = search_.nearest(indentation.point);
   if (drawn.place.triangle < 0) return drawn;
   drawn.normal = normal_at(drawn.place);
   drawn.depth = depth;
   if (indentation.direction.dot(drawn.normal.cast<double>()) < 0.0) {
     drawn.depth = limited_depth(
-        depth, grid_.far_side(drawn.place.point, indentation.direction, depth / kFreeShareOfThickness));
+        depth, search_.far_side(drawn.place.point, indentation.direction, depth / kFreeShareOfThickness));
   }
   return drawn;
 }

@@ -13,7 +13,7 @@
 #include "core/deform/profile_table.h"
 #include "core/deform/response_field.h"
 #include "core/deform/surface_blocks.h"
-#include "core/deform/triangle_grid.h"
+#include "core/deform/triangle_search.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {
@@ -115,7 +115,7 @@ class DeformedSurface final {
   [[nodiscard]] Eigen::Vector3f normal_at(const contact::SurfacePoint& place) const;
 
   geometry::TriangleMesh rest_;
-  TriangleGrid grid_;
+  TriangleSearch search_;
   FrontSurface surface_;
   model::FalloffRatios reach_;
   ProfileTable profile_;

@@ -117,7 +117,7 @@ SurfaceRider::SurfaceRider(const contact::OrganSurface& surface, const geometry:
   reach_from_S_ = touch_S_;
 }
 
-void SurfaceRider::point_at(const Ray& ray_W) {
+void SurfaceRider::point_at(const geometry::Ray& ray_W) {
   const Pose world_S = organ_W_.inverse();
   ray_S_ = {world_S * ray_W.origin, world_S.rotation * ray_W.direction};
   const std::optional<geometry::Entry> entry =

@@ -3,16 +3,11 @@
 #include <vector>
 
 #include "core/contact/organ_surface.h"
+#include "core/geometry/ray.h"
 #include "palpate/pose.h"
 #include "palpate/tool.h"
 
 namespace palpate::devices {
-
-/// A line of sight in the world frame.
-struct Ray {
-  Vec3 origin = Vec3::Zero();
-  Vec3 direction = Vec3::UnitZ();  // unit
-};
 
 /// Where a hand holds its tool: a point of the tool, and the orientation. World frame.
 struct ToolTarget {
@@ -48,7 +43,7 @@ class SurfaceRider final {
   [[nodiscard]] const Vec3& tip() const noexcept { return tip_P_; }
 
   /// The pointer's line of sight.
-  void point_at(const Ray& ray_W);
+  void point_at(const geometry::Ray& ray_W);
   /// The pointer is elsewhere: the tool stays where it is, at its set depth.
   void freeze() noexcept { goal_ = Goal::kNone; }
   /// Changes the set depth [m]; in a drag it moves the tool along the surface's normal.
@@ -126,7 +121,7 @@ class SurfaceRider final {
 
   // The pointer, organ frame.
   Goal goal_ = Goal::kNone;
-  Ray ray_S_;
+  geometry::Ray ray_S_;
   contact::SurfacePoint aim_;  // kSurface
 
   double height_ = kHover;  // set by press()

@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "core/deform/triangle_grid.h"
+#include "core/deform/triangle_search.h"
 #include "io/system/csv_table.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
@@ -222,7 +222,7 @@ SurfaceLine surface_line(const scene::Scene& scene, const haptics::Snapshot& sna
   for (const deform::SurfaceVertex& vertex : organ.vertices())
     moved.emplace_back(vertex.position.cast<double>());
 
-  const contact::SurfacePoint start = deform::TriangleGrid(organ.rest()).nearest(view->point_S);
+  const contact::SurfacePoint start = deform::TriangleSearch(organ.rest()).nearest(view->point_S);
   const Vec3 level = across_S - across_S.dot(view->direction_S) * view->direction_S;
   if (start.triangle < 0 || !(level.norm() > 0.0)) return line;
   const deform::DisplacementProfile profile(snapshot.reach, line.depth, line.tip_radius);

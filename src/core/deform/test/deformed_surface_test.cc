@@ -10,7 +10,7 @@
 
 #include "core/deform/test/plain_surface.h"
 #include "core/deform/test/reordered.h"
-#include "core/deform/triangle_grid.h"
+#include "core/deform/triangle_search.h"
 #include "io/mesh_io/repair/crossings.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
@@ -290,9 +290,9 @@ TEST(DeformedSurface, AMeshWithoutTrianglesStaysAsItIs) {
   EXPECT_TRUE(surface.near(7, 1.0).empty());
 }
 
-TEST(TriangleGrid, FindsWhatASearchOfAllTrianglesFinds) {
+TEST(TriangleSearch, FindsWhatASearchOfAllTrianglesFinds) {
   const geometry::TriangleMesh ball = geometry::make_ball(kBall, 1280);
-  const TriangleGrid grid(ball);
+  const TriangleSearch grid(ball);
   const test::PlainGeodesic all(ball);
   for (int i = 0; i < 200; ++i) {
     const double a = 0.7 * i;
@@ -301,9 +301,9 @@ TEST(TriangleGrid, FindsWhatASearchOfAllTrianglesFinds) {
   }
 }
 
-TEST(TriangleGrid, FindsTheFarSideWithinTheLimitOnly) {
+TEST(TriangleSearch, FindsTheFarSideWithinTheLimitOnly) {
   const geometry::TriangleMesh box = geometry::make_box(Vec3(0.04, 0.04, 0.02), 0.002);
-  const TriangleGrid grid(box);
+  const TriangleSearch grid(box);
   const Vec3 top(0.0003, 0.0007, 0.01);
   EXPECT_NEAR(grid.far_side(top, -Vec3::UnitZ(), 0.05), 0.02, 1e-9);
   EXPECT_TRUE(std::isinf(grid.far_side(top, -Vec3::UnitZ(), 0.019)));

@@ -7,7 +7,7 @@
 
 #include "core/deform/geodesic_front.h"
 #include "core/deform/test/plain_surface.h"
-#include "core/deform/triangle_grid.h"
+#include "core/deform/triangle_search.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
 
@@ -45,7 +45,7 @@ geometry::TriangleMesh rough_plane(int divisions, double shake) {
 class Front {
  public:
   Front(const geometry::TriangleMesh& mesh, const Vec3& p, float limit)
-      : mesh_(mesh), surface_(mesh), front_(surface_), source_(TriangleGrid(mesh).nearest(p)) {
+      : mesh_(mesh), surface_(mesh), front_(surface_), source_(TriangleSearch(mesh).nearest(p)) {
     front_.begin(mesh.triangles[static_cast<std::size_t>(source_.triangle)], source_.point.cast<float>());
     front_.advance(limit, kAll);
   }
@@ -105,7 +105,7 @@ TEST(Geodesic, IsTheArcOnASphere) {
 TEST(Geodesic, GoesRoundTheEdgeOfABoxAndNotThroughIt) {
   const geometry::TriangleMesh box = geometry::make_box(Vec3(0.06, 0.06, 0.01), 0.002);
   const Front front(box, Vec3(0.02, 0.0, 0.005), kFar);
-  const std::int32_t below = TriangleGrid(box).nearest(Vec3(0.02, 0.0, -0.005)).triangle;
+  const std::int32_t below = TriangleSearch(box).nearest(Vec3(0.02, 0.0, -0.005)).triangle;
   // Unfolded over the side x = 30 mm: 10 mm across the top, 10 mm down, 10 mm back.
   for (const std::int32_t v : box.triangles[static_cast<std::size_t>(below)]) {
     const Vec3& p = front.vertex(v);

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/deform/triangle_grid.h"
+#include "core/deform/triangle_search.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
@@ -44,7 +44,7 @@ TEST(SurfaceLine, MeasuresDistanceAlongTheRestSurfaceOverAnEdge) {
   std::vector<Vec3> moved = box.vertices;
   for (Vec3& v : moved) v.z() -= 1e-3;
   const Vec3 point(1e-3, 0.5e-3, 10e-3);
-  const auto start = static_cast<std::size_t>(deform::TriangleGrid(box).nearest(point).triangle);
+  const auto start = static_cast<std::size_t>(deform::TriangleSearch(box).nearest(point).triangle);
   const std::vector<LinePlace> line =
       follow_section(box, moved, start, point, -Vec3::UnitZ(), Vec3::UnitX(), 15e-3);
   ASSERT_GT(line.size(), 10U);
