@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "io/igtl/igtl_reader.h"
 
 #include "fuzz/input.h"

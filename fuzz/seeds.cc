@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "io/record/hdf5_handle.h"
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
@@ -452,7 +452,7 @@ void add_the_rest(const Seeds& seeds) {
   seeds.add("scene_json", "scene", record::scene_to_json(record::sample_setup(2)));
   seeds.add("haply_message", "all", kHaplyMessage);
   seeds.add("haply_message", "none", R"({"inverse3":[],"wireless_verse_grip":null})");
-  net::IgtlBytes transforms(0);
+  net::IgtlMessages transforms(0);
   transforms.add_transform("Hand", {});
   const std::string transform(transforms.bytes().begin(), transforms.bytes().end());
   seeds.add("igtl_message", "whole", transform);

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "io/igtl/igtl_socket.h"
 #include "io/system/clock.h"
 #include "net/test/igtl_received.h"
@@ -83,7 +83,7 @@ class PressingTracker final {
     const scene::ToolPath path = fast_press();
     for (double time = 0.0; !ending; time += 0.02) {
       const scene::PathRow row = path.at(std::fmod(time, kStill + path.end_time()) - kStill);
-      net::IgtlBytes messages(unix_ns());
+      net::IgtlMessages messages(unix_ns());
       messages.add_transform("Other", {Quat::Identity(), Vec3(0.0, 0.0, 1.0)});
       messages.add_transform("Hand", {row.orientation, row.position});
       if (!silent) client_->send(messages.bytes());

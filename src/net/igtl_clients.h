@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "io/igtl/igtl_socket.h"
-#include "net/igtl_messages.h"
+#include "io/igtl/igtl_messages.h"
 
 namespace palpate::net {
 

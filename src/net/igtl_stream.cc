@@ -24,8 +24,6 @@ geometry::TriangleMesh finely_divided(geometry::TriangleMesh mesh) {
   return mesh;
 }
 
-std::array<double, 3> plain(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
 /// Rounds to `digits` digits after the decimal point.
 std::string with_digits(double value, int digits) {
   const double scale = std::pow(10.0, digits);
@@ -87,8 +85,7 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
 IgtlStream::IgtlStream(const scene::Scene& scene)
     : rate_Hz_(scene.rate_Hz),
       lps_(scene.organ_frame == scene::OrganFrame::kLps),
-      deformer_(finely_divided(scene.organ), deform::prepare_response(scene.organ, scene.support)),
-      surface_("PalpateOrgan", deformer_.rest().triangles) {}
+      deformer_(finely_divided(scene.organ), deform::prepare_response(scene.organ, scene.support)) {}
 
 /// A vector or point of the world as R, A, S.
 Vec3 IgtlStream::in_ras(const Vec3& vector_W) const {
@@ -119,9 +116,8 @@ Bytes IgtlStream::sensors(const haptics::Snapshot& snapshot, std::int64_t unix_n
   for (std::size_t hand = 0; hand < hands_of(snapshot); ++hand) {
     const haptics::ForceCommand& command = snapshot.commands[hand];
     const std::array<double, 1> depth = {1e3 * snapshot.results[hand].depth};
-    messages.add_sensor(name_for_hand("PalpateForce", hand), plain(in_ras(command.force)),
-                        SensorUnit::kNewton);
-    messages.add_sensor(name_for_hand("PalpateTorque", hand), plain(in_ras(command.torque)),
+    messages.add_sensor(name_for_hand("PalpateForce", hand), in_ras(command.force), SensorUnit::kNewton);
+    messages.add_sensor(name_for_hand("PalpateTorque", hand), in_ras(command.torque),
                         SensorUnit::kNewtonMetre);
     messages.add_sensor(name_for_hand("PalpateDepth", hand), depth, SensorUnit::kMillimetre);
   }
@@ -157,7 +153,9 @@ Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_n
   deformer_.deform(now.reach, now.indentations, vertices_);
   for (Vec3& vertex : vertices_) vertex = in_ras(now.organ_W * vertex);
   last_ = std::make_unique<Shape>(std::move(now));
-  return surface_.message(vertices_, unix_ns);
+  IgtlMessages messages(unix_ns);
+  messages.add_surface("PalpateOrgan", vertices_, deformer_.rest().triangles);
+  return messages.bytes();
 }
 
 Bytes status_without_run(bool ending, std::int64_t unix_ns) {

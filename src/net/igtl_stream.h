@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "net/igtl_messages.h"
+#include "io/igtl/igtl_messages.h"
 #include "palpate/scene.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
@@ -47,7 +47,6 @@ class IgtlStream final {
   double rate_Hz_;
   bool lps_;  // the world's x and y point to the patient's left and back
   deform::SurfaceDeformer deformer_;
-  IgtlSurface surface_;
   std::vector<Vec3> vertices_;
   std::unique_ptr<Shape> last_;  // null: nothing sent yet
 };

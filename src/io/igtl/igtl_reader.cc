@@ -9,7 +9,7 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "palpate/error.h"
 
 namespace palpate::net {

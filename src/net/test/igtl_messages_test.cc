@@ -1,4 +1,4 @@
-#include "net/igtl_messages.h"
+#include "io/igtl/igtl_messages.h"
 
 #include <cmath>
 #include <numbers>
@@ -35,6 +35,13 @@ TEST(IgtlMessages, ATransformIsThePoseInMillimetresWithItsTimeAndName) {
       EXPECT_NEAR(matrix[row][column], want[row][column], 1e-6F) << row << ' ' << column;
     }
   }
+}
+
+TEST(IgtlMessages, AFractionOfASecondIsInUnitsOfTwoToTheMinus32) {
+  IgtlMessages messages(1'250'000'000);
+  messages.add_transform("Hand", {});
+  const Bytes stamp(messages.bytes().begin() + 34, messages.bytes().begin() + 42);
+  EXPECT_EQ(stamp, (Bytes{0, 0, 0, 1, 0x40, 0, 0, 0}));
 }
 
 TEST(IgtlMessages, APointIsAListOfOneInMillimetresSeenOnlyWhenShown) {
@@ -99,13 +106,14 @@ TEST(IgtlMessages, AStringAndAStatusHaveTheirWords) {
   EXPECT_STREQ(status->GetStatusString(), "no new sample");
 }
 
-TEST(IgtlSurface, KeepsItsTrianglesWhileItsVerticesMove) {
+TEST(IgtlMessages, ASurfaceKeepsItsTrianglesWhileItsVerticesMove) {
   const std::vector<geometry::Triangle> triangles = {{0, 1, 2}, {2, 1, 3}};
   std::vector<Vec3> vertices = {Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0, 0.01, 0), Vec3(0.01, 0.01, 0)};
-  IgtlSurface surface("PalpateOrgan", triangles);
   for (const double height : {0.0, -0.0035}) {
     vertices[3].z() = height;
-    const auto all = read_all(surface.message(vertices, kStamp));
+    IgtlMessages messages(kStamp);
+    messages.add_surface("PalpateOrgan", vertices, triangles);
+    const auto all = read_all(messages.bytes());
     ASSERT_EQ(all.size(), 1u);
     EXPECT_EQ(all[0].type, "POLYDATA");
     EXPECT_EQ(all[0].name, "PalpateOrgan");

@@ -4,9 +4,6 @@
 
 namespace palpate::net {
 
-struct IgtlSurface::Impl {};
-IgtlSurface::~IgtlSurface() = default;
-
 IgtlClients::IgtlClients(const IgtlAddress& /*address*/, const Limits& limits)
     : limits_(limits), listener_(-1) {}
 

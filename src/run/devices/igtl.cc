@@ -201,11 +201,11 @@ void IgtlDevice::send_if_due(std::int64_t now) {
 
 /// The command as messages. Only clients other than 3D Slicer, which cannot read them, get SENSOR messages.
 void IgtlDevice::pack(const haptics::ForceCommand& command_D) {
-  net::IgtlBytes messages(unix_ns());
+  net::IgtlMessages messages(unix_ns());
   messages.add_transform(kForceName, {Quat::Identity(), 1e-3 * command_D.force});
   if (!reader_.is_slicer()) {
-    messages.add_sensor(kForceName, command_D.force, net::kIgtlNewton);
-    messages.add_sensor(kTorqueName, command_D.torque, net::kIgtlNewtonMetre);
+    messages.add_sensor(kForceName, command_D.force, net::SensorUnit::kNewton);
+    messages.add_sensor(kTorqueName, command_D.torque, net::SensorUnit::kNewtonMetre);
   }
   pending_ = messages.bytes();
   sent_ = 0;

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "io/igtl/igtl_reader.h"
 #include "io/igtl/igtl_socket.h"
 #include "palpate/device.h"

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/igtl/igtl_bytes.h"
+#include "io/igtl/igtl_messages.h"
 #include "palpate/error.h"
 
 namespace palpate::net {
@@ -20,7 +20,7 @@ using testing::HasSubstr;
 const Pose kPose{rotation_about(Vec3::UnitZ(), std::numbers::pi / 2), Vec3(0.001, -0.02, 0.3)};
 
 Bytes transform(const std::string& name, const Pose& pose = kPose) {
-  IgtlBytes messages(0);
+  IgtlMessages messages(0);
   messages.add_transform(name, pose);
   return messages.bytes();
 }

@@ -38,7 +38,7 @@ std::unique_ptr<Client> client_at(int port) {
 }
 
 net::Bytes pose_message(const std::string& name, double x = 0.0, const Quat& rotation = Quat::Identity()) {
-  net::IgtlBytes messages(unix_ns());
+  net::IgtlMessages messages(unix_ns());
   messages.add_transform(name, {rotation, Vec3(x, 0.02, 0.03)});
   return messages.bytes();
 }
