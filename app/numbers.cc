@@ -2,9 +2,14 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <system_error>
 
 #include <fmt/core.h>
+
+#include "core/base/parallel.h"
+#include "palpate/error.h"
 
 namespace palpate::app {
 namespace {
@@ -67,6 +72,18 @@ CLI::Option* add_whole(CLI::App& command, const std::string& flag, std::uint64_t
                        const std::string& help) {
   return command.add_option_function<std::string>(
       flag, [&value, flag](const std::string& text) { value = parse_whole(flag, text); }, help);
+}
+
+void add_jobs(CLI::App& command) {
+  command.add_option_function<std::string>(
+      "--jobs",
+      [](const std::string& text) {
+        static std::optional<ThreadLimit> limit;  // until the program ends
+        const std::uint64_t most = parse_whole("--jobs", text);
+        if (most < 1) throw InputError("--jobs " + text + ": must be at least 1");
+        limit.emplace(most);
+      },
+      "threads; results are the same for any number (default: all processors)");
 }
 
 }  // namespace palpate::app

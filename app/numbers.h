@@ -65,4 +65,8 @@ CLI::Option* add_choice(CLI::App& command, const std::string& flag, Value& value
       help);
 }
 
+/// [setup] Adds --jobs to a command with many tasks: the most threads that this process uses for them.
+/// Default: all processors. Results are the same for any number.
+void add_jobs(CLI::App& command);
+
 }  // namespace palpate::app

@@ -32,8 +32,8 @@
 #include "app/pictures.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
-#include "app/score_summary.h"
 #include "app/session.h"
+#include "app/summary.h"
 #include "app/window/run_in_window.h"
 
 namespace palpate::app {

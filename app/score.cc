@@ -15,8 +15,8 @@
 #include "app/messages.h"
 #include "app/pictures.h"
 #include "app/progress.h"
-#include "app/score_summary.h"
 #include "app/session.h"
+#include "app/summary.h"
 
 namespace palpate::app {
 namespace {

@@ -11,7 +11,7 @@
 #include "io/scene/variation_reader.h"
 #include "io/system/clock.h"
 #include "io/system/path_text.h"
-#include "net/live_inclusions.h"
+#include "net/live_protocol.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
 

@@ -9,7 +9,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "net/igtl_clients.h"
+#include "palpate/recording.h"
 #include "palpate/session.h"
+#include "run/palpation/score.h"
 
 namespace palpate::app {
 
@@ -37,5 +39,11 @@ struct OutputFiles {
 
 /// [setup] Prints a readable summary of a run.
 void print_summary(std::ostream& out, const session::RunResult& run, const OutputFiles& files);
+
+/// [setup] Scores a recording, with a progress bar. @throws InputError as scene::make_world()
+[[nodiscard]] palpation::ScoredRecording score_of(const record::Recording& recording, bool no_cache);
+
+/// [setup] Prints a score as text.
+void print_score(std::ostream& out, const palpation::Score& score);
 
 }  // namespace palpate::app

@@ -30,7 +30,6 @@
 #include "bench/measure/loop_comparison.h"
 #include "bench/measure/peers.h"
 #include "bench/measure/pictures.h"
-#include "bench/measure/preparation.h"
 #include "bench/measure/ticks.h"
 
 namespace palpate::bench {

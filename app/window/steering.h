@@ -8,9 +8,8 @@
 
 #include "core/haptics/workspace.h"
 #include "palpate/tick_observer.h"
-#include "run/devices/gamepad.h"
-#include "run/devices/mouse.h"
 #include "run/devices/surface_rider.h"
+#include "run/devices/window_device.h"
 
 #include "app/session.h"
 #include "app/window/orbit_camera.h"

@@ -1,14 +1,17 @@
 #pragma once
+// Test objects: the built-in organs and instruments with any number of triangles, and one path of the hand
+// for all of them. The same bits on every machine.
 #include <cstddef>
 #include <string>
 
+#include "core/haptics/simulation.h"
 #include "palpate/mesh.h"
 #include "palpate/scene.h"
 #include "palpate/tool.h"
 #include "palpate/tool_path.h"
 
-// Test objects: the built-in organs and instruments with any number of triangles, and one path of the hand
-// for all of them. The same bits on every machine.
+#include "bench/measure/account.h"
+
 namespace palpate::bench {
 
 enum class Shape { kFlat, kCurved };
@@ -35,5 +38,18 @@ enum class Shape { kFlat, kCurved };
 /// mm aside and the same way back. The handle always oscillates by 0.5 mm and two thirds of a degree. Begins
 /// and ends at the same pose. @throws InputError as scene::default_path.
 [[nodiscard]] scene::ToolPath hand_path(const scene::Scene& scene);
+
+/// [setup] Heap memory in use [bytes], over all threads.
+[[nodiscard]] std::size_t bytes_in_use();
+
+/// A prepared scene, and the cost of its preparation.
+struct Prepared {
+  haptics::SimulationWorld world;
+  PreparationAccount account;
+};
+
+/// [setup] Prepares a scene: median time of up to five runs within a second, and the memory that one keeps.
+/// @throws InputError as scene::make_world.
+[[nodiscard]] Prepared prepare(const scene::Scene& scene);
 
 }  // namespace palpate::bench

@@ -17,8 +17,8 @@
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
 
+#include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/preparation.h"
 #include "bench/measure/ticks.h"
 
 namespace palpate::bench {

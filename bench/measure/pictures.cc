@@ -10,7 +10,6 @@
 
 #include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"
-#include "bench/measure/preparation.h"
 
 namespace palpate::bench {
 namespace {

@@ -1,4 +1,6 @@
 #pragma once
+// Commands of clients of the live interface (docs/live-interface.md): one JSON object per message.
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,13 +9,15 @@
 #include <variant>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/pose.h"
+#include "palpate/scene.h"
 #include "palpate/tissue.h"
 
-// Commands of clients of the live interface (docs/live-interface.md): one JSON object per message.
 namespace palpate::net {
 
 /// Version of the protocol. It changes when clients of the previous version no longer work.
@@ -130,5 +134,21 @@ struct LiveRequest {
 
 /// [setup] Applies changes to the touch noise. @throws ParameterError for an invalid threshold or share.
 [[nodiscard]] haptics::LiveNoise edited(haptics::LiveNoise noise, const NoiseEdit& edit);
+
+// Clients see only visible inclusions, so that a hidden lump stays to be found.
+
+/// [any] A visible inclusion with the keys of a scene file. @param index in the scene, from 0
+[[nodiscard]] nlohmann::ordered_json inclusion_json(const scene::InclusionSetup& inclusion,
+                                                    std::size_t index);
+
+/// {"inclusions": the visible ones, "hidden_inclusions": the number of the others}.
+[[nodiscard]] nlohmann::ordered_json inclusions_json(const std::vector<scene::InclusionSetup>& inclusions);
+
+/// The index of the visible inclusion that a client selects. @throws LiveError that lists the visible ones
+[[nodiscard]] std::size_t find_inclusion(const std::vector<scene::InclusionSetup>& inclusions,
+                                         const InclusionEdit& edit);
+
+/// Applies changes to an inclusion, without model::validate().
+[[nodiscard]] scene::InclusionSetup edited(scene::InclusionSetup inclusion, const InclusionEdit& edit);
 
 }  // namespace palpate::net

@@ -1,7 +1,10 @@
 #pragma once
+#include <vector>
+
+#include "palpate/mesh.h"
 #include "palpate/tool.h"
 
-#include "tools/make_shapes/detail.h"
+#include "tools/make_shapes/organs.h"
 
 namespace palpate::geometry {
 
@@ -15,5 +18,11 @@ namespace palpate::geometry {
 /// [setup] Forceps with straight, blunt jaws about 20 mm long with interlocking ribs; frame, parts and finer
 /// details as for the curved ones. Detail::kPaper: about 612 vertices as in [Zhang 2011, section 3.1].
 [[nodiscard]] Tool make_straight_forceps(Detail detail);
+
+/// [setup] A closed surface over closed rings of equally many points: quads (two triangles each) between
+/// successive rings, and a fan to a point beyond each end. It is oriented outwards when the rings are
+/// counter-clockwise seen from the last one's side.
+[[nodiscard]] TriangleMesh loft(const std::vector<std::vector<Vec3>>& rings, const Vec3& first_pole,
+                                const Vec3& last_pole);
 
 }  // namespace palpate::geometry

@@ -1,11 +1,10 @@
-#include "tools/make_shapes/gallbladder.h"
-
 #include <vector>
 
 #include "core/base/portable_math.h"
 #include "palpate/units.h"
 
 #include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/organs.h"
 #include "tools/make_shapes/remesh.h"
 #include "tools/make_shapes/tube.h"
 

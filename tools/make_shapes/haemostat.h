@@ -1,7 +1,7 @@
 #pragma once
 #include "palpate/tool.h"
 
-#include "tools/make_shapes/detail.h"
+#include "tools/make_shapes/organs.h"
 
 namespace palpate::geometry {
 

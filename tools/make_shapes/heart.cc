@@ -1,5 +1,3 @@
-#include "tools/make_shapes/heart.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -9,6 +7,7 @@
 
 #include "tools/make_shapes/cut_vessel.h"
 #include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/organs.h"
 #include "tools/make_shapes/remesh.h"
 #include "tools/make_shapes/tube.h"
 

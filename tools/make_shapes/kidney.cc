@@ -1,5 +1,3 @@
-#include "tools/make_shapes/kidney.h"
-
 #include <array>
 #include <vector>
 
@@ -8,6 +6,7 @@
 #include "tools/make_shapes/cut_vessel.h"
 #include "tools/make_shapes/field_arithmetic.h"
 #include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/organs.h"
 #include "tools/make_shapes/remesh.h"
 #include "tools/make_shapes/tube.h"
 

@@ -1,5 +1,3 @@
-#include "tools/make_shapes/liver.h"
-
 #include <vector>
 
 #include "palpate/units.h"
@@ -7,6 +5,7 @@
 #include "tools/make_shapes/cut_vessel.h"
 #include "tools/make_shapes/field_arithmetic.h"
 #include "tools/make_shapes/implicit.h"
+#include "tools/make_shapes/organs.h"
 #include "tools/make_shapes/remesh.h"
 #include "tools/make_shapes/tube.h"
 

@@ -23,12 +23,8 @@
 #include "palpate/tool.h"
 #include "palpate/units.h"
 
-#include "tools/make_shapes/detail.h"
 #include "tools/make_shapes/forceps.h"
-#include "tools/make_shapes/gallbladder.h"
-#include "tools/make_shapes/heart.h"
-#include "tools/make_shapes/kidney.h"
-#include "tools/make_shapes/liver.h"
+#include "tools/make_shapes/organs.h"
 #include "tools/make_shapes/pack_mesh.h"
 
 namespace palpate::geometry {

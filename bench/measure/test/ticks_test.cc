@@ -9,7 +9,6 @@
 #include "bench/measure/bench_scene.h"
 #include "bench/measure/hands.h"
 #include "bench/measure/loop_comparison.h"
-#include "bench/measure/preparation.h"
 #include "bench/measure/test/sample_scene.h"
 
 // Tests counts, never durations.

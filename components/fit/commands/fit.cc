@@ -21,7 +21,6 @@
 
 #include "app/commands.h"
 #include "app/components.h"
-#include "app/jobs.h"
 #include "app/messages.h"
 #include "app/numbers.h"
 #include "app/progress.h"

@@ -22,8 +22,8 @@
 
 #include "app/commands.h"
 #include "app/components.h"
-#include "app/jobs.h"
 #include "app/messages.h"
+#include "app/numbers.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"

@@ -13,7 +13,6 @@
 #include "fit/identify/least_squares.h"
 #include "fit/identify/loading.h"
 #include "fit/identify/local_optima.h"
-#include "fit/identify/misfit.h"
 #include "fit/identify/plausible_specimen.h"
 #include "fit/identify/warnings.h"
 

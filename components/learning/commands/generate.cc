@@ -18,7 +18,6 @@
 
 #include "app/commands.h"
 #include "app/components.h"
-#include "app/jobs.h"
 #include "app/numbers.h"
 #include "app/output.h"
 #include "app/progress.h"

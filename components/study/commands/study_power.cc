@@ -9,7 +9,7 @@
 #include "run/tasks/communicator.h"
 
 #include "app/commands.h"
-#include "app/jobs.h"
+#include "app/numbers.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
 #include "study/session/power.h"

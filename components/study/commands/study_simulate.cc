@@ -12,8 +12,8 @@
 #include "run/tasks/for_each_task.h"
 
 #include "app/commands.h"
-#include "app/jobs.h"
 #include "app/messages.h"
+#include "app/numbers.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
 #include "study/session/run_session.h"

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/geometry/edge_key.h"
-
 namespace palpate::geometry {
 
 std::vector<HalfEdge> sorted_half_edges(const std::vector<Triangle>& triangles) {

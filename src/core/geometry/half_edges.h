@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,11 @@ void for_each_edge(const std::vector<HalfEdge>& sides, const Visit& visit) {
     visit(sides.data() + first, sides.data() + end);
     first = end;
   }
+}
+
+/// [any] An undirected edge: smaller vertex << 32 | larger vertex.
+[[nodiscard]] constexpr std::uint64_t edge_key(std::int32_t a, std::int32_t b) noexcept {
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32U | static_cast<std::uint64_t>(std::max(a, b));
 }
 
 }  // namespace palpate::geometry

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 
 namespace palpate::geometry {
 Bounds bounds(const TriangleMesh& mesh) {

@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 

@@ -4,6 +4,7 @@
 
 #include "io/scene/names.h"
 #include "io/scene/scene_keys.h"
+#include "palpate/scene.h"
 #include "palpate/units.h"
 
 namespace palpate::scene {
@@ -46,6 +47,13 @@ EmulatedFault read_fault(const TomlTable& table) {
   return fault;
 }
 
+constexpr EmulatedFaultName kFaultNames[] = {
+    {"freeze", EmulatedFaultKind::kFreeze},      {"drop-out", EmulatedFaultKind::kDropOut},
+    {"nan", EmulatedFaultKind::kNotANumber},     {"spike", EmulatedFaultKind::kSpike},
+    {"late", EmulatedFaultKind::kLate},          {"wrong-units", EmulatedFaultKind::kWrongUnits},
+    {"force-off", EmulatedFaultKind::kForceOff}, {"refuse", EmulatedFaultKind::kRefuse},
+};
+
 }  // namespace
 
 EmulatedHand read_emulated_hand(const TomlTable& device, std::string_view kind) {
@@ -68,6 +76,22 @@ DeviceDynamics with_emulated_defaults(const DeviceDynamics& given) noexcept {
   all.friction = given.friction.value_or(kEmulatedFriction);
   all.resolution = given.resolution.value_or(kEmulatedResolution);
   return all;
+}
+
+std::span<const EmulatedFaultName> emulated_fault_names() noexcept { return kFaultNames; }
+
+std::string_view name_of(EmulatedFaultKind kind) noexcept {
+  for (const EmulatedFaultName& known : kFaultNames) {
+    if (known.kind == kind) return known.name;
+  }
+  return "";
+}
+
+std::optional<EmulatedFaultKind> find_emulated_fault(std::string_view name) noexcept {
+  for (const EmulatedFaultName& known : kFaultNames) {
+    if (known.name == name) return known.kind;
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpate::scene

@@ -11,7 +11,7 @@
 
 #include "core/base/charconv.h"
 #include "core/base/index.h"
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 #include "io/shapes/embedded_shapes.h"
 
 namespace palpate::geometry {

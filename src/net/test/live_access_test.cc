@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 
 #include "io/system/test/temporary_folder.h"
-#include "io/websocket/rate_limit.h"
+#include "io/websocket/connection.h"
 #include "palpate/error.h"
 
 namespace palpate::net {

@@ -14,13 +14,12 @@
 #include "palpate/tool_path.h"
 #include "run/devices/emulated.h"
 #include "run/devices/forcedimension.h"
-#include "run/devices/gamepad.h"
 #include "run/devices/haply.h"
 #include "run/devices/igtl.h"
-#include "run/devices/mouse.h"
 #include "run/devices/replay.h"
 #include "run/devices/ros.h"
 #include "run/devices/touch.h"
+#include "run/devices/window_device.h"
 #include "run/ros/ros_node.h"
 
 namespace palpate::devices {

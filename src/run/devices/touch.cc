@@ -6,7 +6,7 @@
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
-#include "run/devices/touch_errors.h"
+#include "run/devices/touch_library.h"
 
 namespace palpate::devices {
 namespace {

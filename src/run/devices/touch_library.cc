@@ -36,6 +36,39 @@ void look_up(VendorFunctions& lookup, HdFunctions& f) {
   lookup.optional(f.GetErrorString, "hdGetErrorString");
 }
 
+struct HdErrorWords {
+  unsigned code;
+  const char* what;
+  const char* mend;
+};
+
+constexpr HdErrorWords kHdErrors[] = {
+    {0x0200, "its motors are too warm", "let the arm rest for some minutes, then reset the fault"},
+    {0x0201, "it was asked for more force than it can give",
+     "lower max_force_N under [safety], then reset the fault"},
+    {0x0202, "the force changed faster than it allows",
+     "lower max_slew_N_per_ms under [safety], then reset the fault"},
+    {0x0203, "it moved faster than it allows", "move it more slowly, then reset the fault"},
+    {0x0204, "its force output failed", "switch the arm off and on, then begin again"},
+    {0x0300, "the arm is faulty or does not answer",
+     "switch it off and on, look at it with Touch_Diagnostic, then begin again"},
+    {0x0301, "it is open already",
+     "end the other program that uses it; each of two arms needs its own name, --device touch:NAME"},
+    {0x0302, "the arm does not communicate",
+     "look at its cable and power, give yourself rights on its port (sudo usermod -aG dialout $USER, then "
+     "log in again), run Touch_Setup"},
+    {0x0303, "its communication is not configured",
+     "run Touch_Setup as this user, with GTDD_HOME set as for this program"},
+    {0x0304, "the vendor's timer failed", "end other programs that use the arm, then begin again"},
+    {0x0402, "the vendor's library lost its frame", "reset the fault; if it comes again, begin again"},
+    {0x0501, "the vendor's scheduler is full", "end other programs that use the arm, then begin again"},
+    {0x0600, "OpenHaptics has no valid licence",
+     "install the licence of your OpenHaptics edition as its manual says, then begin again"},
+};
+
+constexpr unsigned kFirstForceError = 0x0200;
+constexpr unsigned kLastForceError = 0x0204;
+
 }  // namespace
 
 HdLibrary::HdLibrary(const std::string& file) {
@@ -67,6 +100,22 @@ HdErrorInfo HdLibrary::take_error() const noexcept {
   HdErrorInfo older = newest;
   for (int i = 0; i < kMaxHdErrors && older.code != kHdSuccess; ++i) older = functions_.GetError();
   return newest;
+}
+
+haptics::Fault fault_of_hd_error(unsigned code) noexcept {
+  const bool force = code >= kFirstForceError && code <= kLastForceError;
+  return force ? haptics::Fault::kForceOff : haptics::Fault::kDevice;
+}
+
+std::string describe_hd_error(unsigned code) {
+  for (const HdErrorWords& error : kHdErrors) {
+    if (error.code == code)
+      return fmt::format("{} (OpenHaptics error 0x{:04x}): {}", error.what, code, error.mend);
+  }
+  return fmt::format(
+      "OpenHaptics error 0x{:04x}: switch the arm off and on, look at it with Touch_Diagnostic, then begin "
+      "again",
+      code);
 }
 
 }  // namespace palpate::devices

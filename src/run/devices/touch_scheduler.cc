@@ -10,7 +10,7 @@
 #include "palpate/units.h"
 #include "run/devices/models.h"
 #include "run/devices/reasons.h"
-#include "run/devices/touch_errors.h"
+#include "run/devices/touch_library.h"
 #include "run/realtime/realtime.h"
 
 namespace palpate::devices {

@@ -1,6 +1,7 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <string>
 
 #include "palpate/device.h"
 #include "palpate/triple_buffer.h"
@@ -50,6 +51,60 @@ class WindowDevice : public haptics::Device {
  private:
   TripleBuffer<Input> input_;
   std::atomic<bool> gone_{false};
+};
+
+/// Where the window's pointer wants the tool, in the device's frame and lengths.
+struct MouseInput {
+  Vec3 target_D = Vec3::Zero();  // m, of the held point
+  double gripper = 0.0;          // 0 closed .. 1 open
+  std::uint32_t buttons = 0;     // one bit per button
+  bool present = true;           // false: the window is closed
+  Vec3 held = Vec3::Zero();      // m, point of the tool that moves to target_D, handle frame
+  bool turns = false;            // the tool turns to orientation_D, about the held point
+  Quat orientation_D = Quat::Identity();
+};
+
+/// A tool that a mouse moves in the window of a run.
+class MouseDevice final : public WindowDevice<MouseInput> {
+ public:
+  /// [setup] @param start in the device's frame
+  MouseDevice(const scene::PathRow& start, double rate_Hz) noexcept : WindowDevice(start, rate_Hz) {
+    wanted_.target_D = start.position;
+  }
+
+  /// [any] Where the tool is before the first input.
+  [[nodiscard]] const Vec3& start() const noexcept { return hand_.start(); }
+  /// [rt]
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
+  /// [any]
+  [[nodiscard]] std::string last_error() const override;
+};
+
+/// State of the gamepad that the window reads, in the device's frame.
+struct GamepadInput {
+  Vec3 velocity_D = Vec3::Zero();  // m/s, commanded by the sticks
+  Vec3 advance_D = Vec3::Zero();   // m, offset that the trigger adds to the position of the sticks
+  double gripper = 0.0;            // 0 closed .. 1 open
+  std::uint32_t buttons = 0;       // one bit per button
+  bool connected = true;           // false: unplugged, or the window is closed
+};
+
+/// A tool that a gamepad moves in the window of a run: the sticks command a velocity, the trigger a depth.
+/// The window drives the rumble motors from the newest snapshot.
+class GamepadDevice final : public WindowDevice<GamepadInput> {
+ public:
+  /// [setup] @param start in the device's frame
+  GamepadDevice(const scene::PathRow& start, double rate_Hz) noexcept
+      : WindowDevice(start, rate_Hz), period_(1.0 / rate_Hz), led_to_(start.position) {}
+
+  /// [rt]
+  haptics::DeviceState read(std::uint64_t tick, double time) noexcept override;
+  /// [any]
+  [[nodiscard]] std::string last_error() const override;
+
+ private:
+  double period_;
+  Vec3 led_to_;  // position integrated from the sticks [m]
 };
 
 }  // namespace palpate::devices

@@ -9,7 +9,6 @@
 #include "core/deform/surface_blocks.h"
 #include "view/render/changed_tiles.h"
 #include "view/render/gl_objects.h"
-#include "view/render/screen_box.h"
 
 namespace palpate::render {
 

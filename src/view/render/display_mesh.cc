@@ -8,7 +8,7 @@
 #include <unordered_map>
 
 #include "core/base/index.h"
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 
 namespace palpate::render {
 namespace {

@@ -10,8 +10,8 @@
 #include "palpate/error.h"
 
 #include "tools/make_shapes/field_arithmetic.h"
+#include "tools/make_shapes/forceps.h"
 #include "tools/make_shapes/implicit.h"
-#include "tools/make_shapes/loft.h"
 #include "tools/make_shapes/tube.h"
 
 namespace palpate::geometry {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/infinity.h"
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 
 namespace palpate::mesh_io {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/base/index.h"
 #include "core/geometry/cell.h"
-#include "core/geometry/edge_key.h"
+#include "core/geometry/half_edges.h"
 
 namespace palpate::mesh_io {
 namespace {

@@ -9,7 +9,7 @@
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 
-// Tests anatomical features of liver and kidney on their meshes, in the frames of tools/make_shapes/liver.h
+// Tests anatomical features of liver and kidney on their meshes, in the frames of tools/make_shapes/organs.h
 // and kidney.h. The tests of the built-in shapes check that the surfaces are valid.
 namespace palpate::geometry {
 namespace {

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "run/devices/gamepad.h"
-#include "run/devices/mouse.h"
+#include "run/devices/window_device.h"
 
 namespace palpate::devices {
 namespace {

@@ -13,7 +13,7 @@
 #include "palpate/error.h"
 #include "run/devices/devices.h"
 #include "run/devices/test/stand_in/hd_stand_in_loaded.h"
-#include "run/devices/touch_errors.h"
+#include "run/devices/touch_library.h"
 
 namespace palpate::devices {
 namespace {
