@@ -1,6 +1,5 @@
 #include "io/scene/builtin_scenes.h"
 
-#include <algorithm>
 #include <array>
 #include <string>
 
@@ -31,12 +30,6 @@ constexpr std::array<BuiltinScene, 7> kBuiltinScenes = {{
 }  // namespace
 
 std::span<const BuiltinScene> builtin_scenes() noexcept { return kBuiltinScenes; }
-
-const BuiltinScene* find_builtin_scene(std::string_view name) noexcept {
-  const auto* found = std::find_if(kBuiltinScenes.begin(), kBuiltinScenes.end(),
-                                   [name](const BuiltinScene& one) { return one.name == name; });
-  return found == kBuiltinScenes.end() ? nullptr : found;
-}
 
 Overrides request_of(const BuiltinScene& builtin, const std::string& device_kind) {
   Overrides request;

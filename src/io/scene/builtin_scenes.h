@@ -19,9 +19,6 @@ struct BuiltinScene {
 /// [any] All built-in scenes, in the order of lists and galleries.
 [[nodiscard]] std::span<const BuiltinScene> builtin_scenes() noexcept;
 
-/// [any] The scene with this name; null: there is none.
-[[nodiscard]] const BuiltinScene* find_builtin_scene(std::string_view name) noexcept;
-
 /// [setup] A request for the scene in which each hand holds a device of this kind, such as "mouse". It needs
 /// no file.
 [[nodiscard]] Overrides request_of(const BuiltinScene& builtin, const std::string& device_kind);
