@@ -20,7 +20,6 @@
 #include "palpate/units.h"
 #include "run/tasks/for_each_task.h"
 
-#include "fit/identify/finite_result.h"
 #include "fit/identify/fit_record.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/least_squares.h"

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "core/base/content_hash.h"
@@ -257,6 +258,13 @@ std::vector<Specimen> specimens_of(const std::string& bytes) {
     specimens.push_back(std::move(specimen));
   }
   return specimens;
+}
+
+void require_finite_result(const std::string& what, double value) {
+  if (std::isfinite(value)) return;
+  throw InputError(fmt::format(
+      "the fit gave no number for the {}: look at the data for rows far from all others, and at their units",
+      what));
 }
 
 }  // namespace palpate::identify

@@ -42,4 +42,8 @@ void check_line(const std::string& line);
 [[nodiscard]] std::string bytes_of(const std::vector<Specimen>& specimens);
 [[nodiscard]] std::vector<Specimen> specimens_of(const std::string& bytes);
 
+/// [setup] No result that is not finite may be printed or written. @param what of which quantity, for the
+/// message @throws InputError
+void require_finite_result(const std::string& what, double value);
+
 }  // namespace palpate::identify

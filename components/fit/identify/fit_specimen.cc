@@ -8,7 +8,7 @@
 #include "palpate/error.h"
 #include "palpate/identify.h"
 
-#include "fit/identify/finite_result.h"
+#include "fit/identify/fit_record.h"
 #include "fit/identify/intervals.h"
 #include "fit/identify/least_squares.h"
 #include "fit/identify/loading.h"

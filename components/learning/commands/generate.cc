@@ -20,10 +20,10 @@
 #include "app/components.h"
 #include "app/numbers.h"
 #include "app/output.h"
+#include "app/program.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
-#include "learning/commands/generate.h"
 
 namespace palpate::app {
 namespace {
@@ -93,8 +93,6 @@ int generate_episodes(GenerateFlags& flags) {
   return kDone;
 }
 
-}  // namespace
-
 void add_generate(CLI::App& program, int& exit_code) {
   auto flags = std::make_shared<GenerateFlags>();
   GenerateRequest& request = flags->request;
@@ -153,4 +151,13 @@ void add_generate(CLI::App& program, int& exit_code) {
   command->callback([flags, &exit_code] { exit_code = generate_episodes(*flags); });
 }
 
+}  // namespace
+
 }  // namespace palpate::app
+
+int main(int argc, char** argv) {
+  using namespace palpate::app;
+  return run_program(argc, argv, [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
+    add_generate(program, exit_code);
+  });
+}

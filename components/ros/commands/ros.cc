@@ -1,6 +1,4 @@
 // `palpate ros`: runs one interaction and publishes it as ROS 2 topics (docs/file-formats.md).
-#include "ros/commands/ros.h"
-
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -23,6 +21,7 @@
 #include "app/components.h"
 #include "app/messages.h"
 #include "app/output.h"
+#include "app/program.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/session.h"
@@ -153,8 +152,6 @@ void add_ros_flags(CLI::App& command, RosFlags& flags) {
   command.add_flag("--json", flags.json, "summary as one JSON document");
 }
 
-}  // namespace
-
 void add_ros(CLI::App& program, int& exit_code) {
   CLI::App* command = add_component_command(program, "ros");
   auto flags = std::make_shared<RosFlags>();
@@ -180,4 +177,13 @@ void add_ros(CLI::App& program, int& exit_code) {
   command->callback([flags, &exit_code] { exit_code = play_on_ros(*flags); });
 }
 
+}  // namespace
+
 }  // namespace palpate::app
+
+int main(int argc, char** argv) {
+  using namespace palpate::app;
+  return run_program(argc, argv, [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
+    add_ros(program, exit_code);
+  });
+}

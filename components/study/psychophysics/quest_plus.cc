@@ -36,14 +36,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/portable_math.h"
 #include "palpate/error.h"
 
 #include "study/psychophysics/psychophysics.h"
-#include "study/psychophysics/weighted.h"
 
 namespace palpate::psychophysics {
 namespace {
@@ -132,6 +133,60 @@ void normalize(std::vector<double>& probabilities) {
   double sum = 0.0;
   for (const double one : probabilities) sum += one;
   for (double& one : probabilities) one /= sum;
+}
+
+/// A value and its probability.
+struct Weighted {
+  double value = 0.0;
+  double weight = 0.0;
+};
+
+// Values in ascending order, weights with the sum 1.
+double quantile_of(const std::vector<Weighted>& sorted, double probability) {
+  double below = 0.0;
+  double last_middle = 0.0;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const double middle = below + 0.5 * sorted[i].weight;
+    if (middle >= probability) {
+      if (i == 0) return sorted[0].value;
+      const double before = sorted[i - 1].value;
+      return before + (sorted[i].value - before) * (probability - last_middle) / (middle - last_middle);
+    }
+    below += sorted[i].weight;
+    last_middle = middle;
+  }
+  return sorted.back().value;
+}
+
+/// Mean, standard deviation and central 95 % interval of a discrete distribution. Quantiles are interpolated
+/// linearly between the values, each at the middle of its step of the distribution function.
+/// @param values at least one; weights of any sum > 0
+Estimate estimate_of(std::vector<Weighted> values) {
+  std::stable_sort(values.begin(), values.end(),
+                   [](const Weighted& a, const Weighted& b) { return a.value < b.value; });
+  std::vector<Weighted> merged;  // equal values as one
+  double sum = 0.0;
+  for (const Weighted& one : values) {
+    sum += one.weight;
+    if (!merged.empty() && merged.back().value == one.value) {
+      merged.back().weight += one.weight;
+    } else {
+      merged.push_back(one);
+    }
+  }
+  Estimate found;
+  for (Weighted& one : merged) {
+    one.weight /= sum;
+    found.mean += one.weight * one.value;
+  }
+  double variance = 0.0;
+  for (const Weighted& one : merged) {
+    variance += one.weight * (one.value - found.mean) * (one.value - found.mean);
+  }
+  found.sd = std::sqrt(variance);
+  found.low = quantile_of(merged, 0.025);
+  found.high = quantile_of(merged, 0.975);
+  return found;
 }
 
 }  // namespace

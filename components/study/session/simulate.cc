@@ -12,7 +12,7 @@
 #include "palpate/error.h"
 
 #include "study/session/course.h"
-#include "study/session/session_events.h"
+#include "study/session/session_questions.h"
 
 namespace palpate::study {
 namespace {

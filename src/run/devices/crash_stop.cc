@@ -6,8 +6,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "run/devices/crash_handlers.h"
-
 namespace palpate::devices {
 namespace {
 

@@ -12,7 +12,6 @@
 #include "core/contact/stiffness_map.h"
 #include "palpate/spring_law.h"
 
-#include "fit/identify/factor_field.h"
 #include "fit/identify/map_tissue.h"
 
 namespace palpate::identify {

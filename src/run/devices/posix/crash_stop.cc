@@ -9,8 +9,6 @@
 
 #include <unistd.h>
 
-#include "run/devices/crash_handlers.h"
-
 namespace palpate::devices {
 namespace {
 

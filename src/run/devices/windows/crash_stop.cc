@@ -4,8 +4,6 @@
 
 #include <windows.h>
 
-#include "run/devices/crash_handlers.h"
-
 namespace palpate::devices {
 namespace {
 
