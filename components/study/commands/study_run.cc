@@ -33,6 +33,7 @@ struct StudyRunFlags {
   std::optional<int> session;
   std::string device;
   std::string observer;
+  bool watch = false;
   bool no_cache = false;
 };
 
@@ -67,6 +68,7 @@ void require_one_kind(study::StudyFolder& study, const std::string& observer) {
 }
 
 int run_study(const StudyRunFlags& flags) {
+  if (flags.watch && flags.observer.empty()) throw InputError("--watch: needs --observer");
   study::StudyFolder study = study::open_study(flags.folder);
   study::require_blind(study);
   const study::SealedKey key = study.key;
@@ -85,7 +87,7 @@ int run_study(const StudyRunFlags& flags) {
   Progress bar("study");
   std::optional<StopOnSignal> signals;  // a hand may be held
   std::unique_ptr<StudyScreens> screens;
-  if (flags.observer.empty()) {
+  if (flags.observer.empty() || flags.watch) {
     signals.emplace();
     screens = open_screens(study, flags.participant, signals->flag());
     options.screens = screens.get();
@@ -118,11 +120,14 @@ void add_study_run(CLI::App& study, int& exit_code) {
   command->add_option("--device", flags->device, "KIND[:PATH] instead of the scene's device");
   command->add_option("--observer", flags->observer,
                       "a simulated observer in the chair (see `palpate study simulate`); runs offline");
+  command->add_flag("--watch", flags->watch,
+                    "with --observer: in real time, with the windows; you answer their questions");
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->footer(
       "Examples:\n  palpate study run touch --participant PX7K2\n"
       "  palpate study run touch --participant PX7K2 --session 2 --device haply\n"
       "  palpate study run try --participant PX7K2 --observer sr\n"
+      "  palpate study run try --participant PX7K2 --observer sr --watch\n"
       "Every finished trial is on the disk before the next begins. After a crash the same command goes on.\n"
       "Exit: 0 done, 2 bad input, 3 a fault was latched");
   command->callback([flags, &exit_code] { exit_code = run_study(*flags); });

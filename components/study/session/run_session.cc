@@ -5,6 +5,8 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -28,6 +30,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLead = 20e-3;                     // s, of decisions in real time
+constexpr std::chrono::milliseconds kRowsEvery{1};  // rows are taken in real time
 constexpr std::uint32_t kTremorPart = 0x8000'0000;  // of the random numbers: an observer's hand
 
 std::string text_of(std::uint64_t number) { return std::to_string(number); }
@@ -58,7 +61,13 @@ class RunningSession final {
   bool take_break();
   void take_withdrawal();
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
+  void answer_as_person(const TrialLoop& loop, const ObserverAgent& agent, TrialRecord& record);
+  /// Only an observer without windows needs no real time.
+  [[nodiscard]] bool offline() const noexcept { return options_.screens == nullptr; }
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
+  [[nodiscard]] ScreenContent content_of(const TrialView& trial, const std::string& message,
+                                         double break_left) const;
+  void take_inputs(session::Session& run, Block& block);
   void note();
   void withdraw();
   [[nodiscard]] bool note_threshold();
@@ -81,6 +90,7 @@ class RunningSession final {
   std::string message_;
   std::vector<double> ladder_;
   Clock::time_point began_ = Clock::now();
+  std::mutex mutex_;  // attend(): its two threads use all of this but the screens
 };
 
 /// One block: one haptic run.
@@ -98,14 +108,14 @@ class RunningSession::Block final : public haptics::TickObserver {
 
   void on_row(const haptics::TickRow& row) noexcept override {
     if (row.hand != 0) return;
-    if (agent_) {
-      take(row);  // an offline run: nobody waits for the tick
+    if (session_.offline()) {
+      take(row);  // nobody waits for the tick
     } else if (!rows_.push(row)) {
       lost_rows_.store(true, std::memory_order_relaxed);
     }
   }
 
-  /// A person's block: takes the rows of the running loop.
+  /// A block in real time: takes the rows of the running loop.
   void follow() {
     haptics::TickRow row;
     while (rows_.pop(row)) take(row);
@@ -130,6 +140,7 @@ class RunningSession::Block final : public haptics::TickObserver {
   }
   void step(const haptics::TickRow& row);
   void begin_next();
+  void answer_as_observer(std::uint64_t tick);
 
   RunningSession& session_;
   session::Session& run_;
@@ -137,6 +148,11 @@ class RunningSession::Block final : public haptics::TickObserver {
   TrialLoop loop_;
   double rate_Hz_;
   std::optional<ObserverAgent> agent_;
+  struct PlannedAnswer {
+    int interval = 0;
+    std::uint64_t tick = 0;
+  };
+  std::optional<PlannedAnswer> answer_;  // of an observer in real time, before it is given
   SpscQueue<haptics::TickRow> rows_{1U << 14U};
   std::atomic<bool> lost_rows_{false};
   int trials_ = 0;
@@ -161,6 +177,21 @@ void RunningSession::Block::begin_next() {
   if (agent_) agent_->begin(Random(study.seed, session_.number_, kTremorPart + next->draw));
 }
 
+// Offline the answer follows after the trial. In real time it is given after the observer's response time.
+void RunningSession::Block::answer_as_observer(std::uint64_t tick) {
+  if (session_.offline()) return loop_.answer(1);
+  if (!answer_) {
+    TrialRecord felt =
+        record_of(session_.study_.study, loop_.trial(), session_.outcome_.session, session_.block_);
+    loop_.fill_in(felt);
+    session_.answer_as_person(loop_, *agent_, felt);
+    answer_ = {felt.answer, tick + static_cast<std::uint64_t>(felt.response_time * rate_Hz_)};
+  }
+  if (tick < answer_->tick) return;
+  loop_.answer(answer_->interval);
+  answer_.reset();
+}
+
 void RunningSession::Block::step(const haptics::TickRow& row) {
   if (static_cast<double>(row.late_ns) > 1e9 / rate_Hz_) ++late_ticks_;
   if (loop_.view().state == TrialState::kIdle && !run_.control().stopping()) begin_next();
@@ -169,7 +200,7 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
   if (agent_) {
     agent_->row(row, loop_, session_.study_.study);
     if (agent_->has_searched()) loop_.next();
-    if (loop_.view().state == TrialState::kAnswer) loop_.answer(1);
+    if (loop_.view().state == TrialState::kAnswer) answer_as_observer(row.tick);
   }
   if ((row.buttons & ~last_buttons_ & (1U << session_.study_.study.next_button)) != 0) loop_.next();
   last_buttons_ = row.buttons;
@@ -184,15 +215,21 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
   begin_next();
 }
 
+void RunningSession::answer_as_person(const TrialLoop& loop, const ObserverAgent& agent,
+                                      TrialRecord& record) {
+  const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
+  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, last_second_, number_,
+                  record);
+}
+
 void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* agent) {
   TrialRecord record = record_of(study_.study, loop.trial(), outcome_.session, block_);
   record.time = utc_now();
   loop.fill_in(record);
   const StudyTask& task = study_.study.tasks[loop.trial().task];
   if (agent != nullptr) {
-    const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
-    answer_by_force(study_.study, *person_, loop.trial(), agent->samples(), progress, last_second_, number_,
-                    record);
+    record.observer = person_->kind;
+    if (offline() || !task.two_intervals()) answer_as_person(loop, *agent, record);
   }
   last_second_ = record.answer == 2;
   log_.append(record);
@@ -217,7 +254,11 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
 }
 
 void RunningSession::show(const TrialView& trial, const std::string& message, double break_left) {
-  if (options_.screens == nullptr) return;
+  if (options_.screens != nullptr) options_.screens->show(content_of(trial, message, break_left));
+}
+
+ScreenContent RunningSession::content_of(const TrialView& trial, const std::string& message,
+                                         double break_left) const {
   ScreenContent content;
   content.trial = trial;
   content.message = message;
@@ -241,7 +282,7 @@ void RunningSession::show(const TrialView& trial, const std::string& message, do
   content.break_left = break_left;
   content.max_force = study_.study.max_force;
   content.ladder = ladder_;
-  options_.screens->show(content);
+  return content;
 }
 
 // In the log at once, whatever happens to the run.
@@ -268,7 +309,7 @@ void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
   require_blind(study_);  // the log's writer keeps `unblind` out from now on
   remove_leftovers(study_);
-  if (options_.screens != nullptr) require_for_person();
+  if (!person_) require_for_person();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);
   const bool finished =
@@ -329,16 +370,15 @@ void RunningSession::run_block() {
     auto owned = std::make_unique<ObserverHand>(scene);
     hand = owned.get();
     session_options.devices.push_back(std::move(owned));
-  } else {
-    trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   }
+  if (!offline()) trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   session::Session run(std::move(scene), std::move(session_options));
   Block block(*this, run, task, trial_scene, hand);
   session::RunOptions run_options;
   run_options.recording = file;
-  run_options.offline = person_.has_value();
+  run_options.offline = offline();
   run_options.study = study_.mark();
-  if (person_) {
+  if (offline()) {
     run.run(run_options, {&block});
   } else {
     attend(run, block, run_options);
@@ -359,42 +399,57 @@ void RunningSession::run_block() {
   }
 }
 
-// A person's block: rows, keys and pictures until the run has ended.
+// A block in real time. A picture may take longer than the lead of a decision, so another thread takes the
+// rows.
 void RunningSession::attend(session::Session& run, Block& block, const session::RunOptions& run_options) {
   const auto background = run.run_in_background(run_options, {&block});
-  while (!background->ended()) {
+  const auto follow = [&] {
+    const std::lock_guard lock(mutex_);
     block.follow();
-    while (const auto input = options_.screens->take_input()) {
-      switch (*input) {
-        case ScreenInput::kFirst:
-          block.loop().answer(1);
-          break;
-        case ScreenInput::kSecond:
-          block.loop().answer(2);
-          break;
-        case ScreenInput::kNext:
-          block.loop().next();
-          break;
-        case ScreenInput::kPause:
-          block.end();
-          break;
-        case ScreenInput::kWithdraw:
-          run.control().stop();  // the force first
-          withdraw();
-          [[fallthrough]];
-        case ScreenInput::kForceOff:
-        case ScreenInput::kStop:
-          stop_ = true;
-          run.control().stop();
-          break;
-      }
+  };
+  std::jthread rows([&](const std::stop_token& end) {
+    while (!end.stop_requested() && !background->wait_for(kRowsEvery)) follow();
+  });
+  while (!background->ended()) {
+    ScreenContent content;
+    {
+      const std::lock_guard lock(mutex_);
+      take_inputs(run, block);
+      note();
+      content = content_of(block.loop().view(), message_, 0.0);
     }
-    show(block.loop().view(), message_);
-    note();
+    options_.screens->show(content);
   }
+  rows.join();
   background->wait();
-  block.follow();
+  follow();
   if (!background->failure().empty()) throw InputError(background->failure());
+}
+
+void RunningSession::take_inputs(session::Session& run, Block& block) {
+  while (const auto input = options_.screens->take_input()) {
+    switch (*input) {
+      case ScreenInput::kFirst:
+      case ScreenInput::kSecond:
+        if (!person_) block.loop().answer(*input == ScreenInput::kFirst ? 1 : 2);
+        break;
+      case ScreenInput::kNext:
+        if (!person_) block.loop().next();
+        break;
+      case ScreenInput::kPause:
+        block.end();
+        break;
+      case ScreenInput::kWithdraw:
+        run.control().stop();  // the force first
+        withdraw();
+        [[fallthrough]];
+      case ScreenInput::kForceOff:
+      case ScreenInput::kStop:
+        stop_ = true;
+        run.control().stop();
+        break;
+    }
+  }
 }
 
 bool RunningSession::take_break() {

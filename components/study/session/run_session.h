@@ -67,7 +67,7 @@ struct SessionOptions {
   std::string device;                  // as --device; empty: the scene's
   std::string observer;                // simulated observer in the chair; empty: a person
   contact::Preparation preparation{};  // of the organ, for each block
-  SessionScreens* screens = nullptr;   // of a person
+  SessionScreens* screens = nullptr;   // of a person, or of an observer in real time
   std::function<void(double, const std::string&)> progress;  // of an observer's session
 };
 
@@ -85,7 +85,8 @@ struct SessionOutcome {
 /// @throws InputError that names what is missing; only simulated people may take part then
 void require_ethics(const Study& study);
 
-/// [setup] Runs a session, or goes on with an interrupted one. An observer's session runs offline.
+/// [setup] Runs a session, or goes on with an interrupted one. An observer's session without screens runs
+/// offline.
 /// @throws InputError, ParameterError
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options);
 

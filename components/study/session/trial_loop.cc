@@ -247,6 +247,8 @@ void TrialLoop::check(const haptics::TickRow& row) {
 
 void TrialLoop::interval(const haptics::TickRow& row) {
   limit_noise(row.tick);
+  const bool first = row.tick + ticks(kFade) == begins_;
+  if (first && (row.events & haptics::kParameterUpdated) == 0) spoil("the stimulus began late");
   if (row.tick < begins_) return;
   measure(row);
   check(row);
