@@ -176,6 +176,7 @@ void print_text(const CheckedStudy& made) {
                              shortest(study.max_noise), brief(study.calibration->at_grip(study.max_noise), 3),
                              study.calibration->unit);
   }
+  if (!study.markers.empty()) std::cout << "markers to " << joined(study.markers) << "\n\n";
   std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8}  {}\n", "task", "kind", "arms", "trials",
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {
@@ -234,6 +235,7 @@ void print_json(const CheckedStudy& made) {
                            {"unit", calibration->unit},
                            {"max_noise_at_grip", calibration->at_grip(made.study.max_noise)}};
   }
+  if (!made.study.markers.empty()) json["markers"] = made.study.markers;
   json["tasks"] = nlohmann::ordered_json::array();
   for (const CheckedTask& checked : made.tasks) json["tasks"].push_back(json_of(checked));
   json["sessions"] = nlohmann::ordered_json::array();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -33,6 +34,7 @@ struct StudyRunFlags {
   std::optional<int> session;
   std::string device;
   std::string observer;
+  std::vector<std::string> markers;
   bool watch = false;
   bool no_cache = false;
 };
@@ -69,6 +71,9 @@ void require_one_kind(study::StudyFolder& study, const std::string& observer) {
 
 int run_study(const StudyRunFlags& flags) {
   if (flags.watch && flags.observer.empty()) throw InputError("--watch: needs --observer");
+  if (!flags.markers.empty() && !flags.observer.empty() && !flags.watch) {
+    throw InputError("--markers: a session that --observer runs offline has no times: add --watch");
+  }
   study::StudyFolder study = study::open_study(flags.folder);
   study::require_blind(study);
   const study::SealedKey key = study.key;
@@ -82,6 +87,10 @@ int run_study(const StudyRunFlags& flags) {
   options.session = flags.session;
   options.device = flags.device;
   options.observer = flags.observer;
+  if (!flags.markers.empty()) {
+    options.markers = flags.markers;
+    if (*options.markers == std::vector<std::string>{"none"}) options.markers->clear();
+  }
   const OrganPreparation preparation(flags.no_cache);
   options.preparation = preparation.how();
   Progress bar("study");
@@ -103,6 +112,9 @@ int run_study(const StudyRunFlags& flags) {
                            outcome.withdrawn  ? "withdrawn"
                            : outcome.complete ? "complete"
                                               : "not complete: the same command goes on");
+  if (!outcome.markers_failure.empty()) {
+    std::cout << "Markers are missing: " << outcome.markers_failure << "; the log has the block\n";
+  }
   if (outcome.fault == 0) return kDone;
   std::cout << "The force is zero: " << haptics::describe(static_cast<haptics::Fault>(outcome.fault)) << '\n';
   return kFault;
@@ -118,6 +130,11 @@ void add_study_run(CLI::App& study, int& exit_code) {
       ->required();
   command->add_option("--session", flags->session, "number of the session; default: the next one");
   command->add_option("--device", flags->device, "KIND[:PATH] instead of the scene's device");
+  command
+      ->add_option("--markers", flags->markers,
+                   "serial:PATH[@BAUD] or tcp:HOST:PORT (again for each), or none, instead of [markers]")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--observer", flags->observer,
                       "a simulated observer in the chair (see `palpate study simulate`); runs offline");
   command->add_flag("--watch", flags->watch,
@@ -126,6 +143,7 @@ void add_study_run(CLI::App& study, int& exit_code) {
   command->footer(
       "Examples:\n  palpate study run touch --participant PX7K2\n"
       "  palpate study run touch --participant PX7K2 --session 2 --device haply\n"
+      "  palpate study run touch --participant PX7K2 --device haply --markers serial:/dev/ttyUSB0\n"
       "  palpate study run try --participant PX7K2 --observer sr\n"
       "  palpate study run try --participant PX7K2 --observer sr --watch\n"
       "Every finished trial is on the disk before the next begins. After a crash the same command goes on.\n"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,7 @@
 
 #include "study/session/block_scene.h"
 #include "study/session/observer_hand.h"
+#include "study/session/session_markers.h"
 #include "study/session/session_questions.h"
 #include "study/session/simulated_person.h"
 
@@ -43,6 +45,7 @@ class RunningSession final {
         options_(options),
         number_(study.number_of(options.participant)),
         log_(study.log_of(options.participant), study.log_key(options.participant)),
+        markers_(study.study, options, log_),
         course_(study.study, key, number_) {
     if (!options.observer.empty()) person_ = make_person(options.observer, study.study.seed, number_);
   }
@@ -77,6 +80,7 @@ class RunningSession final {
   const SessionOptions& options_;
   std::uint32_t number_;
   LogWriter log_;
+  SessionMarkers markers_;
   Course course_;
   std::optional<SimulatedPerson> person_;
   SessionOutcome outcome_;
@@ -104,15 +108,23 @@ class RunningSession::Block final : public haptics::TickObserver {
         loop_(session.study_.study, std::move(scene), run.updates()),
         rate_Hz_(run.scene().rate_Hz) {
     if (hand != nullptr) agent_.emplace(*hand, rate_Hz_);
+    loop_.on_marker([this](MarkerCode code, std::uint64_t tick) {
+      session_.markers_.send(code, tick, task_.name, loop_.trial());
+    });
   }
 
   void on_row(const haptics::TickRow& row) noexcept override {
     if (row.hand != 0) return;
+    late_ns_ = row.late_ns < std::llround(1e9 / rate_Hz_) ? row.late_ns : 0;
     if (session_.offline()) {
       take(row);  // nobody waits for the tick
     } else if (!rows_.push(row)) {
       lost_rows_.store(true, std::memory_order_relaxed);
     }
+  }
+
+  void on_tick(const haptics::TickState& now) noexcept override {
+    session_.markers_.note_tick(now.tick, now.taken_ns - late_ns_);
   }
 
   /// A block in real time: takes the rows of the running loop.
@@ -153,6 +165,7 @@ class RunningSession::Block final : public haptics::TickObserver {
     std::uint64_t tick = 0;
   };
   std::optional<PlannedAnswer> answer_;  // of an observer in real time, before it is given
+  std::int64_t late_ns_ = 0;  // of the tick against its deadline; a tick that missed a period sets a new one
   SpscQueue<haptics::TickRow> rows_{1U << 14U};
   std::atomic<bool> lost_rows_{false};
   int trials_ = 0;
@@ -325,6 +338,7 @@ void RunningSession::open_session() {
                      (begun == 0 ? "none was begun"
                                  : std::to_string(begun) + (finished ? " is finished" : " is unfinished")));
   }
+  markers_.open();
   const std::string number = std::to_string(outcome_.session);
   const std::optional<Calibration>& calibration = study_.study.calibration;
   const std::string program = "palpate " + record::palpate_version();
@@ -333,7 +347,8 @@ void RunningSession::open_session() {
       stop_ = true;
       return;
     }
-    log_.append(event_of("resumed", {{"session", number}, {"program", program}}));
+    log_.append(
+        event_of("resumed", {{"session", number}, {"program", program}, {"markers", markers_.text()}}));
     course_.resume();
   } else {
     course_.begin_session(outcome_.session);
@@ -341,6 +356,7 @@ void RunningSession::open_session() {
                                      {"program", program},
                                      {"device", options_.device},
                                      {"observer", options_.observer},
+                                     {"markers", markers_.text()},
                                      {"calibration", calibration ? calibration->sha256 : ""},
                                      {"level", options_.observer.empty() ? "" : "force"}}));
   }
@@ -374,6 +390,7 @@ void RunningSession::run_block() {
   if (!offline()) trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   session::Session run(std::move(scene), std::move(session_options));
   Block block(*this, run, task, trial_scene, hand);
+  markers_.begin_block(outcome_.session, block_, trial_scene.rate_Hz);
   session::RunOptions run_options;
   run_options.recording = file;
   run_options.offline = offline();
@@ -387,13 +404,16 @@ void RunningSession::run_block() {
   late_ticks_ += block.late_ticks();
   outcome_.fault = block.fault();
   ++outcome_.blocks;
-  log_.append(event_of("block", {{"session", std::to_string(outcome_.session)},
-                                 {"block", std::to_string(block_)},
-                                 {"recording", file.filename().string()},
-                                 {"sha256", sha256_of_file(file)},
-                                 {"task", task.name},
-                                 {"late_ticks", text_of(block.late_ticks())},
-                                 {"faults", block.fault() == 0 ? "0" : "1"}}));
+  EventRecord event = event_of("block", {{"session", std::to_string(outcome_.session)},
+                                         {"block", std::to_string(block_)},
+                                         {"recording", file.filename().string()},
+                                         {"sha256", sha256_of_file(file)},
+                                         {"task", task.name},
+                                         {"late_ticks", text_of(block.late_ticks())},
+                                         {"faults", block.fault() == 0 ? "0" : "1"}});
+  for (auto& sent : markers_.finish_block()) event.values.push_back(std::move(sent));
+  outcome_.markers_failure = markers_.failure();
+  log_.append(event);
   if (task.arms.size() > 1 && !stop_ && !block.last_code().empty()) {
     questions().blinding({outcome_.session, block_, task.name, block.last_code()});
   }
@@ -415,6 +435,7 @@ void RunningSession::attend(session::Session& run, Block& block, const session::
     {
       const std::lock_guard lock(mutex_);
       take_inputs(run, block);
+      if (markers_.failed()) block.end();
       note();
       content = content_of(block.loop().view(), message_, 0.0);
     }
@@ -510,7 +531,7 @@ SessionOutcome RunningSession::run() {
   const bool agreed = options_.screens == nullptr ||
                       (questions().consent_and_bands() && questions().audibility(outcome_.session));
   while (agreed && course_.next() && !stop_) {
-    if (!note_threshold() || !instruct()) break;
+    if (!markers_.settle() || !note_threshold() || !instruct()) break;
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;

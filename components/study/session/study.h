@@ -162,6 +162,8 @@ struct Study {
   std::string sound_mask = "pink";  // pink | white | none
   double sound_level_dB = -20.0;
 
+  std::vector<std::string> markers;  // to other instruments, see parse_marker_target()
+
   std::vector<std::string> first_keys, second_keys;
   std::uint32_t next_button = 0;
   double timeout = 8.0;               // s
