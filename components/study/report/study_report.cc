@@ -220,6 +220,9 @@ void write_registration(Page& page, const StudyFolder& study, const StudyAnalysi
   } else {
     page.paragraph("No calibration: how much of the commanded noise reached the grip is not known.");
   }
+  const std::string sound = study::sound_text(study.study);
+  page.paragraph(sound.empty() ? "How loud mask and motors are at the ears was not measured."
+                               : "Sound: " + escaped(sound) + ".");
   page.code(command);
   if (!analysis.unblinded) {
     page.paragraph(

@@ -357,6 +357,7 @@ void RunningSession::open_session() {
                                      {"device", options_.device},
                                      {"observer", options_.observer},
                                      {"markers", markers_.text()},
+                                     {"sound", sound_text(study_.study)},
                                      {"calibration", calibration ? calibration->sha256 : ""},
                                      {"level", options_.observer.empty() ? "" : "force"}}));
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/base/text.h"
+
 namespace palpate::study {
 
 bool StudyTask::has_noise() const noexcept {
@@ -58,6 +60,15 @@ ForceBound force_bound(const Study& study, const StudyTask& task) {
     }
   }
   return bound;
+}
+
+std::string sound_text(const Study& study) {
+  if (!study.mask_dBA && !study.motors_dBA) return "";
+  const auto level = [](const std::optional<double>& of) {
+    return of ? shortest(*of) + " dB(A)" : std::string("not measured");
+  };
+  return "mask " + level(study.mask_dBA) + ", motors " + level(study.motors_dBA) +
+         " at the ears, as the lab measured";
 }
 
 }  // namespace palpate::study

@@ -99,10 +99,13 @@ void read_screen_and_sound(const TomlTable& root, Study& study) {
   study.participant_screen = choice(screen, "participant", {"blank"}, "blank");
   study.experimenter_screen =
       choice(screen, "experimenter", {"second-display", "file", "none"}, "second-display");
-  const TomlTable sound = table_or_empty(root, "sound", {"mask", "level_dB"});
+  const TomlTable sound = table_or_empty(root, "sound", {"mask", "level_dB", "mask_dBA", "motors_dBA"});
   constexpr Range kLevels{-80.0, 0.0};  // dB
   study.sound_mask = choice(sound, "mask", {"pink", "white", "none"}, "pink");
   study.sound_level_dB = sound.number("level_dB", kLevels).value_or(study.sound_level_dB);
+  constexpr Range kHeard{0.0, 140.0};  // dB(A)
+  study.mask_dBA = sound.number("mask_dBA", kHeard);
+  study.motors_dBA = sound.number("motors_dBA", kHeard);
 }
 
 void read_markers(const TomlTable& root, Study& study) {

@@ -54,6 +54,26 @@ TEST(StudyCheckCommand, CountsThePracticeThatACriterionNeedsAtLeastAndSaysHowMuc
   EXPECT_THAT(found["hints"].dump(), HasSubstr("practice until 8 of 10 are correct may take 20 trials, "));
 }
 
+TEST(StudyCheckCommand, NamesAMaskThatIsHardlyLouderThanTheMotors) {
+  const Folder folder;
+  std::string text = text_of(PALPATE_EXAMPLES "/study/one-session.toml");
+  EXPECT_THAT(run(folder, {"study", "check", PALPATE_EXAMPLES "/study/one-session.toml"}).out,
+              HasSubstr("hint: no [sound] mask_dBA and motors_dBA"));
+  const std::string level = "level_dB = -20";
+  text.replace(text.find(level), level.size(), "mask_dBA = 60\nmotors_dBA = 55");
+  text.replace(text.find("consent_file"), 0, "# ");
+  std::ofstream(folder / "s.toml") << text << "[markers]\nto = [\"tcp:localhost:5678\"]\n";
+  const Outcome outcome = run(folder, {"study", "check", "s.toml"});
+  EXPECT_THAT(outcome.out, HasSubstr("mask 60 dB(A), motors 55 dB(A) at the ears, as the lab measured\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("markers to tcp:localhost:5678\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("hint: sound: the mask is 5 dB louder than the motors, better 10 or more"));
+  const Outcome offline = run(folder, {"study", "run", "nowhere", "--participant", "P", "--observer", "sr",
+                                       "--markers", "tcp:localhost:5678"});
+  EXPECT_EQ(offline.exit_code, 2);
+  EXPECT_THAT(offline.err, HasSubstr("--markers: a session that --observer runs offline has no times"));
+}
+
 TEST(StudyCheckCommand, RefusesTheExampleInTwoSessions) {
   const Folder folder;
   std::string text = text_of(kExample);
