@@ -16,6 +16,7 @@ void add_study(CLI::App& program, const std::string& command_line, int& exit_cod
   add_study_status(*study, exit_code);
   add_study_verify(*study, exit_code);
   add_study_analyse(*study, command_line, exit_code);
+  add_study_delete(*study, exit_code);
   add_study_unblind(*study, exit_code);
   add_study_export(*study, exit_code);
 }

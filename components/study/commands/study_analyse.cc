@@ -21,6 +21,7 @@
 #include "study/session/analysis_text.h"
 #include "study/session/bids.h"
 #include "study/session/block_scene.h"
+#include "study/session/deletion.h"
 #include "study/session/folder.h"
 #include "study/session/trial_table.h"
 
@@ -101,16 +102,17 @@ int export_trials(const AnalyseFlags& flags) {
       person.renderings = study::renderings_of(study.study, study.key, person, rate_Hz);
   }
   const study::ArmNames names(study.study, study.key, study.unblinded());
+  const std::string deleted = study::deletions_text(study::deletions_of(people));
   if (!flags.csv.empty()) {
     require_absent(flags.csv, "--csv");
     write_output(flags.csv, study::table_csv(study.study, people, names), "--csv");
-    report_message("trials: " + flags.csv);
+    report_message("trials: " + flags.csv + (deleted.empty() ? "" : "; " + deleted));
     return kDone;
   }
   study::write_bids(
       {study.study, people, names, study.folder / "recordings", study.lock_hash, study.simulated},
       flags.bids);
-  report_message("BIDS: " + flags.bids);
+  report_message("BIDS: " + flags.bids + (deleted.empty() ? "" : "; " + deleted));
   return kDone;
 }
 

@@ -129,6 +129,18 @@ void check_surroundings(const std::string& file, CheckedStudy& made) {
     made.hints.emplace_back("no [[check]] kind = \"blinding\": nobody tests whether people guess the noise");
   }
   if (!study.primary) made.hints.emplace_back("no [analysis] primary: all results are exploratory");
+  constexpr double kLouder = 10.0;   // dB: then the sum is 0.4 dB above the mask alone
+  constexpr double kLongest = 85.0;  // dB(A): EU directive 2003/10/EC, of a whole working day
+  if (noise && study.sound_mask != "none" && !(study.mask_dBA && study.motors_dBA)) {
+    made.hints.emplace_back(
+        "no [sound] mask_dBA and motors_dBA: nobody has measured how loud mask and motors are at the ears");
+  } else if (study.mask_dBA && study.motors_dBA && *study.mask_dBA < *study.motors_dBA + kLouder) {
+    made.hints.push_back(fmt::format("sound: the mask is {} dB louder than the motors, better {} or more",
+                                     brief(*study.mask_dBA - *study.motors_dBA, 3), shortest(kLouder)));
+  }
+  if (study.mask_dBA && *study.mask_dBA > kLongest) {
+    made.hints.push_back(fmt::format("sound: the mask is above {} dB(A)", shortest(kLongest)));
+  }
   if (study.sound_mask == "none") made.hints.emplace_back("no [sound] mask: motors can be heard");
   made.hints.push_back("palpate study power " + file +
                        ": power and interval by simulation, before anybody is invited");
@@ -176,6 +188,8 @@ void print_text(const CheckedStudy& made) {
                              shortest(study.max_noise), brief(study.calibration->at_grip(study.max_noise), 3),
                              study.calibration->unit);
   }
+  if (const std::string sound = study::sound_text(study); !sound.empty()) std::cout << sound << "\n\n";
+  if (!study.markers.empty()) std::cout << "markers to " << joined(study.markers) << "\n\n";
   std::cout << fmt::format("{:<16}{:<17}{:>5}{:>8}{:>10}{:>8}  {}\n", "task", "kind", "arms", "trials",
                            "practice", "min", "tissue + commanded + noise [N]");
   for (const CheckedTask& checked : made.tasks) {
@@ -234,6 +248,9 @@ void print_json(const CheckedStudy& made) {
                            {"unit", calibration->unit},
                            {"max_noise_at_grip", calibration->at_grip(made.study.max_noise)}};
   }
+  if (made.study.mask_dBA) json["mask_dBA"] = *made.study.mask_dBA;
+  if (made.study.motors_dBA) json["motors_dBA"] = *made.study.motors_dBA;
+  if (!made.study.markers.empty()) json["markers"] = made.study.markers;
   json["tasks"] = nlohmann::ordered_json::array();
   for (const CheckedTask& checked : made.tasks) json["tasks"].push_back(json_of(checked));
   json["sessions"] = nlohmann::ordered_json::array();

@@ -22,6 +22,7 @@ void add_study_simulate(CLI::App& study, int& exit_code);
 void add_study_status(CLI::App& study, int& exit_code);
 void add_study_verify(CLI::App& study, int& exit_code);
 void add_study_analyse(CLI::App& study, const std::string& command_line, int& exit_code);
+void add_study_delete(CLI::App& study, int& exit_code);
 void add_study_unblind(CLI::App& study, int& exit_code);
 void add_study_export(CLI::App& study, int& exit_code);
 

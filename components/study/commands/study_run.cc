@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -33,6 +34,8 @@ struct StudyRunFlags {
   std::optional<int> session;
   std::string device;
   std::string observer;
+  std::vector<std::string> markers;
+  bool watch = false;
   bool no_cache = false;
 };
 
@@ -67,6 +70,10 @@ void require_one_kind(study::StudyFolder& study, const std::string& observer) {
 }
 
 int run_study(const StudyRunFlags& flags) {
+  if (flags.watch && flags.observer.empty()) throw InputError("--watch: needs --observer");
+  if (!flags.markers.empty() && !flags.observer.empty() && !flags.watch) {
+    throw InputError("--markers: a session that --observer runs offline has no times: add --watch");
+  }
   study::StudyFolder study = study::open_study(flags.folder);
   study::require_blind(study);
   const study::SealedKey key = study.key;
@@ -80,12 +87,16 @@ int run_study(const StudyRunFlags& flags) {
   options.session = flags.session;
   options.device = flags.device;
   options.observer = flags.observer;
+  if (!flags.markers.empty()) {
+    options.markers = flags.markers;
+    if (*options.markers == std::vector<std::string>{"none"}) options.markers->clear();
+  }
   const OrganPreparation preparation(flags.no_cache);
   options.preparation = preparation.how();
   Progress bar("study");
   std::optional<StopOnSignal> signals;  // a hand may be held
   std::unique_ptr<StudyScreens> screens;
-  if (flags.observer.empty()) {
+  if (flags.observer.empty() || flags.watch) {
     signals.emplace();
     screens = open_screens(study, flags.participant, signals->flag());
     options.screens = screens.get();
@@ -101,6 +112,9 @@ int run_study(const StudyRunFlags& flags) {
                            outcome.withdrawn  ? "withdrawn"
                            : outcome.complete ? "complete"
                                               : "not complete: the same command goes on");
+  if (!outcome.markers_failure.empty()) {
+    std::cout << "Markers are missing: " << outcome.markers_failure << "; the log has the block\n";
+  }
   if (outcome.fault == 0) return kDone;
   std::cout << "The force is zero: " << haptics::describe(static_cast<haptics::Fault>(outcome.fault)) << '\n';
   return kFault;
@@ -116,13 +130,22 @@ void add_study_run(CLI::App& study, int& exit_code) {
       ->required();
   command->add_option("--session", flags->session, "number of the session; default: the next one");
   command->add_option("--device", flags->device, "KIND[:PATH] instead of the scene's device");
+  command
+      ->add_option("--markers", flags->markers,
+                   "serial:PATH[@BAUD] or tcp:HOST:PORT (again for each), or none, instead of [markers]")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--observer", flags->observer,
                       "a simulated observer in the chair (see `palpate study simulate`); runs offline");
+  command->add_flag("--watch", flags->watch,
+                    "with --observer: in real time, with the windows; you answer their questions");
   command->add_flag("--no-cache", flags->no_cache, kNoCacheHelp);
   command->footer(
       "Examples:\n  palpate study run touch --participant PX7K2\n"
       "  palpate study run touch --participant PX7K2 --session 2 --device haply\n"
+      "  palpate study run touch --participant PX7K2 --device haply --markers serial:/dev/ttyUSB0\n"
       "  palpate study run try --participant PX7K2 --observer sr\n"
+      "  palpate study run try --participant PX7K2 --observer sr --watch\n"
       "Every finished trial is on the disk before the next begins. After a crash the same command goes on.\n"
       "Exit: 0 done, 2 bad input, 3 a fault was latched");
   command->callback([flags, &exit_code] { exit_code = run_study(*flags); });

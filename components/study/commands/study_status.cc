@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "study/commands/study_commands.h"
+#include "study/session/deletion.h"
 #include "study/session/verify.h"
 
 namespace palpate::app {
@@ -39,8 +41,10 @@ struct ParticipantStatus {
   int trials = 0;  // that count, without practice
   int spoiled = 0;
   bool withdrawn = false;
-  std::string last;           // time of the last line
-  std::size_t cut_lines = 0;  // incomplete lines of crashes
+  std::optional<study::Deletion> deletion;
+  bool undeleted_files = false;  // of a deletion that was cut short
+  std::string last;              // time of the last line
+  std::size_t cut_lines = 0;     // incomplete lines of crashes
 };
 
 std::size_t cut_lines_in(const std::filesystem::path& log) {
@@ -74,8 +78,16 @@ ParticipantStatus status_of(const study::StudyFolder& study, const std::string& 
     if (!trial.practice) ++(trial.spoiled.empty() ? status.trials : status.spoiled);
   }
   status.withdrawn = log.withdrawn();
+  status.deletion = log.deletion();
+  status.undeleted_files = status.deletion && !study::files_of_person(study, id).empty();
   status.cut_lines = cut_lines_in(study.log_of(id)) + (log.cut ? 1 : 0);
   return status;
+}
+
+std::string remark_of(const ParticipantStatus& one) {
+  if (one.undeleted_files) return "  data not wholly deleted: `palpate study delete` again";
+  if (one.deletion) return "  data deleted on request: " + one_line(one.deletion->reason);
+  return one.withdrawn ? "  withdrawn" : "";
 }
 
 void print_status(const study::StudyFolder& study, const std::vector<ParticipantStatus>& people) {
@@ -87,7 +99,7 @@ void print_status(const study::StudyFolder& study, const std::vector<Participant
     std::cout << fmt::format("{:<8}{:>9}{:>13}{:>9}{:>6}  {}{}\n", one.id,
                              fmt::format("{}/{}", one.sessions, one.planned_sessions),
                              fmt::format("{}/{}", one.trials, one.planned_trials), one.spoiled, one.cut_lines,
-                             one.last.empty() ? "-" : one.last, one.withdrawn ? "  withdrawn" : "");
+                             one.last.empty() ? "-" : one.last, remark_of(one));
   }
 }
 
@@ -108,6 +120,7 @@ void print_status_json(const study::StudyFolder& study, const std::vector<Partic
                                     {"planned_trials", one.planned_trials},
                                     {"spoiled", one.spoiled},
                                     {"withdrawn", one.withdrawn},
+                                    {"deleted", one.deletion.has_value()},
                                     {"last", one.last},
                                     {"cut_lines", one.cut_lines}});
   }
@@ -172,6 +185,7 @@ int verify_study(const StudyFolderFlags& flags) {
                                       {"trials", counts.trials},
                                       {"recordings", counts.recordings},
                                       {"unfinished", counts.unfinished},
+                                      {"deleted", counts.deleted.size()},
                                       {"replayed", !flags.logs_only},
                                       {"foreign", foreign},
                                       {"checked", checks_of(flags, counts)}};
@@ -183,6 +197,7 @@ int verify_study(const StudyFolderFlags& flags) {
                            counted(counts.trials, "trial", "trials"),
                            counted(counts.recordings, "recording", "recordings"));
   for (const std::string& made : checks_of(flags, counts)) std::cout << "checked: " << made << '\n';
+  if (!counts.deleted.empty()) std::cout << study::deletions_text(counts.deleted) << '\n';
   if (flags.logs_only) std::cout << "not checked: the content of the recordings\n";
   if (counts.unfinished > 0) {
     std::cout << fmt::format("not checked: {} cut off before the end of a block\n",

@@ -12,6 +12,7 @@
 
 #include "bindings/python/binding.h"
 #include "study/psychophysics/psychophysics.h"
+#include "study/session/deletion.h"
 #include "study/session/trial_table.h"
 
 namespace palpate::python {
@@ -183,7 +184,12 @@ py::dict read_trials(const std::filesystem::path& folder) {
   const study::ArmNames names(study.study, study.key, study.unblinded());
   const std::vector<study::TrialColumn>& columns = study::trial_columns();
   std::vector<std::vector<std::string>> fields(columns.size());
-  for (const study::Participant& person : study::read_people(study)) {
+  const std::vector<study::Participant> people = study::read_people(study);
+  const std::string deleted = study::deletions_text(study::deletions_of(people));
+  if (!deleted.empty() && PyErr_WarnEx(PyExc_UserWarning, deleted.c_str(), 1) != 0) {
+    throw py::error_already_set();
+  }
+  for (const study::Participant& person : people) {
     if (person.log.withdrawn()) continue;
     for (const study::TrialRecord& trial : person.log.trials) {
       const std::vector<std::string> row = study::trial_row(study.study, person, trial, names);

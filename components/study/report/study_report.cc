@@ -13,6 +13,7 @@
 
 #include "study/report/study_report_sections.h"
 #include "study/session/analysis_text.h"
+#include "study/session/deletion.h"
 
 namespace palpate::report {
 namespace {
@@ -77,6 +78,7 @@ void write_who(Page& page, const StudyFolder& study, const StudyAnalysis& analys
                                          ? "nobody was asked"
                                          : fmt::format("{}, {}", analysis.consented, analysis.refused)},
               {"withdrew and are left out", std::to_string(analysis.withdrawn)},
+              {"data deleted", analysis.deleted.empty() ? "nobody's" : deletions_text(analysis.deleted)},
               {"excluded from the main analysis", std::to_string(analysis.excluded)},
               {"rules of exclusion, fixed before",
                fmt::format("less than {} of the catch trials correct, or more than {} of the trials spoiled",
@@ -218,6 +220,9 @@ void write_registration(Page& page, const StudyFolder& study, const StudyAnalysi
   } else {
     page.paragraph("No calibration: how much of the commanded noise reached the grip is not known.");
   }
+  const std::string sound = study::sound_text(study.study);
+  page.paragraph(sound.empty() ? "How loud mask and motors are at the ears was not measured."
+                               : "Sound: " + escaped(sound) + ".");
   page.code(command);
   if (!analysis.unblinded) {
     page.paragraph(

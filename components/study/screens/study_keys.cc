@@ -148,7 +148,10 @@ std::string text_of_keys(const std::vector<std::string>& names, const study::Lan
     if (i > 0) text += i + 1 == names.size() ? say(" or ") : ", ";
     std::string name = lower_case(names[i]);
     if (name.starts_with(kPad)) {
-      name = "pad " + name.substr(kPadLength);
+      std::string button = name.substr(kPadLength);
+      if (button.size() == 1)
+        button[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(button[0])));
+      name = fmt::format(fmt::runtime(say("gamepad {}")), button);
     } else if (name.starts_with("pedal-")) {
       name = say(name.substr(6) + " pedal");
     } else if (name.size() <= 3) {

@@ -161,7 +161,10 @@ ParticipantView participant_view(const ScreenContent& content, const Study& stud
     view.part_done =
         content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 0.0;
   }
-  view.message = say(content.message);
+  // Beside the stimuli of the next trial, "correct" would seem to be about that trial.
+  const bool before = trial.state == TrialState::kIdle || trial.state == TrialState::kHome ||
+                      trial.state == TrialState::kFinished;
+  if (before) view.message = say(content.message);
   view.rest = say(view.rest);
   view.more = say(view.more);
   view.less = say(view.less);

@@ -94,9 +94,18 @@ StudyAnalysis analyse(const Study& study, std::span<const Participant> people, S
     analysis.withdrawn += result.withdrawn ? 1 : 0;
     analysis.excluded += !result.withdrawn && !result.kept() ? 1 : 0;
   }
+  analysis.deleted = deletions_of(people);
   analyse_group(study, quests, analysis);
   analysis.guesses = count_guesses(study, people, names);
   return analysis;
+}
+
+Deletions deletions_of(std::span<const Participant> people) {
+  Deletions deletions;
+  for (const Participant& person : people) {
+    if (const auto deletion = person.log.deletion()) deletions.emplace_back(person.log.id, *deletion);
+  }
+  return deletions;
 }
 
 std::vector<Participant> read_people(const StudyFolder& study) {

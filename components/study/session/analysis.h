@@ -39,6 +39,9 @@ struct Participant {
 /// [setup] Everybody's log, by number. @throws InputError as read_log()
 [[nodiscard]] std::vector<Participant> read_people(const StudyFolder& study);
 
+/// [setup] The people whose data were deleted.
+[[nodiscard]] Deletions deletions_of(std::span<const Participant> people);
+
 /// Answers at one level of the stimulus.
 struct Point {
   double level = 0.0;  // see grid_of()
@@ -207,6 +210,7 @@ struct StudyAnalysis {
   int refused = 0;
   int withdrawn = 0;
   int excluded = 0;
+  Deletions deleted;  // people whose data were deleted, and who are in no number above
 
   /// [any] Whether the results of single people may be shown by arm. While blind, one person's counts beside
   /// the log would show which code has which label.

@@ -169,6 +169,14 @@ Json curves_json(const Study& study, const StudyAnalysis& analysis) {
   return all;
 }
 
+Json deletions_json(const Deletions& deletions) {
+  Json json = Json::array();
+  for (const auto& [id, deletion] : deletions) {
+    json.push_back({{"id", id}, {"time", deletion.time}, {"reason", deletion.reason}});
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string analysis_json(const Study& study, const StudyAnalysis& analysis) {
@@ -178,6 +186,7 @@ std::string analysis_json(const Study& study, const StudyAnalysis& analysis) {
                {"refused", analysis.refused},
                {"withdrawn", analysis.withdrawn},
                {"excluded", analysis.excluded},
+               {"deleted", deletions_json(analysis.deleted)},
                {"contrasts", contrasts_json(study, analysis)},
                {"curves", curves_json(study, analysis)}};
   if (analysis.own_level) json["own_level"] = json_of(analysis.own_level, true);

@@ -8,6 +8,8 @@
 
 #include "core/base/text.h"
 
+#include "study/session/deletion.h"
+
 namespace palpate::study {
 namespace {
 
@@ -187,6 +189,7 @@ std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
                   analysis.unblinded ? "UNBLINDED" : "BLIND (conditions are A, B, C)",
                   simulated ? ", SIMULATED: no result about people" : "",
                   counted(analysis.people.size(), "person", "people"), analysis.withdrawn, analysis.excluded);
+  if (!analysis.deleted.empty()) text += deletions_text(analysis.deleted) + '\n';
   text += contrasts_text(study, analysis) + curves_text(study, analysis);
   if (analysis.own_level) text += own_level_text(study, *analysis.own_level) + '\n';
   for (const GroupChange& change : analysis.changes) {

@@ -16,6 +16,7 @@
 #include "palpate/error.h"
 #include "palpate/version.h"
 
+#include "study/session/deletion.h"
 #include "study/session/trial_table.h"
 
 namespace palpate::study {
@@ -62,11 +63,12 @@ void write_description(const BidsSource& source, const fs::path& folder) {
   write_json(folder / "dataset_description.json", json);
   std::size_t withdrawn = 0;
   for (const Participant& person : source.people) withdrawn += person.log.withdrawn() ? 1 : 0;
+  const std::string deletions = deletions_text(deletions_of(source.people));
   write_output(
       folder / "README",
       fmt::format("{}\n\nA behavioural study of touch with Palpate {}, a haptic simulator of soft tissue.\n{}"
                   "Scene: {}. Seed: {}. SHA-256 of the registered study: {}.\n"
-                  "{}\n{} withdrew and are not in this data set.\n"
+                  "{}\n{} withdrew and are not in this data set.\n{}"
                   "Trials that do not count have a reason in the column `spoiled`, or 1 in `practice`.\n"
                   "Please add authors and a licence to dataset_description.json before you publish it.\n",
                   source.study.name, kVersion,
@@ -75,7 +77,7 @@ void write_description(const BidsSource& source, const fs::path& folder) {
                   source.names.unblinded()
                       ? "The study is unblinded: the column `condition` has the conditions."
                       : "The study is blind: the column `condition` is n/a.",
-                  counted(withdrawn, "person", "people")));
+                  counted(withdrawn, "person", "people"), deletions.empty() ? "" : deletions + ".\n"));
   write_output(folder / "CHANGES",
                fmt::format("1.0.0 {}\n  - Exported by palpate {}.\n", utc_now().substr(0, 10), kVersion));
 }

@@ -1,6 +1,7 @@
 #include "study/session/folder.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <string_view>
 #include <utility>
 
@@ -229,6 +230,13 @@ fs::path StudyFolder::recording_of(const std::string& id, int session, int block
   return folder / "recordings" / fmt::format("{}-s{}-b{:02}.h5", id, session, block);
 }
 
+bool StudyFolder::is_recording_of(const std::string& id, const std::string& name) const {
+  int session = 0;
+  int block = 0;
+  return name.starts_with(id) && std::sscanf(name.c_str() + id.size(), "-s%d-b%d", &session, &block) == 2 &&
+         recording_of(id, session, block).filename() == name;
+}
+
 std::uint32_t StudyFolder::number_of(const std::string& id) const {
   const auto found = std::find(ids.begin(), ids.end(), id);
   if (found != ids.end()) return static_cast<std::uint32_t>(found - ids.begin());
@@ -250,7 +258,9 @@ ParticipantLog StudyFolder::read(const std::string& id) const {
   check_kind(*this, log_of(id), log);
   if (!unblinding) return log;
   const LogHead& then = unblinding->logs.at(number_of(id));
-  if (log.lines() != then.lines || log.last_mac != then.mac) {
+  const std::optional<Deletion> deletion = log.deletion();
+  const bool deleted_since = deletion && deletion->before == then;
+  if (!deleted_since && LogHead{log.lines(), log.last_mac} != then) {
     throw InputError(fmt::format("{}: has {}, had {} when the study was unblinded ({})", log_of(id).string(),
                                  counted(log.lines(), "line", "lines"), then.lines, kUnblindedFile));
   }
@@ -313,7 +323,7 @@ std::vector<std::string> unfinished_people(const StudyFolder& study) {
         static_cast<std::size_t>(std::count_if(log.events.begin(), log.events.end(), [](const auto& event) {
           return event.event == "session-end";
         }));
-    if (ended < sessions && !log.withdrawn()) unfinished.push_back(id);
+    if (ended < sessions && !log.withdrawn() && !log.deletion()) unfinished.push_back(id);
   }
   return unfinished;
 }

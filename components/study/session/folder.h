@@ -50,6 +50,8 @@ struct StudyFolder {
 
   [[nodiscard]] std::filesystem::path log_of(const std::string& id) const;
   [[nodiscard]] std::filesystem::path recording_of(const std::string& id, int session, int block) const;
+  /// Whether a name is that of a recording of one participant.
+  [[nodiscard]] bool is_recording_of(const std::string& id, const std::string& name) const;
   /// Number of a participant. @throws InputError with the nearest id
   [[nodiscard]] std::uint32_t number_of(const std::string& id) const;
   [[nodiscard]] bool unblinded() const noexcept { return unblinding.has_value(); }
@@ -82,7 +84,8 @@ void require_blind(const StudyFolder& study);
 [[nodiscard]] bool is_leftover(const StudyFolder& study, const std::filesystem::path& file);
 void remove_leftovers(const StudyFolder& study);
 
-/// [setup] The ids whose sessions are not all complete, and who have not withdrawn. @throws InputError
+/// [setup] The ids whose sessions are not all complete, who have not withdrawn and whose data were not
+/// deleted. @throws InputError
 [[nodiscard]] std::vector<std::string> unfinished_people(const StudyFolder& study);
 
 /// [setup] Unblinds once and for ever: creates unblinded.json with time, reason, the proof that opens the

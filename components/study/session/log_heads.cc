@@ -75,6 +75,11 @@ LogHead LogHeads::read(std::size_t line, const std::string& mac_key) const {
   throw InputError(fmt::format("{}:{}: was changed: its mac does not fit", file_.string(), line + 1));
 }
 
+void LogHeads::flush() const {
+  if (::fdatasync(descriptor_) == 0) return;
+  throw InputError(file_.string() + ": cannot be written: " + std::strerror(errno));
+}
+
 void LogHeads::write(std::size_t line, const LogHead& head, const std::string& mac_key) const {
   const std::string text = text_of(head, mac_key);
   const ssize_t written =

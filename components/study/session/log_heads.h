@@ -39,6 +39,9 @@ class LogHeads final {
   /// InputError when it cannot be written
   void write(std::size_t line, const LogHead& head, const std::string& mac_key) const;
 
+  /// [setup] Brings all lines to the disk. @throws InputError when that fails
+  void flush() const;
+
   /// [any] The line that read() accepts.
   [[nodiscard]] static std::string text_of(const LogHead& head, const std::string& mac_key);
 

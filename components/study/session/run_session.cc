@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -19,6 +22,7 @@
 
 #include "study/session/block_scene.h"
 #include "study/session/observer_hand.h"
+#include "study/session/session_markers.h"
 #include "study/session/session_questions.h"
 #include "study/session/simulated_person.h"
 
@@ -28,6 +32,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kLead = 20e-3;                     // s, of decisions in real time
+constexpr std::chrono::milliseconds kRowsEvery{1};  // rows are taken in real time
 constexpr std::uint32_t kTremorPart = 0x8000'0000;  // of the random numbers: an observer's hand
 
 std::string text_of(std::uint64_t number) { return std::to_string(number); }
@@ -40,6 +45,7 @@ class RunningSession final {
         options_(options),
         number_(study.number_of(options.participant)),
         log_(study.log_of(options.participant), study.log_key(options.participant)),
+        markers_(study.study, options, log_),
         course_(study.study, key, number_) {
     if (!options.observer.empty()) person_ = make_person(options.observer, study.study.seed, number_);
   }
@@ -58,7 +64,13 @@ class RunningSession final {
   bool take_break();
   void take_withdrawal();
   void finish_trial(const TrialLoop& loop, const ObserverAgent* agent);
+  void answer_as_person(const TrialLoop& loop, const ObserverAgent& agent, TrialRecord& record);
+  /// Only an observer without windows needs no real time.
+  [[nodiscard]] bool offline() const noexcept { return options_.screens == nullptr; }
   void show(const TrialView& trial, const std::string& message, double break_left = 0.0);
+  [[nodiscard]] ScreenContent content_of(const TrialView& trial, const std::string& message,
+                                         double break_left) const;
+  void take_inputs(session::Session& run, Block& block);
   void note();
   void withdraw();
   [[nodiscard]] bool note_threshold();
@@ -68,6 +80,7 @@ class RunningSession final {
   const SessionOptions& options_;
   std::uint32_t number_;
   LogWriter log_;
+  SessionMarkers markers_;
   Course course_;
   std::optional<SimulatedPerson> person_;
   SessionOutcome outcome_;
@@ -81,6 +94,7 @@ class RunningSession final {
   std::string message_;
   std::vector<double> ladder_;
   Clock::time_point began_ = Clock::now();
+  std::mutex mutex_;  // attend(): its two threads use all of this but the screens
 };
 
 /// One block: one haptic run.
@@ -94,18 +108,26 @@ class RunningSession::Block final : public haptics::TickObserver {
         loop_(session.study_.study, std::move(scene), run.updates()),
         rate_Hz_(run.scene().rate_Hz) {
     if (hand != nullptr) agent_.emplace(*hand, rate_Hz_);
+    loop_.on_marker([this](MarkerCode code, std::uint64_t tick) {
+      session_.markers_.send(code, tick, task_.name, loop_.trial());
+    });
   }
 
   void on_row(const haptics::TickRow& row) noexcept override {
     if (row.hand != 0) return;
-    if (agent_) {
-      take(row);  // an offline run: nobody waits for the tick
+    late_ns_ = row.late_ns < std::llround(1e9 / rate_Hz_) ? row.late_ns : 0;
+    if (session_.offline()) {
+      take(row);  // nobody waits for the tick
     } else if (!rows_.push(row)) {
       lost_rows_.store(true, std::memory_order_relaxed);
     }
   }
 
-  /// A person's block: takes the rows of the running loop.
+  void on_tick(const haptics::TickState& now) noexcept override {
+    session_.markers_.note_tick(now.tick, now.taken_ns - late_ns_);
+  }
+
+  /// A block in real time: takes the rows of the running loop.
   void follow() {
     haptics::TickRow row;
     while (rows_.pop(row)) take(row);
@@ -130,6 +152,7 @@ class RunningSession::Block final : public haptics::TickObserver {
   }
   void step(const haptics::TickRow& row);
   void begin_next();
+  void answer_as_observer(std::uint64_t tick);
 
   RunningSession& session_;
   session::Session& run_;
@@ -137,6 +160,12 @@ class RunningSession::Block final : public haptics::TickObserver {
   TrialLoop loop_;
   double rate_Hz_;
   std::optional<ObserverAgent> agent_;
+  struct PlannedAnswer {
+    int interval = 0;
+    std::uint64_t tick = 0;
+  };
+  std::optional<PlannedAnswer> answer_;  // of an observer in real time, before it is given
+  std::int64_t late_ns_ = 0;  // of the tick against its deadline; a tick that missed a period sets a new one
   SpscQueue<haptics::TickRow> rows_{1U << 14U};
   std::atomic<bool> lost_rows_{false};
   int trials_ = 0;
@@ -161,6 +190,21 @@ void RunningSession::Block::begin_next() {
   if (agent_) agent_->begin(Random(study.seed, session_.number_, kTremorPart + next->draw));
 }
 
+// Offline the answer follows after the trial. In real time it is given after the observer's response time.
+void RunningSession::Block::answer_as_observer(std::uint64_t tick) {
+  if (session_.offline()) return loop_.answer(1);
+  if (!answer_) {
+    TrialRecord felt =
+        record_of(session_.study_.study, loop_.trial(), session_.outcome_.session, session_.block_);
+    loop_.fill_in(felt);
+    session_.answer_as_person(loop_, *agent_, felt);
+    answer_ = {felt.answer, tick + static_cast<std::uint64_t>(felt.response_time * rate_Hz_)};
+  }
+  if (tick < answer_->tick) return;
+  loop_.answer(answer_->interval);
+  answer_.reset();
+}
+
 void RunningSession::Block::step(const haptics::TickRow& row) {
   if (static_cast<double>(row.late_ns) > 1e9 / rate_Hz_) ++late_ticks_;
   if (loop_.view().state == TrialState::kIdle && !run_.control().stopping()) begin_next();
@@ -169,7 +213,7 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
   if (agent_) {
     agent_->row(row, loop_, session_.study_.study);
     if (agent_->has_searched()) loop_.next();
-    if (loop_.view().state == TrialState::kAnswer) loop_.answer(1);
+    if (loop_.view().state == TrialState::kAnswer) answer_as_observer(row.tick);
   }
   if ((row.buttons & ~last_buttons_ & (1U << session_.study_.study.next_button)) != 0) loop_.next();
   last_buttons_ = row.buttons;
@@ -184,15 +228,21 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
   begin_next();
 }
 
+void RunningSession::answer_as_person(const TrialLoop& loop, const ObserverAgent& agent,
+                                      TrialRecord& record) {
+  const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
+  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, last_second_, number_,
+                  record);
+}
+
 void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* agent) {
   TrialRecord record = record_of(study_.study, loop.trial(), outcome_.session, block_);
   record.time = utc_now();
   loop.fill_in(record);
   const StudyTask& task = study_.study.tasks[loop.trial().task];
   if (agent != nullptr) {
-    const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
-    answer_by_force(study_.study, *person_, loop.trial(), agent->samples(), progress, last_second_, number_,
-                    record);
+    record.observer = person_->kind;
+    if (offline() || !task.two_intervals()) answer_as_person(loop, *agent, record);
   }
   last_second_ = record.answer == 2;
   log_.append(record);
@@ -217,7 +267,11 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
 }
 
 void RunningSession::show(const TrialView& trial, const std::string& message, double break_left) {
-  if (options_.screens == nullptr) return;
+  if (options_.screens != nullptr) options_.screens->show(content_of(trial, message, break_left));
+}
+
+ScreenContent RunningSession::content_of(const TrialView& trial, const std::string& message,
+                                         double break_left) const {
   ScreenContent content;
   content.trial = trial;
   content.message = message;
@@ -241,7 +295,7 @@ void RunningSession::show(const TrialView& trial, const std::string& message, do
   content.break_left = break_left;
   content.max_force = study_.study.max_force;
   content.ladder = ladder_;
-  options_.screens->show(content);
+  return content;
 }
 
 // In the log at once, whatever happens to the run.
@@ -268,7 +322,7 @@ void RunningSession::open_session() {
   const ParticipantLog& before = log_.opened();
   require_blind(study_);  // the log's writer keeps `unblind` out from now on
   remove_leftovers(study_);
-  if (options_.screens != nullptr) require_for_person();
+  if (!person_) require_for_person();
   if (before.withdrawn()) throw InputError(options_.participant + ": has withdrawn, no session can be run");
   const int begun = course_.replay(before);
   const bool finished =
@@ -284,6 +338,7 @@ void RunningSession::open_session() {
                      (begun == 0 ? "none was begun"
                                  : std::to_string(begun) + (finished ? " is finished" : " is unfinished")));
   }
+  markers_.open();
   const std::string number = std::to_string(outcome_.session);
   const std::optional<Calibration>& calibration = study_.study.calibration;
   const std::string program = "palpate " + record::palpate_version();
@@ -292,7 +347,8 @@ void RunningSession::open_session() {
       stop_ = true;
       return;
     }
-    log_.append(event_of("resumed", {{"session", number}, {"program", program}}));
+    log_.append(
+        event_of("resumed", {{"session", number}, {"program", program}, {"markers", markers_.text()}}));
     course_.resume();
   } else {
     course_.begin_session(outcome_.session);
@@ -300,6 +356,8 @@ void RunningSession::open_session() {
                                      {"program", program},
                                      {"device", options_.device},
                                      {"observer", options_.observer},
+                                     {"markers", markers_.text()},
+                                     {"sound", sound_text(study_.study)},
                                      {"calibration", calibration ? calibration->sha256 : ""},
                                      {"level", options_.observer.empty() ? "" : "force"}}));
   }
@@ -329,16 +387,16 @@ void RunningSession::run_block() {
     auto owned = std::make_unique<ObserverHand>(scene);
     hand = owned.get();
     session_options.devices.push_back(std::move(owned));
-  } else {
-    trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   }
+  if (!offline()) trial_scene.lead = static_cast<std::uint64_t>(kLead * scene.rate_Hz);
   session::Session run(std::move(scene), std::move(session_options));
   Block block(*this, run, task, trial_scene, hand);
+  markers_.begin_block(outcome_.session, block_, trial_scene.rate_Hz);
   session::RunOptions run_options;
   run_options.recording = file;
-  run_options.offline = person_.has_value();
+  run_options.offline = offline();
   run_options.study = study_.mark();
-  if (person_) {
+  if (offline()) {
     run.run(run_options, {&block});
   } else {
     attend(run, block, run_options);
@@ -347,54 +405,73 @@ void RunningSession::run_block() {
   late_ticks_ += block.late_ticks();
   outcome_.fault = block.fault();
   ++outcome_.blocks;
-  log_.append(event_of("block", {{"session", std::to_string(outcome_.session)},
-                                 {"block", std::to_string(block_)},
-                                 {"recording", file.filename().string()},
-                                 {"sha256", sha256_of_file(file)},
-                                 {"task", task.name},
-                                 {"late_ticks", text_of(block.late_ticks())},
-                                 {"faults", block.fault() == 0 ? "0" : "1"}}));
+  EventRecord event = event_of("block", {{"session", std::to_string(outcome_.session)},
+                                         {"block", std::to_string(block_)},
+                                         {"recording", file.filename().string()},
+                                         {"sha256", sha256_of_file(file)},
+                                         {"task", task.name},
+                                         {"late_ticks", text_of(block.late_ticks())},
+                                         {"faults", block.fault() == 0 ? "0" : "1"}});
+  for (auto& sent : markers_.finish_block()) event.values.push_back(std::move(sent));
+  outcome_.markers_failure = markers_.failure();
+  log_.append(event);
   if (task.arms.size() > 1 && !stop_ && !block.last_code().empty()) {
     questions().blinding({outcome_.session, block_, task.name, block.last_code()});
   }
 }
 
-// A person's block: rows, keys and pictures until the run has ended.
+// A block in real time. A picture may take longer than the lead of a decision, so another thread takes the
+// rows.
 void RunningSession::attend(session::Session& run, Block& block, const session::RunOptions& run_options) {
   const auto background = run.run_in_background(run_options, {&block});
-  while (!background->ended()) {
+  const auto follow = [&] {
+    const std::lock_guard lock(mutex_);
     block.follow();
-    while (const auto input = options_.screens->take_input()) {
-      switch (*input) {
-        case ScreenInput::kFirst:
-          block.loop().answer(1);
-          break;
-        case ScreenInput::kSecond:
-          block.loop().answer(2);
-          break;
-        case ScreenInput::kNext:
-          block.loop().next();
-          break;
-        case ScreenInput::kPause:
-          block.end();
-          break;
-        case ScreenInput::kWithdraw:
-          run.control().stop();  // the force first
-          withdraw();
-          [[fallthrough]];
-        case ScreenInput::kForceOff:
-        case ScreenInput::kStop:
-          stop_ = true;
-          run.control().stop();
-          break;
-      }
+  };
+  std::jthread rows([&](const std::stop_token& end) {
+    while (!end.stop_requested() && !background->wait_for(kRowsEvery)) follow();
+  });
+  while (!background->ended()) {
+    ScreenContent content;
+    {
+      const std::lock_guard lock(mutex_);
+      take_inputs(run, block);
+      if (markers_.failed()) block.end();
+      note();
+      content = content_of(block.loop().view(), message_, 0.0);
     }
-    show(block.loop().view(), message_);
-    note();
+    options_.screens->show(content);
   }
+  rows.join();
   background->wait();
-  block.follow();
+  follow();
   if (!background->failure().empty()) throw InputError(background->failure());
+}
+
+void RunningSession::take_inputs(session::Session& run, Block& block) {
+  while (const auto input = options_.screens->take_input()) {
+    switch (*input) {
+      case ScreenInput::kFirst:
+      case ScreenInput::kSecond:
+        if (!person_) block.loop().answer(*input == ScreenInput::kFirst ? 1 : 2);
+        break;
+      case ScreenInput::kNext:
+        if (!person_) block.loop().next();
+        break;
+      case ScreenInput::kPause:
+        block.end();
+        break;
+      case ScreenInput::kWithdraw:
+        run.control().stop();  // the force first
+        withdraw();
+        [[fallthrough]];
+      case ScreenInput::kForceOff:
+      case ScreenInput::kStop:
+        stop_ = true;
+        run.control().stop();
+        break;
+    }
+  }
 }
 
 bool RunningSession::take_break() {
@@ -455,7 +532,7 @@ SessionOutcome RunningSession::run() {
   const bool agreed = options_.screens == nullptr ||
                       (questions().consent_and_bands() && questions().audibility(outcome_.session));
   while (agreed && course_.next() && !stop_) {
-    if (!note_threshold() || !instruct()) break;
+    if (!markers_.settle() || !note_threshold() || !instruct()) break;
     run_block();
     if (outcome_.fault != 0 || stop_) break;
     if (course_.next() && !take_break()) break;

@@ -63,11 +63,12 @@ class SessionScreens {
 
 struct SessionOptions {
   std::string participant;
-  std::optional<int> session;          // empty: the first that is not finished
-  std::string device;                  // as --device; empty: the scene's
-  std::string observer;                // simulated observer in the chair; empty: a person
-  contact::Preparation preparation{};  // of the organ, for each block
-  SessionScreens* screens = nullptr;   // of a person
+  std::optional<int> session;                       // empty: the first that is not finished
+  std::string device;                               // as --device; empty: the scene's
+  std::string observer;                             // simulated observer in the chair; empty: a person
+  std::optional<std::vector<std::string>> markers;  // as --markers; empty: the study's
+  contact::Preparation preparation{};               // of the organ, for each block
+  SessionScreens* screens = nullptr;                // of a person, or of an observer in real time
   std::function<void(double, const std::string&)> progress;  // of an observer's session
 };
 
@@ -78,14 +79,16 @@ struct SessionOutcome {
   int blocks = 0;
   bool complete = false;  // the session
   bool withdrawn = false;
-  std::uint32_t fault = 0;  // latched haptics::Fault that ended the session
+  std::string markers_failure;  // the last one; empty: all markers were sent
+  std::uint32_t fault = 0;      // latched haptics::Fault that ended the session
 };
 
 /// [setup] What an ethics committee wants of a study with people: a consent text and its approval.
 /// @throws InputError that names what is missing; only simulated people may take part then
 void require_ethics(const Study& study);
 
-/// [setup] Runs a session, or goes on with an interrupted one. An observer's session runs offline.
+/// [setup] Runs a session, or goes on with an interrupted one. An observer's session without screens runs
+/// offline.
 /// @throws InputError, ParameterError
 SessionOutcome run_session(const StudyFolder& study, SealedKey key, const SessionOptions& options);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <memory>
 #include <optional>
 
 #include "core/base/random.h"
@@ -14,6 +15,7 @@
 
 #include "study/session/block_scene.h"
 #include "study/session/interval_meter.h"
+#include "study/session/observer_hand.h"
 
 namespace palpate::study {
 namespace {
@@ -105,7 +107,9 @@ bool SessionQuestions::audibility(int session) {
   session::SessionOptions session_options;
   session_options.preparation = options_.preparation;
   session_options.duration_s = kAudibleMinutes * 60.0;
-  session::Session run(study_scene(study_.study, options_.device), std::move(session_options));
+  scene::Scene scene = study_scene(study_.study, options_.device);
+  if (!options_.observer.empty()) session_options.devices.push_back(std::make_unique<ObserverHand>(scene));
+  session::Session run(std::move(scene), std::move(session_options));
   const auto background = run.run_in_background();
   const auto switch_noise = [&](bool on) {
     run.updates().offer(haptics::LiveNoise{on, study_.study.max_noise * kFarAway, kFarAway});

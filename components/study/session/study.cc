@@ -103,4 +103,13 @@ scene::Overrides scene_of(const Study& study) {
   return request;
 }
 
+std::string sound_text(const Study& study) {
+  if (!study.mask_dBA && !study.motors_dBA) return "";
+  const auto level = [](const std::optional<double>& of) {
+    return of ? shortest(*of) + " dB(A)" : std::string("not measured");
+  };
+  return "mask " + level(study.mask_dBA) + ", motors " + level(study.motors_dBA) +
+         " at the ears, as the lab measured";
+}
+
 }  // namespace palpate::study

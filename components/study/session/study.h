@@ -161,6 +161,10 @@ struct Study {
   std::string experimenter_screen = "second-display";
   std::string sound_mask = "pink";  // pink | white | none
   double sound_level_dB = -20.0;
+  // Measured by the lab at the participant's ears, under the headphones [dB(A)]
+  std::optional<double> mask_dBA, motors_dBA;
+
+  std::vector<std::string> markers;  // to other instruments, see parse_marker_target()
 
   std::vector<std::string> first_keys, second_keys;
   std::uint32_t next_button = 0;
@@ -192,6 +196,9 @@ struct Study {
   /// [any] Index of the task that sets the noise threshold; empty: no task does.
   [[nodiscard]] std::optional<std::size_t> threshold_task() const;
 };
+
+/// [any] "mask 68 dB(A), motors 41 dB(A) at the ears, as the lab measured"; empty: nothing was measured.
+[[nodiscard]] std::string sound_text(const Study& study);
 
 /// [setup] Reads and checks a study file, without its scene. @throws InputError with one line: FILE:LINE:
 /// field = value: what would be right; for an unknown key the nearest valid key.

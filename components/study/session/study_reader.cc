@@ -10,6 +10,7 @@
 #include "io/system/input_file.h"
 #include "palpate/error.h"
 
+#include "study/session/markers.h"
 #include "study/session/study_tables.h"
 
 namespace palpate::study {
@@ -98,10 +99,21 @@ void read_screen_and_sound(const TomlTable& root, Study& study) {
   study.participant_screen = choice(screen, "participant", {"blank"}, "blank");
   study.experimenter_screen =
       choice(screen, "experimenter", {"second-display", "file", "none"}, "second-display");
-  const TomlTable sound = table_or_empty(root, "sound", {"mask", "level_dB"});
+  const TomlTable sound = table_or_empty(root, "sound", {"mask", "level_dB", "mask_dBA", "motors_dBA"});
   constexpr Range kLevels{-80.0, 0.0};  // dB
   study.sound_mask = choice(sound, "mask", {"pink", "white", "none"}, "pink");
   study.sound_level_dB = sound.number("level_dB", kLevels).value_or(study.sound_level_dB);
+  constexpr Range kHeard{0.0, 140.0};  // dB(A)
+  study.mask_dBA = sound.number("mask_dBA", kHeard);
+  study.motors_dBA = sound.number("motors_dBA", kHeard);
+}
+
+void read_markers(const TomlTable& root, Study& study) {
+  const TomlTable table = table_or_empty(root, "markers", {"to"});
+  study.markers = table.texts("to").value_or(std::vector<std::string>{});
+  for (const std::string& text : study.markers) {
+    static_cast<void>(parse_marker_target(text, study.file.string() + ": markers.to"));
+  }
 }
 
 void read_response(const TomlTable& root, Study& study) {
@@ -325,14 +337,15 @@ std::string name_in(const TomlTable& table, std::string_view key) {
 Study parse_study(const std::string& text, const std::filesystem::path& file) {
   const scene::TomlFile parsed = scene::parse_toml(text, file.string());
   const TomlTable root(parsed);
-  root.allow_only({"study", "ethics", "participants", "safety", "screen", "sound", "response", "homing",
-                   "breaks", "condition", "task", "check", "analysis"});
+  root.allow_only({"study", "ethics", "participants", "safety", "screen", "sound", "markers", "response",
+                   "homing", "breaks", "condition", "task", "check", "analysis"});
   Study study;
   study.file = file;
   read_study_table(root, study);
   read_people(root, study);
   read_safety(root, study);
   read_screen_and_sound(root, study);
+  read_markers(root, study);
   read_response(root, study);
   read_pace(root, study);
   read_conditions(root, study);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <exception>
@@ -43,6 +44,9 @@ constexpr std::array<std::string_view, 6> kLineKeys{"n", "previous", "type", "ti
 constexpr std::string_view kMacStart = ",\"mac\":\"";  // the end of a line: its mac
 constexpr std::string_view kMacEnd = "\"}";
 constexpr std::size_t kMacDigits = 64;
+constexpr std::size_t kDateDigits = 10;  // of a time
+constexpr const char* kDeletedEvent = "deleted";
+constexpr const char* kDamagedLog = "damaged";
 
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -144,6 +148,13 @@ Json json_of_event(const EventRecord& event) {
   return json;
 }
 
+Deletion deletion_of(const EventRecord& event) {
+  Deletion deletion{event.time, event.value("reason"), {}, event.value("log") == kDamagedLog};
+  deletion.before.lines = std::strtoull(event.value("lines").c_str(), nullptr, 10);
+  deletion.before.mac = event.value("last_mac");
+  return deletion;
+}
+
 EventRecord event_of(const JsonField& json, std::string_view text) {
   EventRecord event;
   event.time = json.at("time").text();
@@ -233,6 +244,15 @@ void check_chain(const fs::path& file, const std::vector<LogLine>& lines, const 
   }
 }
 
+/// The end that a log had before its lines were deleted; empty: it has lines.
+std::optional<LogHead> head_before_deletion(const LogLines& found) {
+  if (found.lines.size() != 1) return std::nullopt;
+  const LogLine& line = found.lines.front();
+  const auto event = line.json.find("event");
+  if (event == line.json.end() || *event != kDeletedEvent) return std::nullopt;
+  return deletion_of(event_of(JsonField(line.json), line.text)).before;
+}
+
 /// A log may be longer than its head, where a process was killed before it wrote the head.
 void check_head(const fs::path& file, const LogLines& found, const LogHead& head) {
   if (found.lines.size() < head.lines) {
@@ -263,7 +283,8 @@ ParticipantLog parse_log(const fs::path& file, std::string_view bytes, const Log
                          const std::optional<LogHead>& head) {
   const LogLines found = split_log(file, bytes);
   check_chain(file, found.lines, key);
-  if (head) check_head(file, found, *head);
+  // A process that was killed between the new log and its head leaves the old head.
+  if (head && head_before_deletion(found) != head) check_head(file, found, *head);
   ParticipantLog log;
   log.id = file.stem().string();
   log.last_mac = found.lines.empty() ? key.lock_hash : std::string(found.lines.back().mac());
@@ -334,11 +355,25 @@ bool ParticipantLog::withdrawn() const {
                      [](const EventRecord& event) { return event.event == "withdrawn"; });
 }
 
+std::optional<Deletion> ParticipantLog::deletion() const {
+  if (lines() != 1 || events.empty() || events.front().event != kDeletedEvent) return std::nullopt;
+  return deletion_of(events.front());
+}
+
 ParticipantLog read_log(const fs::path& file, const LogKey& key) {
   // The head first: a session that runs meanwhile makes the log longer.
   std::optional<LogHead> head;
   if (!key.heads.empty()) head = LogHeads(key.heads).read(key.number, key.mac_key);
   return parse_log(file, file_or_link_exists(file) ? read_bytes(file) : "", key, head);
+}
+
+EventRecord deleted_event(const Deletion& deletion) {
+  return {deletion.time,
+          kDeletedEvent,
+          {{"reason", deletion.reason},
+           {"lines", std::to_string(deletion.before.lines)},
+           {"last_mac", deletion.before.mac},
+           {"log", deletion.damaged ? kDamagedLog : "consistent"}}};
 }
 
 fs::path cut_lines_of(fs::path log) { return log.replace_extension(".cut"); }
@@ -379,6 +414,10 @@ void LogWriter::remove_cut_line() {
   size_ = split_log(file_, bytes).complete;
   lines_ = opened_.lines();
   last_mac_ = opened_.last_mac;
+  if (const auto deletion = opened_.deletion()) {
+    throw InputError(fmt::format("{}: the data of {} were deleted on {}, and nobody else gets this id",
+                                 file_.string(), opened_.id, deletion->time.substr(0, kDateDigits)));
+  }
   flush_folder(file_.parent_path());
   if (!opened_.cut) return;
   const fs::path kept = cut_lines_of(file_);

@@ -73,6 +73,18 @@ struct LogKey {
   std::size_t number = 0;
 };
 
+/// A person's data were deleted. It is the only line of the log then.
+struct Deletion {
+  std::string time;  // ISO 8601, UTC
+  std::string reason;
+  LogHead before;        // end of the deleted log
+  bool damaged = false;  // the deleted log did not fit its chain
+
+  bool operator==(const Deletion&) const = default;
+};
+
+using Deletions = std::vector<std::pair<std::string, Deletion>>;  // by id, in the order of the participants
+
 /// All lines of a participant's log.
 struct ParticipantLog {
   std::string id;
@@ -83,6 +95,7 @@ struct ParticipantLog {
   bool cut = false;
 
   [[nodiscard]] bool withdrawn() const;
+  [[nodiscard]] std::optional<Deletion> deletion() const;
   [[nodiscard]] std::size_t lines() const noexcept { return trials.size() + events.size(); }
 };
 
@@ -91,6 +104,9 @@ struct ParticipantLog {
 /// head (log_heads.h). A file that does not exist is an empty log. @throws InputError naming the file and the
 /// line that is malformed, was changed or is missing
 [[nodiscard]] ParticipantLog read_log(const std::filesystem::path& file, const LogKey& key);
+
+/// [any] The line that ParticipantLog::deletion() reads.
+[[nodiscard]] EventRecord deleted_event(const Deletion& deletion);
 
 /// [any] The file that keeps incomplete last lines of a log: ID.cut beside ID.jsonl.
 [[nodiscard]] std::filesystem::path cut_lines_of(std::filesystem::path log);
@@ -105,7 +121,8 @@ class LogWriter final {
   };
 
   /// [setup] Opens the log, or creates it, and removes an incomplete last line after keeping it beside the
-  /// file. @throws InputError when another process has it open or the study is unblinded, or as read_log()
+  /// file. @throws InputError when another process has it open, the study is unblinded or the person's data
+  /// were deleted, or as read_log()
   LogWriter(std::filesystem::path file, LogKey key, Sync sync = Sync::kEachLine);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;

@@ -90,6 +90,7 @@ void TrialLoop::abandon(const std::string& reason) {
 
 void TrialLoop::finish(std::uint64_t tick) {
   if (view_.state == TrialState::kInterval) end_interval(tick);
+  if (answer_ == 0 && measured_[0].from_tick != 0) mark(MarkerCode::kNoAnswer, tick);
   view_.interval = 0;
   enter(TrialState::kFinished, tick);
 }
@@ -136,6 +137,7 @@ void TrialLoop::begin_interval(std::uint64_t tick) {
   }
   Measured& measured = measured_[static_cast<std::size_t>(view_.interval - 1)];
   measured.from_tick = begins_;
+  mark(view_.interval == 1 ? MarkerCode::kFirstInterval : MarkerCode::kSecondInterval, begins_);
   enter(TrialState::kInterval, tick);
 }
 
@@ -247,6 +249,8 @@ void TrialLoop::check(const haptics::TickRow& row) {
 
 void TrialLoop::interval(const haptics::TickRow& row) {
   limit_noise(row.tick);
+  const bool first = row.tick + ticks(kFade) == begins_;
+  if (first && (row.events & haptics::kParameterUpdated) == 0) spoil("the stimulus began late");
   if (row.tick < begins_) return;
   measure(row);
   check(row);
@@ -306,6 +310,7 @@ void TrialLoop::answer(int interval) {
   } else if (view_.state == TrialState::kAnswer && answer_ == 0) {
     answer_ = interval;
     answered_ = view_.tick;
+    mark(interval == 1 ? MarkerCode::kFirstAnswer : MarkerCode::kSecondAnswer, answered_);
   }
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/parameter_updates.h"
@@ -11,6 +13,7 @@
 
 #include "study/session/course.h"
 #include "study/session/interval_meter.h"
+#include "study/session/markers.h"
 #include "study/session/study.h"
 #include "study/session/trial_log.h"
 
@@ -57,6 +60,8 @@ class TrialLoop final {
   /// [setup] The references must outlive this object.
   TrialLoop(const Study& study, TrialScene scene, haptics::ParameterUpdates& updates);
 
+  /// [setup] Calls a function for each marker, with its tick, which may be one of the next ticks.
+  void on_marker(std::function<void(MarkerCode, std::uint64_t)> call) { on_marker_ = std::move(call); }
   /// [setup] Begins a trial. The one before must be finished.
   void begin(const Trial& trial);
   /// [setup] Takes the next row of hand 0.
@@ -100,11 +105,15 @@ class TrialLoop final {
   void measure(const haptics::TickRow& row);
   void check(const haptics::TickRow& row);
   void spoil(const std::string& reason);
+  void mark(MarkerCode code, std::uint64_t tick) const {
+    if (on_marker_) on_marker_(code, tick);
+  }
   void finish(std::uint64_t tick);
 
   const Study& study_;
   TrialScene scene_;
   haptics::ParameterUpdates& updates_;
+  std::function<void(MarkerCode, std::uint64_t)> on_marker_;
   Trial trial_;
   TrialView view_;
   IntervalStimulus stimulus_;  // of the interval

@@ -1,8 +1,8 @@
 #include "study/session/verify.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <system_error>
@@ -18,6 +18,7 @@
 #include "palpate/error.h"
 
 #include "study/session/compare_recording.h"
+#include "study/session/deletion.h"
 #include "study/session/folder_parts.h"
 
 namespace palpate::study {
@@ -59,14 +60,6 @@ fs::path recording_of(const StudyFolder& study, const std::string& id, const Eve
   return file;
 }
 
-/// Whether a name is that of a recording of one participant.
-bool is_recording(const StudyFolder& study, const std::string& id, const std::string& name) {
-  int session = 0;
-  int block = 0;
-  return name.starts_with(id) && std::sscanf(name.c_str() + id.size(), "-s%d-b%d", &session, &block) == 2 &&
-         study.recording_of(id, session, block).filename() == name;
-}
-
 /// @return the defect, or an empty text
 std::string recording_defect(const StudyFolder& study, const fs::path& file, const EventRecord& event,
                              const std::vector<ReplayedTrial>& trials, const CheckRecording& check) {
@@ -103,8 +96,9 @@ std::vector<std::string> verify_folder(const StudyFolder& study) {
     if (entry->symlink_status(error).type() == fs::file_type::directory) continue;
     const std::string name = path.filename().string();
     const bool recording = path.parent_path() == "recordings" &&
-                           std::any_of(study.ids.begin(), study.ids.end(),
-                                       [&](const std::string& id) { return is_recording(study, id, name); });
+                           std::any_of(study.ids.begin(), study.ids.end(), [&](const std::string& id) {
+                             return study.is_recording_of(id, name);
+                           });
     if (!recording && !own.contains(path.generic_string())) foreign.push_back(path.generic_string());
   }
   if (error) throw InputError(study.folder.string() + ": cannot be read: " + error.message());
@@ -115,8 +109,13 @@ std::vector<std::string> verify_folder(const StudyFolder& study) {
 void verify_participant(const StudyFolder& study, const std::string& id,
                         const CheckRecording& check_recording, VerifyCounts& counts) {
   const ParticipantLog log = study.read(id);
-  const Blocks blocks = replayed_blocks(study, id, log);
   ++counts.logs;
+  if (const std::optional<Deletion> deletion = log.deletion()) {
+    require_deleted(study, id);
+    counts.deleted.emplace_back(id, *deletion);
+    return;
+  }
+  const Blocks blocks = replayed_blocks(study, id, log);
   counts.trials += log.trials.size();
   std::set<std::string> named;
   for (const EventRecord& event : log.events) {
@@ -136,7 +135,7 @@ void verify_participant(const StudyFolder& study, const std::string& id,
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (is_recording(study, id, name) && !named.contains(name)) ++counts.unfinished;
+    if (study.is_recording_of(id, name) && !named.contains(name)) ++counts.unfinished;
   }
   if (error) throw InputError(folder.string() + ": cannot be read: " + error.message());
 }

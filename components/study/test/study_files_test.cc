@@ -54,6 +54,26 @@ TEST(StudyCheckCommand, CountsThePracticeThatACriterionNeedsAtLeastAndSaysHowMuc
   EXPECT_THAT(found["hints"].dump(), HasSubstr("practice until 8 of 10 are correct may take 20 trials, "));
 }
 
+TEST(StudyCheckCommand, NamesAMaskThatIsHardlyLouderThanTheMotors) {
+  const Folder folder;
+  std::string text = text_of(PALPATE_EXAMPLES "/study/one-session.toml");
+  EXPECT_THAT(run(folder, {"study", "check", PALPATE_EXAMPLES "/study/one-session.toml"}).out,
+              HasSubstr("hint: no [sound] mask_dBA and motors_dBA"));
+  const std::string level = "level_dB = -20";
+  text.replace(text.find(level), level.size(), "mask_dBA = 60\nmotors_dBA = 55");
+  text.replace(text.find("consent_file"), 0, "# ");
+  std::ofstream(folder / "s.toml") << text << "[markers]\nto = [\"tcp:localhost:5678\"]\n";
+  const Outcome outcome = run(folder, {"study", "check", "s.toml"});
+  EXPECT_THAT(outcome.out, HasSubstr("mask 60 dB(A), motors 55 dB(A) at the ears, as the lab measured\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("markers to tcp:localhost:5678\n"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("hint: sound: the mask is 5 dB louder than the motors, better 10 or more"));
+  const Outcome offline = run(folder, {"study", "run", "nowhere", "--participant", "P", "--observer", "sr",
+                                       "--markers", "tcp:localhost:5678"});
+  EXPECT_EQ(offline.exit_code, 2);
+  EXPECT_THAT(offline.err, HasSubstr("--markers: a session that --observer runs offline has no times"));
+}
+
 TEST(StudyCheckCommand, RefusesTheExampleInTwoSessions) {
   const Folder folder;
   std::string text = text_of(kExample);
@@ -152,6 +172,7 @@ TEST(StudyStatusCommand, CountsSessionsTrialsAndCutLines) {
                                             {"planned_trials", 4},
                                             {"spoiled", 1},
                                             {"withdrawn", true},
+                                            {"deleted", false},
                                             {"last", "2026-03-01T10:02:00.000Z"},
                                             {"cut_lines", 1}}));
   EXPECT_EQ(found["participants"][1]["last"], "");
@@ -233,6 +254,55 @@ TEST(StudyUnblindCommand, SucceedsThoughStandardOutputTakesNothing) {
   }
   EXPECT_TRUE(study::open_study(folder / "study").unblinded());
   EXPECT_THAT(text_of(folder / "err"), HasSubstr("small: unblinded once and for ever"));
+}
+
+TEST(StudyDeleteCommand, ListsFilesAsksAndIsNamedByEveryLaterCommand) {
+  const Folder folder;
+  prepare(folder);
+  ASSERT_EQ(run(folder, {"study", "simulate", "study", "--observer", "ideal"}).exit_code, 0);
+  const study::StudyFolder study = study::open_study(folder / "study");
+  const std::string id = study.ids[0];
+  std::ofstream(study.recording_of(id, 1, 1)) << "rows";
+  std::ofstream(folder / "study/trials.csv") << "an export";
+  const auto typed = [&](const std::string& line) {
+    const std::string command = "cd " + folder.path().string() + " && printf '%s' '" + line +
+                                "' | " PALPATE_PROGRAM " study delete study --participant " + id +
+                                " --why asked > out.txt 2> err.txt";
+    return std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe): one thread
+  };
+  for (const char* line : {"", "y"}) {
+    EXPECT_NE(typed(line), 0);
+    EXPECT_THAT(text_of(folder / "err.txt"),
+                HasSubstr("study: nothing was deleted; type " + id + ", or give --yes"));
+    EXPECT_FALSE(study.read(id).trials.empty());
+  }
+  const std::string plan = text_of(folder / "out.txt");
+  EXPECT_THAT(plan, testing::StartsWith("2 files with data of " + id + ":\n  participants/" + id +
+                                        ".jsonl\n  recordings/" + id + "-s1-b01.h5\n"));
+  EXPECT_THAT(plan, HasSubstr("Number 1 of 2 stays empty"));
+  EXPECT_THAT(plan, HasSubstr("Not reached: exports (CSV, BIDS)"));
+  EXPECT_THAT(plan, HasSubstr("Not looked at, no part of the study: trials.csv\n"));
+  EXPECT_EQ(typed(id), 0) << text_of(folder / "err.txt");
+  EXPECT_THAT(text_of(folder / "err.txt"), HasSubstr("1 person's data deleted on request (" + id));
+
+  const std::vector<std::string> confirmed = {"study", "delete", "study", "--participant",
+                                              id,      "--why",  "asked", "--yes"};
+  EXPECT_EQ(run(folder, confirmed).exit_code, 0) << "again";
+  EXPECT_THAT(run(folder, {"study", "verify", "study"}).out, HasSubstr("1 person's data deleted on request"));
+  EXPECT_EQ(json::parse(run(folder, {"study", "verify", "study", "--json"}).out)["deleted"], 1);
+  EXPECT_THAT(run(folder, {"study", "status", "study"}).out, HasSubstr("data deleted on request: asked\n"));
+  EXPECT_THAT(run(folder, {"study", "analyse", "study", "--report", "out"}).out,
+              HasSubstr("1 person's data deleted on request"));
+  EXPECT_THAT(text_of(folder / "out/report.html"), HasSubstr("1 person&#39;s data deleted on request"));
+  EXPECT_EQ(json::parse(run(folder, {"study", "analyse", "study", "--json"}).out)["deleted"][0]["id"], id);
+  EXPECT_THAT(run(folder, {"study", "export", "study", "--csv", "t.csv"}).err,
+              HasSubstr("1 person's data deleted on request"));
+  EXPECT_THAT(text_of(folder / "t.csv"), Not(HasSubstr(id)));
+  ASSERT_EQ(run(folder, {"study", "export", "study", "--bids", "bids"}).exit_code, 0);
+  EXPECT_THAT(text_of(folder / "bids/README"), HasSubstr("1 person's data deleted on request"));
+  const Outcome rerun = run(folder, {"study", "run", "study", "--participant", id, "--observer", "ideal"});
+  EXPECT_EQ(rerun.exit_code, 2);
+  EXPECT_THAT(rerun.err, HasSubstr("the data of " + id + " were deleted on 2"));
 }
 
 TEST(StudyVerifyCommand, NamesFilesThatAreNoPartOfTheStudy) {

@@ -119,7 +119,7 @@ TEST(StudyKeys, WithdrawingNeedsTwoSeconds) {
 
 TEST(StudyKeys, AnswerKeysAreNamedInASentence) {
   EXPECT_EQ(text_of_keys({"1", "f", "pedal-left"}), "1, F or left pedal");
-  EXPECT_EQ(text_of_keys({"pad:x"}), "pad x");
+  EXPECT_EQ(text_of_keys({"pad:x"}), "gamepad X");
   EXPECT_EQ(text_of_keys({"f12"}), "F12");
 }
 

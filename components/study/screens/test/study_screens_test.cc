@@ -134,6 +134,18 @@ TEST(StudyView, BoxesBarAndKeysAreShownInTheirStates) {
   EXPECT_EQ(participant_view(deep, study).action, "Come up");
 }
 
+TEST(StudyView, FeedbackIsNotShownBesideTheNextStimuli) {
+  const Study study = contents::study();
+  ScreenContent content = contents::moment(TrialState::kHome);
+  content.message = "correct";
+  EXPECT_EQ(participant_view(content, study).message, "correct");
+  for (const TrialState state :
+       {TrialState::kReach, TrialState::kInterval, TrialState::kGap, TrialState::kAnswer}) {
+    content.trial.state = state;
+    EXPECT_EQ(participant_view(content, study).message, "");
+  }
+}
+
 TEST(StudyView, LevelsAreShownInANoiseThresholdTaskOnly) {
   const Study study = contents::study();
   EXPECT_EQ(ladder_of(contents::moment(TrialState::kHome, "threshold"), study).size(), 14U);

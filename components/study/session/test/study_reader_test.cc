@@ -354,5 +354,14 @@ TEST(StudyReader, ReadsOrRefusesAnyText) {
   EXPECT_LT(read, 2000);
 }
 
+TEST(StudyReader, LevelsOfMaskAndMotorsAreTheLabs) {
+  const Study study = parse_study(
+      replaced(kStudyText, "[safety]", "[sound]\nmask_dBA = 68\nmotors_dBA = 41.5\n[safety]"), "s.toml");
+  EXPECT_EQ(sound_text(study), "mask 68 dB(A), motors 41.5 dB(A) at the ears, as the lab measured");
+  EXPECT_EQ(sound_text(parse_study(kStudyText, "s.toml")), "");
+  EXPECT_THAT(error_in(replaced(kStudyText, "[safety]", "[sound]\nmask_dBA = 200\n[safety]")),
+              testing::HasSubstr("sound.mask_dBA = 200"));
+}
+
 }  // namespace
 }  // namespace palpate::study
