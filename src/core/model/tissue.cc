@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -85,6 +87,29 @@ double TissueNumbers::tangential_stiffness() const noexcept {
   return contact.tangential_stiffness.value_or(kOfFirstSpring * k1);
 }
 
+void validate_layers(const std::vector<TissueLayer>& layers) {
+  if (layers.size() > kMaxTissueLayers) {
+    throw ParameterError("layer", static_cast<double>(layers.size()),
+                         "at most " + std::to_string(kMaxTissueLayers) + " layers");
+  }
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const std::string path = "layer " + std::to_string(i + 1) + ": ";
+    const double thickness = layers[i].thickness / kMillimetre;
+    if (i + 1 == layers.size()) {
+      if (thickness != std::numeric_limits<double>::infinity()) {
+        throw ParameterError(path + kLayerThicknessKey, thickness, "left out: the last layer has no end");
+      }
+    } else if (!kLayerThicknessRange.contains(thickness)) {
+      throw ParameterError(path + kLayerThicknessKey, thickness, kLayerThicknessRange.to_string());
+    }
+    for (const LayerField& field : kLayerFields) {
+      const double value = layers[i].*field.at / field.unit.si;
+      if (!field.range.contains(value))
+        throw ParameterError(path + field.key, value, field.range.to_string());
+    }
+  }
+}
+
 void validate(const TissueParameters& tissue) {
   if (tissue.law > LawKind::kSmooth) {
     throw ParameterError("law", static_cast<double>(tissue.law), "0 (layered) or 1 (smooth)");
@@ -97,6 +122,7 @@ void validate(const TissueParameters& tissue) {
                          "finite and >= 1");
   }
   validate_relaxation(tissue.relaxation);
+  validate_layers(tissue.layers);
   if (tissue.size_exponent != 0.0 && !tissue.source) {
     throw ParameterError("size_exponent", tissue.size_exponent,
                          "0 where [tissue.source] has no radius_mm that a tool's size can be compared with");
