@@ -80,7 +80,7 @@ void read_json(const JsonField& json, scene::OrganFrame& value) {
   read_name(json, scene::find_organ_frame(json.text()), "ras or lps", value);
 }
 void read_json(const JsonField& json, scene::Task& value) {
-  read_name(json, scene::find_task(json.text()), "press, pull or palpate", value);
+  read_name(json, scene::find_task(json.text()), "press, pull, palpate or insert", value);
 }
 
 void read_json(const JsonField& json, model::LawKind& value) { value = model::parse_law(json.text()); }
