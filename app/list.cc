@@ -72,6 +72,10 @@ std::vector<Entry> tools() {
     }
     std::size_t triangles = 0;
     const geometry::Tool tool = geometry::make_tool(name);
+    if (tool.needle) {
+      all.push_back({name, "18G, 90 mm, bevel; or needle:SIZE,LENGTH_MM,TIP such as needle:0.9,120,pencil"});
+      continue;
+    }
     for (const geometry::ToolPart& part : tool.parts) triangles += part.mesh.triangles.size();
     all.push_back({name, fmt::format("two jaws and a shaft, {} triangles", triangles)});
   }
@@ -86,6 +90,9 @@ std::vector<Entry> tissues() {
     std::string text = fmt::format("{} law, k1 {} N/m, beta {}, q {}", model::to_string(tissue.law),
                                    brief(tissue.k1), brief(tissue.beta), brief(tissue.q));
     if (tissue.max_depth) text += fmt::format(", valid to {} mm", brief(*tissue.max_depth / kMillimetre));
+    if (!tissue.layers.empty()) text += "; layers for a needle:";
+    for (const model::TissueLayer& layer : tissue.layers) text += " " + layer.name + ",";
+    if (text.back() == ',') text.pop_back();
     if (tissue.source && !tissue.source->indenter.empty())
       text += "; measured with: " + tissue.source->indenter;
     all.push_back({name, text});

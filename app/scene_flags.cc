@@ -45,7 +45,7 @@ void add_organ_and_tool_flags(CLI::App& command, scene::Overrides& request) {
 
 void add_scene_flags(CLI::App& command, scene::Overrides& request) {
   command.add_option("SCENE", request.scene, "scene file (.toml); default: the gallbladder press");
-  command.add_option("--task", request.task, "press, pull or palpate (find hidden lumps)");
+  command.add_option("--task", request.task, "press, pull, palpate (find hidden lumps) or insert (a needle)");
   add_organ_and_tool_flags(command, request);
   command.add_option("--device", request.device,
                      "KIND[:PATH]: scripted, scripted:path.csv, emulated, replay:rec.h5, "

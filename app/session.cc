@@ -326,6 +326,7 @@ std::string title_of(const scene::Scene& scene) {
   }
   const char* done = scene.task == scene::Task::kPull      ? " pulled with "
                      : scene.task == scene::Task::kPalpate ? " palpated with "
+                     : scene.task == scene::Task::kInsert  ? " entered by "
                                                            : " pressed with ";
   constexpr std::size_t kLongestTitle = 256;  // bytes; the names may be of a foreign recording
   return excerpt(organ + done + tools, kLongestTitle);

@@ -80,6 +80,9 @@ scene::Overrides with_task(const scene::Scene& scene, const scene::Overrides& re
   if (task == scene::Task::kPull && !has_jaws(scene.tools.front())) {
     wanted.tools = {kPullTool};
     wanted.tool_unit.reset();
+  } else if (task == scene::Task::kInsert && !scene.tools.front().needle) {
+    wanted.tools = {"needle"};
+    wanted.tool_unit.reset();
   } else if (!by_scene && request.tools.empty()) {
     wanted.tools = {scene.tools.front().name};
   }

@@ -44,6 +44,8 @@ std::string moment_text(const haptics::TickRow& row, int decimals) {
     return "pressing, " + mm(row.depth) + " deep";
   if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPull))
     return "pulling, stretched " + mm(row.depth);
+  if (row.phase == static_cast<std::uint32_t>(contact::Phase::kInsert))
+    return fmt::format("{:.{}f} mm inside, layer {}", row.inserted_mm, decimals, row.layer);
   return mm(row.distance) + " from the tissue";
 }
 

@@ -122,7 +122,8 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
 }
 
 void choose_task(const PanelModel& shown, Commands& commands) {
-  for (const scene::Task task : {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate}) {
+  for (const scene::Task task :
+       {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate, scene::Task::kInsert}) {
     if (task != scene::Task::kPress) ImGui::SameLine();
     const bool now = shown.scene.task == task;
     if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;

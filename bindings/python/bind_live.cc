@@ -201,7 +201,7 @@ py::dict report_of(LiveSimulation& live) {
 }
 
 std::string phase_of(const HandState& hand) {
-  return contact::kPhaseNames[std::min<std::uint32_t>(hand.row.phase, 2)];
+  return contact::kPhaseNames[std::min<std::size_t>(hand.row.phase, contact::kPhaseNames.size() - 1)];
 }
 
 /// The components of a hand's vector or quaternion, all doubles.

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
@@ -40,6 +41,43 @@ Response response_of(const LayeredSpringLaw::LayerState& state) {
   Response response{state.depth, state.force, state.stiffness, state.cutoff_layer, state.saturated, {}};
   std::copy(state.deformation.begin(), state.deformation.end(), response.deformation);
   return response;
+}
+
+/// Layers as dictionaries with the C++ names, SI units; the last one's thickness is infinite.
+py::list layers_of(const TissueParameters& tissue) {
+  py::list layers;
+  for (const model::TissueLayer& layer : tissue.layers) {
+    py::dict made;
+    made["name"] = layer.name;
+    made["thickness"] = layer.thickness;
+    for (const model::LayerField& field : model::kLayerFields) made[field.name] = layer.*field.at;
+    layers.append(made);
+  }
+  return layers;
+}
+
+void set_layers(TissueParameters& tissue, const std::vector<py::dict>& layers) {
+  std::vector<model::TissueLayer> made;
+  for (const py::dict& given : layers) {
+    model::TissueLayer layer;
+    for (const auto& [key, value] : given) {
+      const auto name = py::cast<std::string>(key);
+      const auto* const field = std::find_if(model::kLayerFields.begin(), model::kLayerFields.end(),
+                                             [&](const model::LayerField& one) { return name == one.name; });
+      if (name == "name") {
+        layer.name = py::cast<std::string>(value);
+      } else if (name == "thickness") {
+        layer.thickness = py::cast<double>(value);
+      } else if (field != model::kLayerFields.end()) {
+        layer.*field->at = py::cast<double>(value);
+      } else {
+        throw InputError("layers: \"" + name + "\" is no number of a layer");
+      }
+    }
+    made.push_back(std::move(layer));
+  }
+  model::validate_layers(made);
+  tissue.layers = std::move(made);
 }
 
 /// Binds one of the two laws, which have the same functions.
@@ -138,6 +176,7 @@ void bind_tissue(py::module_& module) {
             tissue.relaxation = made;
           },
           doc("RelaxationTerm"))
+      .def_property("layers", &layers_of, &set_layers, doc("TissueLayer"))
       .def_property(
           "reach",
           [](const TissueParameters& tissue) {

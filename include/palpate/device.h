@@ -35,6 +35,10 @@ inline constexpr std::uint32_t kParameterUpdated = 1U << 1;  // tissue or noise 
 inline constexpr std::uint32_t kMotorsWarm = 1U << 2;        // the motors are warm: the gate lowers the force
 inline constexpr std::uint32_t kIntervalBegan = 1U << 3;     // a stimulus interval began; set by the tick
 inline constexpr std::uint32_t kIntervalEnded = 1U << 4;     // a stimulus interval ended; set by the tick
+inline constexpr std::uint32_t kPuncture = 1U << 5;          // a needle punctured a layer; set by the tick
+inline constexpr std::uint32_t kExit = 1U << 6;  // a needle left the tissue as it had come; set by the tick
+/// The events that the tick sets, so that a sample's own are ignored.
+inline constexpr std::uint32_t kEventsOfTick = kIntervalBegan | kIntervalEnded | kPuncture | kExit;
 
 /// One sample of a device: all values belong to the same moment. SI units, in the device's frame D.
 struct DeviceState {

@@ -112,7 +112,8 @@ class ParameterUpdates final {
   /// [any] Replaces the tissue at one of the next ticks: law, relaxation, displacement profile, friction,
   /// damping and grip limit. It allocates and may wait for another caller, so do not call it from the tick.
   /// @throws ParameterError for an invalid value; InputError for a reference radius that differs from the
-  /// run's, or when kMaxWaiting updates wait already. After an exception nothing has changed.
+  /// run's, for other layers where a tool is a needle, or when kMaxWaiting updates wait already. After an
+  /// exception nothing has changed.
   Accepted offer(const model::TissueParameters& tissue, std::uint64_t not_before_tick = 0);
 
   /// [any] Switches the touch noise on or off and sets its strength at one of the next ticks. The crossfade

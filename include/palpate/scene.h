@@ -90,9 +90,9 @@ enum class OrganFrame : std::uint8_t { kRas, kLps };
 /// [any] The frame with this name; empty for an unknown name.
 [[nodiscard]] std::optional<OrganFrame> find_organ_frame(std::string_view name) noexcept;
 
-enum class Task { kPress, kPull, kPalpate };
+enum class Task { kPress, kPull, kPalpate, kInsert };
 
-/// [any] "press", "pull" or "palpate", as in a scene.
+/// [any] "press", "pull", "palpate" or "insert", as in a scene.
 [[nodiscard]] const char* to_string(Task task) noexcept;
 /// [any] The task with this name; empty for an unknown name.
 [[nodiscard]] std::optional<Task> find_task(std::string_view name) noexcept;

@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace palpate::model {
 
@@ -90,6 +92,22 @@ struct ContactParameters {
   bool operator==(const ContactParameters&) const = default;
 };
 
+/// One layer that a needle goes through (docs/needle.md). Layers follow the organ's surface inwards.
+struct TissueLayer {
+  std::string name;
+  double thickness = std::numeric_limits<double>::infinity();  // [m], > 0; infinite only in the last layer
+  double puncture_force = 0.0;                                 // of its membrane [N], >= 0
+  double cutting_force = 0.0;                                  // on the tip that goes on [N], >= 0
+  double friction = 0.0;                                       // on the shaft, whatever its length [N], >= 0
+  double friction_per_length = 0.0;                            // on the shaft inside [N/m], >= 0
+  double lateral_stiffness = 0.0;                              // per length of the shaft inside [N/m^2], >= 0
+  double rate_exponent = 0.0;  // e: the cutting force grows as (1 + speed / (1 mm/s))^e, 0 to 1
+
+  bool operator==(const TissueLayer&) const = default;
+};
+
+inline constexpr std::size_t kMaxTissueLayers = 8;
+
 /// The indenter that the parameters were fitted with.
 struct SourceParameters {
   std::string indenter;
@@ -128,6 +146,7 @@ static_assert(std::is_trivially_copyable_v<TissueNumbers>);
 struct TissueParameters : TissueNumbers {
   std::string name;
   std::optional<SourceParameters> source;
+  std::vector<TissueLayer> layers{};  // at most kMaxTissueLayers; empty: no needle enters
 
   /// [any] The parameters that a tick needs.
   [[nodiscard]] const TissueNumbers& numbers() const noexcept { return *this; }
@@ -148,6 +167,9 @@ void validate(const TissueParameters& tissue);
 
 /// [setup] Checks only relaxation terms. @throws ParameterError as validate().
 void validate_relaxation(std::span<const RelaxationTerm> terms);
+
+/// [setup] Checks only layers. @throws ParameterError as validate().
+void validate_layers(const std::vector<TissueLayer>& layers);
 
 /// [any] The names of the built-in tissues (docs/tissues.md).
 [[nodiscard]] std::span<const char* const> tissue_preset_names() noexcept;

@@ -7,9 +7,9 @@
 
 namespace palpate::contact {
 
-enum class Phase : std::uint8_t { kApproach, kPress, kPull };
+enum class Phase : std::uint8_t { kApproach, kPress, kPull, kInsert };
 /// As recordings, messages and Python name them.
-inline constexpr std::array kPhaseNames{"approach", "press", "pull"};
+inline constexpr std::array kPhaseNames{"approach", "press", "pull", "insert"};
 
 /// Bits of ToolResult::status.
 inline constexpr std::uint32_t kStartedInside = 1U << 0;  // a part gives no force until it has left the organ
@@ -40,6 +40,15 @@ struct ToolInput {
   double gripper = 0.0;  // 0 closed .. 1 open
 };
 
+/// A needle in the tissue at one tick.
+struct InsertedNeedle {
+  std::uint32_t layer = 0;   // of the tip, from 1; 0: not in a layer
+  double length = 0.0;       // of the shaft in the tissue [m]
+  int slip = 0;              // 1: the shaft slips inwards, -1: outwards, 0: the tissue moves with it
+  double tip_force = 0.0;    // on the tip; the rest is friction on the shaft [N]
+  std::uint32_t events = 0;  // haptics::kPuncture, haptics::kExit
+};
+
 /// Force of the tissue on one tool at one tick, and the contact. World frame, SI units.
 struct ToolResult {
   Phase phase = Phase::kApproach;
@@ -57,6 +66,7 @@ struct ToolResult {
   Vec3 contact_W = Vec3::Zero();
   Vec3 normal_W = Vec3::UnitZ();
   std::uint32_t status = 0;
+  InsertedNeedle needle;
   int view_count = 0;
   std::array<ContactView, kMaxViews> views{};
 };

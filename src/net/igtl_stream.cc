@@ -44,6 +44,10 @@ std::string reading(const haptics::Snapshot& snapshot, std::size_t hand, double 
     case contact::Phase::kPull:
       text += "pulls " + with_digits(1e3 * result.depth, 1) + " mm far";
       break;
+    case contact::Phase::kInsert:
+      text += "is " + with_digits(1e3 * result.needle.length, 1) + " mm deep in layer " +
+              std::to_string(result.needle.layer);
+      break;
   }
   return fmt::format("{}, {} N", text, with_digits(snapshot.commands[hand].force.norm(), 2));
 }

@@ -79,6 +79,22 @@ def test_tissue_goes_to_a_file_and_back(tmp_path):
     assert (back.k1, back.beta, back.law, back.relaxation) == (tissue.k1, tissue.beta, 'smooth', [(0.3, 1.5)])
 
 
+def test_layers_of_a_tissue_are_read_and_set(tmp_path):
+    tissue = palpate.tissue_preset('vein')
+    layers = tissue.layers
+    assert [layer['name'] for layer in layers] == ['skin', 'fat', 'wall', 'lumen', 'far wall', 'muscle']
+    assert layers[0]['thickness'] == 1.5e-3 and layers[-1]['thickness'] == np.inf
+    layers[3]['cutting_force'] = 0.25
+    tissue.layers = layers
+    file = tmp_path / 'vein.toml'
+    file.write_text(tissue.to_toml())
+    assert palpate.load_tissue(str(file)).layers[3]['cutting_force'] == 0.25
+    with pytest.raises(palpate.InputError, match='"colour" is no number of a layer'):
+        tissue.layers = [{'colour': 1.0}]
+    with pytest.raises(palpate.InputError, match='layer 1: cutting_force_N'):
+        tissue.layers = [{'cutting_force': -1.0}]
+
+
 def test_tissue_refuses_in_the_programs_words(program):
     said = program.refusal('model', '--tissue', 'hearth', '--depth-mm', '1')
     with pytest.raises(palpate.InputError) as refused:

@@ -1,6 +1,7 @@
 #include "core/contact/contact.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/contact/contact_constants.h"
@@ -12,12 +13,32 @@
 namespace palpate::contact {
 namespace {
 
+/// @throws InputError for a needle from a damaged file
+void check_needle(const geometry::Tool& tool) {
+  constexpr double kRounding = 1e-6;  // of a unit vector
+  constexpr double kLargest = 1.0;    // m
+  if (!tool.needle) return;
+  const geometry::Needle& needle = *tool.needle;
+  const auto is_length = [](double value) { return value > 0.0 && value <= kLargest; };
+  if (needle.tip.allFinite() && needle.tip.norm() <= kLargest &&
+      std::abs(needle.axis.norm() - 1.0) <= kRounding && is_length(needle.diameter) &&
+      is_length(needle.length)) {
+    return;
+  }
+  throw InputError(
+      "tool \"" + tool.name +
+      "\": its needle must have a tip within 1 m, an axis of length 1, and a diameter and a length > 0 "
+      "and at most 1 m");
+}
+
 ToolPoints sample_tool(const geometry::Tool& tool) {
+  check_needle(tool);
   if (tool.parts.empty() || tool.parts.size() > kMaxParts) {
     throw InputError("tool \"" + tool.name + "\" has " + std::to_string(tool.parts.size()) +
                      " parts: must be 1 to " + std::to_string(kMaxParts));
   }
   ToolPoints points;
+  points.needle = tool.needle;
   double tip_z = 0.0;
   for (const geometry::ToolPart& part : tool.parts) {
     points.parts.push_back(sample_part(part, tool.tip_radius.value_or(0.0)));
@@ -61,9 +82,11 @@ void place_inclusions(const std::vector<model::Inclusion>& inclusions, World::Da
   }
 }
 
-/// Moves one part. @return false when the part jumped (DistanceCache::move): its contacts are dropped, and it
-/// starts none until it has been outside the organ
-bool move_part(const Pose& pose_S, double reference_radius, double period, PartState& part) noexcept {
+/// Moves one part. @param inserted its needle is in the tissue, where no contact starts @return false when
+/// the part jumped (DistanceCache::move): its contacts are dropped, and it starts none until it has been
+/// outside the organ
+bool move_part(const Pose& pose_S, double reference_radius, double period, bool inserted,
+               PartState& part) noexcept {
   std::array<Vec3, kContactsPerPart> contacts_S;
   std::size_t count = 0;
   for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
@@ -73,17 +96,37 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, PartS
     part.may_start_contacts = false;
     part.contact_count = 0;
   }
-  if (!part.may_start_contacts) {
+  if (!part.may_start_contacts && !inserted) {
     part.distances.find_nearest(kOutside);
     part.may_start_contacts = part.distances.nearest().distance >= kOutside;
   }
   return moved;
 }
 
+/// Whether the tool is a needle that enters this tissue.
+bool enters(const World::Data& world, const ToolPoints& points) noexcept {
+  return points.needle && !world.tissue.layers.empty();
+}
+
+/// The needle's contacts end where it goes in; new ones start only after it has left.
+void puncture(const World::Data& world, const ToolPoints& points, const ToolTissue& tissue,
+              ToolState& tool) noexcept {
+  tool.insertion.clear_state();
+  if (tool.insertion.is_inside() || !tool.insertion.try_puncture(world.surface, tissue, world.tissue.layers,
+                                                                 *points.needle, tool.pose_S, tool.parts)) {
+    return;
+  }
+  for (PartState& part : tool.parts) {
+    part.contact_count = 0;
+    part.may_start_contacts = false;
+  }
+}
+
 /// Moves all parts of a tool and updates their contacts. Load sharing follows in advance().
 std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, const Pose& organ_W,
                           const ToolTissue& tissue, const ToolInput& input, ToolState& tool) noexcept {
   std::uint32_t status = 0;
+  if (enters(world, points)) puncture(world, points, tissue, tool);
   tool.pose_S = organ_W.inverse() * input.pose_W;
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     PartState& part = tool.parts[i];
@@ -92,12 +135,21 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
       part.gripper = input.gripper;
       part.joint_T = geometry::part_pose(points.parts[i].joint, input.gripper);
     }
-    if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period, part))
+    if (move_part(tool.pose_S * part.joint_T, world.tissue.contact.reference_radius, world.period,
+                  tool.insertion.is_inside(), part)) {
       continue;
+    }
     tool.grip.release_at_once();
+    tool.insertion.release_at_once();
     if (had_pose) status |= kJump;
   }
-  status |= tool.grip.update(world, tissue, points, input.gripper, tool.pose_S, tool.parts);
+  if (tool.insertion.is_inside()) {
+    tool.insertion.advance(world.surface, tissue, world.tissue.layers, *points.needle, tool.pose_S,
+                           world.period);
+    return status;
+  }
+  if (!points.needle)
+    status |= tool.grip.update(world, tissue, points, input.gripper, tool.pose_S, tool.parts);
   for (std::size_t i = 0; i < points.parts.size(); ++i) {
     status |= update_press(world, tissue, points.parts[i], tool.parts[i]);
   }
@@ -170,6 +222,24 @@ void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolR
   result.normal_W = organ_W.rotation * grip.normal();
 }
 
+void add_needle(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolResult& result) noexcept {
+  const NeedleInsertion& needle = tool.insertion;
+  if (!needle.is_inside()) return;
+  sums.force += needle.force();
+  sums.torque += needle.torque();
+  const double moved = needle.displacement();
+  add_view({needle.entry().point, moved < 0.0 ? Vec3(-needle.direction()) : needle.direction(),
+            std::abs(moved), needle.tip_radius(), needle.radius(), needle.entry().triangle, moved < 0.0},
+           result);
+  result.phase = Phase::kInsert;
+  result.depth = std::abs(moved);
+  result.cutoff_layer = needle.response().cutoff_layer;
+  result.saturated = needle.response().saturated;
+  if (needle.response().extrapolated) result.status |= kExtrapolated;
+  result.contact_W = organ_W * needle.entry().point;
+  result.normal_W = organ_W.rotation * -needle.direction();
+}
+
 /// Exact distance of the whole tool, and the unit direction from the tissue to it.
 void add_nearest(const Pose& organ_W, ToolState& tool, ToolResult& result) noexcept {
   // Begin with the part that was nearest in the last tick: its distance bounds the search in the others.
@@ -212,10 +282,14 @@ void summarize(const Pose& organ_W, ToolState& tool, std::uint32_t status, ToolR
   result.status = status;
   add_press(organ_W, tool, sums, result);
   add_pull(organ_W, tool, sums, result);
+  add_needle(organ_W, tool, sums, result);
+  result.needle = tool.insertion.state();
   if (result.phase == Phase::kApproach) {
     add_nearest(organ_W, tool, result);
   } else {  // in contact, distance = -depth
-    result.distance = result.phase == Phase::kPress ? -result.depth : 0.0;
+    result.distance = result.phase == Phase::kPress    ? -result.depth
+                      : result.phase == Phase::kInsert ? -tool.insertion.way()
+                                                       : 0.0;
     result.nearest_W = result.contact_W;
     result.away_W = result.normal_W;
   }
@@ -255,6 +329,10 @@ const model::SpringLaw& World::press_law() const noexcept { return data_->laws.p
 const model::SpringLaw& World::pull_law() const noexcept { return data_->laws.pull; }
 const geometry::TriangleMesh& World::rest_surface() const noexcept { return data_->surface.mesh(); }
 const geometry::SignedDistance& World::rest_distance() const noexcept { return data_->surface.distance(); }
+bool World::has_needle() const noexcept {
+  return std::any_of(data_->tools.begin(), data_->tools.end(),
+                     [](const ToolPoints& tool) { return tool.needle.has_value(); });
+}
 std::vector<model::Inclusion> World::inclusions() const {
   std::vector<model::Inclusion> inclusions;
   for (const PlacedInclusion& one : data_->inclusions.at_rest()) inclusions.push_back(one.inclusion);
@@ -290,6 +368,7 @@ void change_tissue(const World& world, State& state, const TissueLaws& laws) noe
       for (Proxy& contact : part.active()) laws.relaxation.convert_history(contact.load().memory, before);
     }
     tool.grip.change_relaxation(laws.relaxation, before);
+    tool.insertion.change_relaxation(laws.relaxation, before);
   }
   now.updated_laws = laws;
 }

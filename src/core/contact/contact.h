@@ -52,6 +52,8 @@ class World final {
   [[nodiscard]] const geometry::SignedDistance& rest_distance() const noexcept;
   /// [any] Radius of curvature [m] of a tool at its tip: given by the user, or estimated from its mesh.
   [[nodiscard]] double tip_radius(std::size_t tool) const noexcept;
+  /// [any] Whether a tool is a needle, which enters a tissue with layers.
+  [[nodiscard]] bool has_needle() const noexcept;
   /// [any] The inclusions before tick 0.
   [[nodiscard]] std::vector<model::Inclusion> inclusions() const;
 

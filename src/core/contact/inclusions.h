@@ -25,6 +25,8 @@ struct InclusionNow {
   Vec3 centre_S = Vec3::Zero();
   double depth_squared = 0.0;  // h^2 [m^2]
   model::InclusionLaw law;
+  double radius = 0.0;  // [m]
+  double ratio = 1.0;
 };
 
 /// The inclusions of an organ.

@@ -10,6 +10,7 @@
 #include "core/contact/distance_cache.h"
 #include "core/contact/grasp.h"
 #include "core/contact/inclusions.h"
+#include "core/contact/needle.h"
 #include "core/contact/organ_surface.h"
 #include "core/contact/proxy.h"
 #include "core/contact/tissue_laws.h"
@@ -25,6 +26,7 @@ struct ToolPoints {
   std::vector<PartPoints> parts;
   bool has_jaws = false;
   double tip_radius = 0.0;  // at the tip [m]
+  std::optional<geometry::Needle> needle{};
 };
 
 struct World::Data {
@@ -62,6 +64,7 @@ struct ToolState {
   std::vector<PartState> parts;
   std::size_t nearest_part = 0;  // part nearest to the organ at the last search
   Grasp grip;
+  NeedleInsertion insertion;
 };
 
 struct State::Data {

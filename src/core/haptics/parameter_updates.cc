@@ -135,6 +135,10 @@ ParameterUpdates::Accepted ParameterUpdates::offer(const model::TissueParameters
                                                    std::uint64_t not_before_tick) {
   const std::lock_guard lock(callers_);
   model::validate(tissue);
+  if (world_.contact.has_needle() && tissue.layers != world_.contact.tissue().layers) {
+    throw InputError(
+        "layer: the layers that a needle goes through cannot change during a run; start a new one");
+  }
   Accepted accepted;
   if (warnings_) accepted.warnings = warnings_(tissue, inclusions_);
   hand_over(parameter_update(tissue, noise_, kTissueChanged), not_before_tick);

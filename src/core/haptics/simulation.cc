@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/units.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -31,9 +33,13 @@ void describe_contact(const contact::ToolInput& input, const contact::ToolResult
   row.gripper = input.gripper;
   row.contact = plain(result.contact_W);
   row.normal = plain(result.normal_W);
+  row.layer = result.needle.layer;
+  row.inserted_mm = result.needle.length / kMillimetre;
+  row.slip = result.needle.slip;
+  row.tip_force = result.needle.tip_force;
 }
 
-void copy_sample(const DeviceState& sample, std::uint32_t interval_events, TickRow& row) noexcept {
+void copy_sample(const DeviceState& sample, std::uint32_t events_of_tick, TickRow& row) noexcept {
   row.device = plain(sample.position_D);
   row.device_q = plain(sample.orientation_D);
   row.device_velocity = plain(sample.velocity_D);
@@ -42,7 +48,7 @@ void copy_sample(const DeviceState& sample, std::uint32_t interval_events, TickR
   row.device_age = sample.age;
   row.device_valid = sample.fault == Fault::kDevice ? 0 : 1;
   row.device_fault = static_cast<std::uint32_t>(sample.fault);
-  row.events = (sample.events & ~(kIntervalBegan | kIntervalEnded)) | interval_events;
+  row.events = (sample.events & ~kEventsOfTick) | events_of_tick;
 }
 
 /// Reads a hand's sample: sets the tool's pose and returns the device's motion. An invalid sample keeps the
@@ -155,7 +161,7 @@ void fill_row(const SimulationWorld& world, const SimulationState& state, std::u
   row.fault = static_cast<std::uint32_t>(gate.fault);
   row.energy = gate.energy.tissue;
   row.engagement = force.gain;
-  copy_sample(sample, state.interval_events, row);
+  copy_sample(sample, state.interval_events | result.needle.events, row);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ inline constexpr auto kTickFields = [] {
     {{"tick"}, kU64, offsetof(TickRow, tick), nullptr, nullptr, "number of the tick, from 0"},
     {{"time_s"}, kF64, offsetof(TickRow, time), nullptr, nullptr, "tick / rate"},
     {{"hand"}, kU32, offsetof(TickRow, hand), "hand", nullptr, "0 for the first hand"},
-    {{"phase"}, kU32, offsetof(TickRow, phase), "phase", nullptr, "`approach`, `press` or `pull`"},
+    {{"phase"}, kU32, offsetof(TickRow, phase), "phase", nullptr, "`approach`, `press`, `pull` or `insert`"},
     {{"distance_m"}, kF64, offsetof(TickRow, distance), "distance_m", "distance",
      "approach: tool to organ, negative inside; pressed: minus the depth; held: 0"},
     {{"depth_m"}, kF64, offsetof(TickRow, depth), "depth_m", "depth",
@@ -115,9 +115,17 @@ inline constexpr auto kTickFields = [] {
     {{"device_fault"}, kU32, offsetof(TickRow, device_fault), nullptr, nullptr, "fault that came with the sample"},
     {{"events"}, kU32, offsetof(TickRow, events), nullptr, nullptr,
      "bit 0: a fault was reset; bit 1: a parameter update; bit 2: the device's motors are warm; bit 3: a stimulus "
-     "interval began; bit 4: one ended"},
+     "interval began; bit 4: one ended; bit 5: a needle punctured a layer; bit 6: a needle left the tissue"},
     {{"stimulus_force_N"}, kF64, offsetof(TickRow, stimulus_force), nullptr, "stimulus_force",
      "commanded force, signed like the noise", true},
+    {{"layer"}, kU64, offsetof(TickRow, layer), "layer", "layer",
+     "layer of the tissue in which a needle's tip is, from 1; 0: in none", true},
+    {{"inserted_mm"}, kF64, offsetof(TickRow, inserted_mm), "inserted_mm", "inserted_mm",
+     "length of the needle's shaft in the tissue", true},
+    {{"slip"}, kI64, offsetof(TickRow, slip), "slip", "slip",
+     "1: the shaft slips inwards through the tissue, -1: outwards, 0: the tissue moves with it", true},
+    {{"tip_force_N"}, kF64, offsetof(TickRow, tip_force), "tip_force_N", "tip_force",
+     "on the needle's tip in the tissue; the rest of the force is friction on the shaft", true},
   });
 }();
 // clang-format on

@@ -30,6 +30,16 @@ void Relaxation::set_step(double step) noexcept {
   }
 }
 
+Relaxation::Line Relaxation::next_line(const RelaxationState& state) const noexcept {
+  Line line{0.0, lasting_};
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Term& term = terms_[i];
+    line.at_zero += term.g * (term.keep * state.history[i] - term.gain * state.elastic);
+    line.slope += term.g * term.gain;
+  }
+  return line;
+}
+
 double Relaxation::next(RelaxationState& state, double elastic) const noexcept {
   const double rise = elastic - state.elastic;
   state.elastic = elastic;

@@ -36,6 +36,14 @@ class Relaxation final {
   /// adhering tissue would pull the tool back; a contact that cannot pull uses 0 then.
   [[nodiscard]] double next(RelaxationState& state, double elastic) const noexcept;
 
+  /// The force at the next sample over the elastic force there.
+  struct Line {
+    double at_zero = 0.0;  // [N]
+    double slope = 1.0;    // > 0
+  };
+  /// [rt] next() gives at_zero + slope x elastic; nothing changes.
+  [[nodiscard]] Line next_line(const RelaxationState& state) const noexcept;
+
   /// [rt] Share g_i of term i.
   [[nodiscard]] double share(std::size_t i) const noexcept { return terms_[i].g; }
 

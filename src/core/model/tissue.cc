@@ -2,11 +2,15 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
+#include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -54,7 +58,63 @@ constexpr std::array kPresets{
            "two plates, cubes of heart muscle of 7.1 to 10.9 mm, 5 specimens in 3 axes, pressed and pulled; "
            "5 to 95 % of the curves at 1 mm: 0.10 to 0.64 N pressed, 0.05 to 0.61 N pulled",
            5.3},
+    Preset{"skin-fat-muscle", 80.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
+    Preset{"liver-capsule", 30.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
+    Preset{"vein", 80.0, 1.6, 0.7, 6.0, 6.0, 14.0, 1.0, 12.0, LawKind::kSmooth},
+    Preset{"epidural", 120.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
 };
+
+// Layers of the presets that a needle enters; illustrative, of the order of the measurements in
+// docs/needle.md. The last layer of each has no end.
+struct PresetLayer {
+  const char* tissue;
+  const char* name;
+  double thickness_mm;  // 0: no end
+  double puncture_force_N;
+  double cutting_force_N;
+  double friction_N;
+  double friction_N_per_mm;
+  double lateral_N_per_mm2;
+};
+
+constexpr std::array kPresetLayers{
+    PresetLayer{"skin-fat-muscle", "skin", 2.0, 4.7, 0.9, 0.1, 0.05, 0.02},
+    PresetLayer{"skin-fat-muscle", "fat", 6.0, 0.0, 0.2, 0.0, 0.01, 0.005},
+    PresetLayer{"skin-fat-muscle", "muscle", 0.0, 2.4, 0.8, 0.1, 0.03, 0.02},
+    PresetLayer{"liver-capsule", "capsule", 0.5, 1.6, 0.5, 0.05, 0.02, 0.01},
+    PresetLayer{"liver-capsule", "parenchyma", 0.0, 0.0, 0.35, 0.05, 0.012, 0.01},
+    PresetLayer{"vein", "skin", 1.5, 1.9, 0.5, 0.05, 0.03, 0.02},
+    PresetLayer{"vein", "fat", 2.0, 0.0, 0.15, 0.0, 0.01, 0.005},
+    PresetLayer{"vein", "wall", 0.6, 1.0, 0.4, 0.05, 0.02, 0.01},
+    PresetLayer{"vein", "lumen", 4.0, 0.0, 0.02, 0.0, 0.0, 0.0},
+    PresetLayer{"vein", "far wall", 0.6, 1.0, 0.4, 0.05, 0.02, 0.01},
+    PresetLayer{"vein", "muscle", 0.0, 0.8, 0.4, 0.05, 0.02, 0.02},
+    PresetLayer{"epidural", "skin", 3.0, 6.0, 2.0, 0.2, 0.06, 0.02},
+    PresetLayer{"epidural", "fat", 8.0, 0.0, 0.6, 0.0, 0.02, 0.005},
+    PresetLayer{"epidural", "supraspinous ligament", 4.0, 5.0, 2.6, 0.1, 0.05, 0.03},
+    PresetLayer{"epidural", "interspinous ligament", 18.0, 0.0, 2.0, 0.0, 0.04, 0.03},
+    PresetLayer{"epidural", "ligamentum flavum", 4.0, 6.5, 4.0, 0.1, 0.06, 0.03},
+    PresetLayer{"epidural", "epidural space", 5.0, 0.0, 0.1, 0.0, 0.005, 0.002},
+    PresetLayer{"epidural", "dura", 0.4, 2.2, 0.6, 0.05, 0.02, 0.01},
+    PresetLayer{"epidural", "spinal fluid", 0.0, 0.0, 0.02, 0.0, 0.0, 0.0},
+};
+
+std::vector<TissueLayer> preset_layers(std::string_view tissue) {
+  std::vector<TissueLayer> layers;
+  for (const PresetLayer& preset : kPresetLayers) {
+    if (preset.tissue != tissue) continue;
+    TissueLayer layer;
+    layer.name = preset.name;
+    if (preset.thickness_mm > 0.0) layer.thickness = preset.thickness_mm * kMillimetre;
+    layer.puncture_force = preset.puncture_force_N;
+    layer.cutting_force = preset.cutting_force_N;
+    layer.friction = preset.friction_N;
+    layer.friction_per_length = preset.friction_N_per_mm / kMillimetre;
+    layer.lateral_stiffness = preset.lateral_N_per_mm2 / (kMillimetre * kMillimetre);
+    layers.push_back(std::move(layer));
+  }
+  return layers;
+}
 
 }  // namespace
 
@@ -85,6 +145,29 @@ double TissueNumbers::tangential_stiffness() const noexcept {
   return contact.tangential_stiffness.value_or(kOfFirstSpring * k1);
 }
 
+void validate_layers(const std::vector<TissueLayer>& layers) {
+  if (layers.size() > kMaxTissueLayers) {
+    throw ParameterError("layer", static_cast<double>(layers.size()),
+                         "at most " + std::to_string(kMaxTissueLayers) + " layers");
+  }
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    const std::string path = "layer " + std::to_string(i + 1) + ": ";
+    const double thickness = layers[i].thickness / kMillimetre;
+    if (i + 1 == layers.size()) {
+      if (thickness != std::numeric_limits<double>::infinity()) {
+        throw ParameterError(path + kLayerThicknessKey, thickness, "left out: the last layer has no end");
+      }
+    } else if (!kLayerThicknessRange.contains(thickness)) {
+      throw ParameterError(path + kLayerThicknessKey, thickness, kLayerThicknessRange.to_string());
+    }
+    for (const LayerField& field : kLayerFields) {
+      const double value = layers[i].*field.at / field.unit.si;
+      if (!field.range.contains(value))
+        throw ParameterError(path + field.key, value, field.range.to_string());
+    }
+  }
+}
+
 void validate(const TissueParameters& tissue) {
   if (tissue.law > LawKind::kSmooth) {
     throw ParameterError("law", static_cast<double>(tissue.law), "0 (layered) or 1 (smooth)");
@@ -97,6 +180,7 @@ void validate(const TissueParameters& tissue) {
                          "finite and >= 1");
   }
   validate_relaxation(tissue.relaxation);
+  validate_layers(tissue.layers);
   if (tissue.size_exponent != 0.0 && !tissue.source) {
     throw ParameterError("size_exponent", tissue.size_exponent,
                          "0 where [tissue.source] has no radius_mm that a tool's size can be compared with");
@@ -157,6 +241,7 @@ TissueParameters tissue_preset(const std::string& name) {
       if (preset.indenter != nullptr) {
         tissue.source = SourceParameters{preset.indenter, preset.radius_mm * kMillimetre};
       }
+      tissue.layers = preset_layers(preset.name);
       return tissue;
     }
     known += (known.empty() ? "" : ", ") + std::string(preset.name);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
 #include "io/scene/device_kinds.h"
 #include "io/system/json_field.h"
@@ -79,7 +80,7 @@ void read_json(const JsonField& json, scene::OrganFrame& value) {
   read_name(json, scene::find_organ_frame(json.text()), "ras or lps", value);
 }
 void read_json(const JsonField& json, scene::Task& value) {
-  read_name(json, scene::find_task(json.text()), "press, pull or palpate", value);
+  read_name(json, scene::find_task(json.text()), "press, pull, palpate or insert", value);
 }
 
 void read_json(const JsonField& json, model::LawKind& value) { value = model::parse_law(json.text()); }
@@ -275,11 +276,25 @@ void fields(auto& io, Is<model::SourceParameters> auto& source) {
   io("radius_m", source.radius);
 }
 
+void fields(auto& io, Is<model::TissueLayer> auto& layer) {
+  io("name", layer.name);
+  io.known(model::kLayerThicknessColumn, layer.thickness);
+  for (const model::LayerField& field : model::kLayerFields) io(field.si_key, layer.*field.at);
+}
+
+void fields(auto& io, Is<geometry::Needle> auto& needle) {
+  io("tip_m", needle.tip);
+  io("axis", needle.axis);
+  io("diameter_m", needle.diameter);
+  io("length_m", needle.length);
+}
+
 /// Older recordings have the layered law of the paper, without relaxation.
 void fields(auto& io, Is<model::TissueParameters> auto& tissue) {
   io("name", tissue.name);
   if (io.has("law")) io("law", tissue.law);
   io.list("relaxation", tissue.relaxation, model::kMaxRelaxationTerms);
+  if (io.there("layers", !tissue.layers.empty())) io.list("layers", tissue.layers, model::kMaxTissueLayers);
   for (const model::TissueField& field : model::kTissueFields) io.tissue_number(field, tissue);
   io("source", tissue.source);
 }
@@ -296,6 +311,7 @@ void fields(auto& io, Is<geometry::Tool> auto& tool) {
   io("name", tool.name);
   io.positive("tip_radius_m", tool.tip_radius);
   io.list("parts", tool.parts, kMaxParts);
+  if (io.there("needle", tool.needle.has_value())) io("needle", tool.needle);
 }
 
 void fields(auto& io, Is<scene::EmulatedFault> auto& fault) {

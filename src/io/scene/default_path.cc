@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kClearance = 10e-3;    // m, above the surface at the start and the end
 constexpr double kTravel = 12e-3;       // m, of depth or lift
+constexpr double kInsertion = 60e-3;    // m, of a needle
 constexpr double kTouchDepth = 0.2e-3;  // m, depth of the tool's lowest point when the jaws close
 constexpr double kHold = 1.0;           // s, at the deepest or highest point
 constexpr double kTurnJaws = 0.3;       // s, to open or close
@@ -140,6 +141,16 @@ std::string depth_warning(double depth) {
       kTravel / kMillimetre, depth / kMillimetre);
 }
 
+/// How far a needle goes in straight down: kInsertion, or less in a thin organ, so that it stays inside.
+double insertion_depth(const Scene& scene, const geometry::SignedDistance& surface, const Vec3& touch) {
+  constexpr double kShare = 0.7;  // of the organ's thickness there
+  const Pose to_organ = scene.organ_pose.inverse();
+  const Vec3 below = touch - kClearance * Vec3::UnitZ() - world_bounds(scene).size().z() * Vec3::UnitZ();
+  const auto exit = surface.first_entry(to_organ * below, to_organ * touch);
+  if (!exit) return kInsertion;
+  return std::min(kInsertion, kShare * (1.0 - exit->fraction) * (touch - below).norm());
+}
+
 /// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
 PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
@@ -148,6 +159,10 @@ PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip)
   const geometry::Bounds box = world_bounds(scene);
   const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};
+  if (scene.task == Task::kInsert) {
+    place.depth = insertion_depth(scene, surface, touch);
+    return place;
+  }
   if (scene.task == Task::kPull || scene.tools.size() > 1) return place;
 
   const HangingTool tool{hanging_points(scene.tools[hand], tip), kClearance};

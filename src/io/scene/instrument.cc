@@ -45,10 +45,12 @@ geometry::Tool read_main_mesh(const ToolTable& description, MeshNotes& notes) {
     tool.parts.push_back(read_part(mesh, description.unit, notes));
     return tool;
   }
+  if (mesh.value.starts_with("needle:"))
+    return with_location(mesh, [&mesh] { return geometry::make_tool(mesh.value); });
   const std::vector<std::string>& known = geometry::builtin_tool_names();
   if (std::find(known.begin(), known.end(), mesh.value) == known.end()) {
     mesh.fail("must be " + alternatives(known) +
-              ", sphere:R, or a file (with a / or an extension such as .stl)");
+              ", sphere:R, needle:SIZE,LENGTH_MM,TIP, or a file (with a / or an extension such as .stl)");
   }
   return geometry::make_tool(mesh.value);
 }
@@ -133,6 +135,10 @@ geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
     geometry::transform(part.mesh, description.mount);
     part.pivot = description.mount * part.pivot;
     part.axis = description.mount.rotation * part.axis;
+  }
+  if (tool.needle) {
+    tool.needle->tip = description.mount * tool.needle->tip;
+    tool.needle->axis = description.mount.rotation * tool.needle->axis;
   }
   if (!files.empty()) note(tool_distance_remark(parts, *files[0]));
   tool.name = names_of(description);

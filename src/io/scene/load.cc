@@ -47,9 +47,10 @@ SceneFile default_scene(Task task) {
     const char* organ;
     const char* tool;
   };
-  const Default made = task == Task::kPress  ? Default{"gallbladder", "curved-forceps"}
-                       : task == Task::kPull ? Default{"heart", "straight-forceps"}
-                                             : Default{"liver", "sphere:5"};
+  const Default made = task == Task::kPress    ? Default{"gallbladder", "curved-forceps"}
+                       : task == Task::kPull   ? Default{"heart", "straight-forceps"}
+                       : task == Task::kInsert ? Default{"box", "needle"}
+                                               : Default{"liver", "sphere:5"};
   scene_file.task = task;
   scene_file.search = read_search({});
   scene_file.organ = LocatedString{made.organ, "organ", {}};
@@ -307,6 +308,10 @@ model::TissueParameters find_tissue(const SceneFile& scene_file) {
       return load_tissue(is_path(tissue->value) ? to_text(tissue->file()) : tissue->value);
     });
   }
+  if (scene_file.task == Task::kInsert) {
+    return model::tissue_preset(scene_file.organ->value.starts_with("liver") ? "liver-capsule"
+                                                                             : "skin-fat-muscle");
+  }
   if (!is_path(scene_file.organ->value)) {
     try {
       return model::tissue_preset(scene_file.organ->value.substr(0, scene_file.organ->value.find('-')));
@@ -314,6 +319,34 @@ model::TissueParameters find_tissue(const SceneFile& scene_file) {
     }
   }
   return model::tissue_preset(scene_file.task == Task::kPull ? "heart" : "gallbladder");
+}
+
+/// @throws InputError where the task needs a needle or layers that are not there
+void check_needle(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+  const bool layered = !scene.tissue.layers.empty();
+  std::size_t needles = 0;
+  for (std::size_t hand = 0; hand < scene.tools.size(); ++hand) {
+    if (scene.tools[hand].needle) {
+      ++needles;
+    } else if (scene.task == Task::kInsert) {
+      const std::string tool =
+          "tool \"" + scene.tools[hand].name + "\" is no needle, which task insert needs";
+      throw InputError(tool + ": must be needle or needle:SIZE,LENGTH_MM,TIP, such as needle:18G,90,bevel");
+    }
+  }
+  if (layered || needles == 0) return;
+  const std::string tissue = "tissue '" + scene.tissue.name + "' has no [[tissue.layer]]";
+  if (scene.task != Task::kInsert) {
+    notes.remarks.push_back(tissue + ": the needle presses and does not go in");
+    return;
+  }
+  std::vector<std::string> with_layers;
+  for (const char* name : model::tissue_preset_names()) {
+    if (!model::tissue_preset(name).layers.empty()) with_layers.emplace_back(name);
+  }
+  throw InputError((scene_file.tissue ? scene_file.tissue->where + ": " : "") + tissue +
+                   ", which task insert needs: must be " + alternatives(with_layers) +
+                   ", or a file with layers");
 }
 
 const DeviceKind& check_device_kind(const LocatedString& kind) {
@@ -520,6 +553,7 @@ Scene load(const Overrides& request) {
   check_layers(scene_file, scene);
   MeshNotes notes;
   const PathSummaries paths = load_hands(scene_file, scene, notes);
+  check_needle(scene_file, scene, notes);
   load_organ(scene_file, scene, notes);
   turn_clients(scene_file, scene, notes);
   if (scene_file.support) {

@@ -57,10 +57,29 @@ double largest_variation(const Scene& scene, const haptics::SimulationWorld& wor
          contact::largest_tangent(direction == model::Direction::kPull ? laws.pull : laws.press, reach);
 }
 
+/// The tissue with a needle's channel, which holds the shaft sideways, as its tangential stiffness.
+model::TissueParameters with_channel(const Scene& scene, model::TissueParameters tissue) {
+  double stiffest = tissue.tangential_stiffness();
+  for (const geometry::Tool& tool : scene.tools) {
+    double left = tool.needle ? tool.needle->length : 0.0;
+    double channel = 0.0;  // N/m
+    for (const model::TissueLayer& layer : tissue.layers) {
+      channel += layer.lateral_stiffness * std::min(left, layer.thickness);
+      left = std::max(0.0, left - layer.thickness);
+    }
+    stiffest = std::max(stiffest, channel);
+  }
+  if (stiffest > tissue.tangential_stiffness()) {
+    tissue.contact.tangential_stiffness = stiffest;
+    tissue.contact.friction = std::max(tissue.contact.friction, 1.0);  // also where nothing rubs outside
+  }
+  return tissue;
+}
+
 haptics::StabilityCheck stability_of(const Scene& scene, const DeviceSetup& device,
                                      const model::TissueParameters& tissue, double variation,
                                      const haptics::DeviceMechanics& mechanics) {
-  return haptics::check_stability(tissue,
+  return haptics::check_stability(with_channel(scene, tissue),
                                   {.direction = direction_of(scene),
                                    .period = 1.0 / scene.rate_Hz,
                                    .max_force = scene.safety.max_force / device.force_scale,

@@ -36,6 +36,8 @@ const char* to_string(Task task) noexcept {
       return "pull";
     case Task::kPalpate:
       return "palpate";
+    case Task::kInsert:
+      return "insert";
     case Task::kPress:
       break;
   }
@@ -43,7 +45,7 @@ const char* to_string(Task task) noexcept {
 }
 
 std::optional<Task> find_task(std::string_view name) noexcept {
-  for (const Task task : {Task::kPress, Task::kPull, Task::kPalpate}) {
+  for (const Task task : {Task::kPress, Task::kPull, Task::kPalpate, Task::kInsert}) {
     if (name == to_string(task)) return task;
   }
   return std::nullopt;

@@ -217,7 +217,7 @@ void LocatedString::fail(const std::string& want) const {
 
 Task parse_task(const LocatedString& stated) {
   if (const auto task = find_task(stated.value)) return *task;
-  stated.fail("must be press, pull or palpate");
+  stated.fail("must be press, pull, palpate or insert");
 }
 
 OrganFrame parse_organ_frame(const LocatedString& stated) {

@@ -1,8 +1,10 @@
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/base/text.h"
+#include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
 #include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
@@ -45,6 +47,35 @@ model::RelaxationTerms read_relaxation(const TomlTable& table) {
   return terms;
 }
 
+std::vector<model::TissueLayer> read_layers(const TomlTable& table) {
+  std::vector<model::TissueLayer> layers;
+  const std::vector<TomlTable> entries = table.tables("layer");
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const TomlTable& entry = entries[i];
+    std::vector<std::string> keys{"name", model::kLayerThicknessKey};
+    for (const model::LayerField& field : model::kLayerFields) keys.emplace_back(field.key);
+    entry.allow_only(keys);
+    if (i == model::kMaxTissueLayers) {
+      entry.fail("name", "one layer too many, must be at most " + std::to_string(model::kMaxTissueLayers) +
+                             " [[tissue.layer]]");
+    }
+    model::TissueLayer layer;
+    layer.name = entry.text("name", kLongestName).value_or("layer " + std::to_string(i + 1));
+    if (i + 1 < entries.size()) {
+      layer.thickness = entry.required_number(model::kLayerThicknessKey, kPositive) * kMillimetre;
+    } else if (entry.number(model::kLayerThicknessKey)) {
+      entry.fail(model::kLayerThicknessKey, "the last layer has no end: leave it out, or add a layer below");
+    }
+    for (const model::LayerField& field : model::kLayerFields) {
+      const std::optional<double> value =
+          field.required ? entry.required_number(field.key) : entry.number(field.key);
+      layer.*field.at = value.value_or(0.0) * field.unit.si;
+    }
+    layers.push_back(std::move(layer));
+  }
+  return layers;
+}
+
 std::vector<std::string> keys_of(std::string_view section) {
   std::vector<std::string> keys;
   for (const model::TissueField& field : model::kTissueFields) {
@@ -76,13 +107,14 @@ std::optional<model::SourceParameters> read_source(const TomlTable& table,
 model::TissueParameters read_parameters(const TomlTable& table, const std::string& default_name) {
   model::TissueParameters tissue;
   std::vector<std::string> keys = keys_of("");
-  keys.insert(keys.end(), {"name", "law", "relaxation"});
+  keys.insert(keys.end(), {"name", "law", "relaxation", "layer"});
   for (const model::TissueSection& section : model::kTissueSections) keys.emplace_back(section.key);
   table.allow_only(keys);
   tissue.name = table.text("name", kLongestName).value_or(default_name);
   tissue.law = read_law(table);
   read_numbers(table, "", tissue);
   tissue.relaxation = read_relaxation(table);
+  tissue.layers = read_layers(table);
   for (const model::TissueSection& section : model::kTissueSections) {
     const std::optional<TomlTable> below = table.table(section.key);
     if (!below) continue;
@@ -153,6 +185,14 @@ std::string to_toml(const model::TissueParameters& tissue) {
     out += "[[tissue.relaxation]]\n";
     line("share", real(term.g));
     line("time_s", real(term.tau));
+  }
+  for (const model::TissueLayer& layer : tissue.layers) {
+    out += "[[tissue.layer]]\n";
+    line("name", quoted(layer.name));
+    if (std::isfinite(layer.thickness)) line(model::kLayerThicknessKey, real(layer.thickness / kMillimetre));
+    for (const model::LayerField& field : model::kLayerFields) {
+      if (field.required || layer.*field.at != 0.0) line(field.key, real(layer.*field.at / field.unit.si));
+    }
   }
   for (const model::TissueSection& section : model::kTissueSections) {
     const bool is_source = section.key == model::kSourceSection;

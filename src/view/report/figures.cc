@@ -156,6 +156,54 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
   return drawn(figure, script, {data, way.data});
 }
 
+Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene, const std::filesystem::path& file) {
+  PlotData in{"in.dat", {}};
+  PlotData out{"out.dat", {}};
+  PlotData tip{"tip.dat", {}};
+  std::string punctures;
+  const std::size_t stride = stride_for(hand.rows.size(), kMaxPoints);
+  bool turned = false;  // once the shaft has slipped outwards
+  std::size_t marks = 0;
+  for (std::size_t i = 0; i < hand.rows.size(); ++i) {
+    const haptics::TickRow& row = hand.rows[i];
+    const auto phase = static_cast<contact::Phase>(row.phase);
+    if (phase != contact::Phase::kPress && phase != contact::Phase::kInsert) continue;
+    const double way = -row.distance * kMilli;
+    turned = turned || row.slip < 0;
+    if ((row.events & haptics::kPuncture) != 0 && row.layer > 0 && row.layer <= scene.tissue.layers.size()) {
+      punctures += vertical(way, one_line(scene.tissue.layers[row.layer - 1].name),
+                            shortest(0.95 - 0.06 * static_cast<double>(marks++ % 4)));
+    }
+    if (i % stride != 0) continue;
+    const double along =
+        row.force[0] * row.normal[0] + row.force[1] * row.normal[1] + row.force[2] * row.normal[2];
+    (turned ? out : in).rows.push_back({way, along - row.noise_force});
+    if (!turned && phase == contact::Phase::kInsert) tip.rows.push_back({way, row.tip_force});
+  }
+  std::string script = preamble(540, 440, kKey);
+  script +=
+      "set key bottom right\nset xlabel 'way of the tip from the entry (mm)' offset 0,0.4\n"
+      "set ylabel 'force along the needle (N)' offset 1\nset xzeroaxis lt 1 lw 1 lc rgb '#777777'\n" +
+      punctures;
+  std::vector<std::string> curves;
+  const auto line = [&curves](const PlotData& data, const char* colour, const char* title) {
+    if (data.rows.empty()) return;
+    curves.push_back("'" + data.name + "' using 1:2 with lines lw 2 lc " + rgb(colour) + " title '" + title +
+                     "'");
+  };
+  line(tip, kGrey, "on the tip");
+  line(in, kBlue, "going in");
+  line(out, kOrange, "coming out");
+  script += plot(curves);
+  Figure figure{file, "Force along the needle over the way of its tip"};
+  figure.caption =
+      "Force of the tissue on the hand along the needle, against the insertion; below zero the tissue holds "
+      "the needle back. "
+      "Dashed: punctures, with the layer that the tip enters. The distance between the lines is friction on "
+      "the shaft.";
+  return drawn(figure, script, {in, out, tip});
+}
+
 Figure draw_law(const HandAnalysis& hand, const record::Recording& recording, model::Direction direction,
                 const std::filesystem::path& file) {
   const scene::Scene& scene = recording.scene;

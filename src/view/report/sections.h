@@ -19,6 +19,9 @@ namespace palpate::report {
 /// Depth and force over time; for a moving organ its motion between them.
 [[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
                                     const std::filesystem::path& file);
+/// Force along a needle over the way of its tip, with the punctures.
+[[nodiscard]] Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene,
+                                 const std::filesystem::path& file);
 [[nodiscard]] Figure draw_law(const HandAnalysis& hand, const record::Recording& recording,
                               model::Direction direction, const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& scene,

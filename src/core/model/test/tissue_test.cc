@@ -18,8 +18,9 @@ namespace {
 constexpr double kTissueInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTissueNaN = std::numeric_limits<double>::quiet_NaN();
 
-const std::vector<std::string> kPresetNames{"gallbladder", "heart",         "liver",
-                                            "kidney",      "liver-ex-vivo", "heart-muscle"};
+const std::vector<std::string> kPresetNames{
+    "gallbladder",  "heart",           "liver",         "kidney", "liver-ex-vivo",
+    "heart-muscle", "skin-fat-muscle", "liver-capsule", "vein",   "epidural"};
 
 // One bad value of one field, and its form in the message.
 struct BadValue {

@@ -40,7 +40,7 @@ TEST(Export, ColumnsHaveTheDocumentedOrderThenTheDevices) {
             "contact_z_m,normal_x,normal_y,normal_z,tick_ns,late_ns,status,fault,energy_J,engagement,"
             "device_x_m,device_y_m,device_z_m,device_qw,device_qx,device_qy,device_qz,device_vx_m_per_s,"
             "device_vy_m_per_s,device_vz_m_per_s,device_gripper,device_age_s,device_buttons,device_valid,"
-            "device_fault,events,stimulus_force_N\n");
+            "device_fault,events,stimulus_force_N,layer,inserted_mm,slip,tip_force_N\n");
 }
 
 TEST(Export, EveryValueStandsInItsColumnInShortestForm) {
@@ -76,6 +76,7 @@ TEST(Export, EveryValueStandsInItsColumnInShortestForm) {
   want.push_back(shortest(row.device_age));
   for (const char* text : {"12", "1", "2", "1"}) want.emplace_back(text);
   want.push_back(shortest(row.stimulus_force));
+  for (const char* text : {"0", "0", "0", "0"}) want.emplace_back(text);  // no needle
   EXPECT_EQ(lines[1], want);
 }
 

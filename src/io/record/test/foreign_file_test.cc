@@ -223,7 +223,7 @@ TEST(ForeignFile, ARowWithAPhaseOrFaultThatDoesNotExistIsRefused) {
       write_rows(id, rows);
     }));
   };
-  EXPECT_THAT(refusal(&haptics::TickRow::phase, 3), HasSubstr("row 4 of /ticks has the phase 3"));
+  EXPECT_THAT(refusal(&haptics::TickRow::phase, 4), HasSubstr("row 4 of /ticks has the phase 4"));
   EXPECT_THAT(refusal(&haptics::TickRow::fault, 200), HasSubstr("row 4 of /ticks has the fault 200"));
   EXPECT_THAT(refusal(&haptics::TickRow::device_fault, 257),
               HasSubstr("row 4 of /ticks has the device_fault 257"))

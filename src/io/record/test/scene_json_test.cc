@@ -42,11 +42,25 @@ std::string refusal(const std::string& text) {
   return "no refusal";
 }
 
+TEST(SceneJson, ANeedleAndItsLayersComeBackAsTheyWere) {
+  scene::Scene scene = sample_setup(1);
+  scene.tissue.layers = model::tissue_preset("epidural").layers;
+  scene.tools[0].needle = geometry::Needle{Vec3(1e-3, 0, 80e-3), Vec3::UnitX(), 0.7e-3, 80e-3};
+  const scene::Scene read = scene_from_json(scene_to_json(scene));
+  EXPECT_EQ(read.tissue.layers, scene.tissue.layers);
+  ASSERT_TRUE(read.tools[0].needle.has_value());
+  EXPECT_EQ(read.tools[0].needle->tip, scene.tools[0].needle->tip);
+  EXPECT_EQ(read.tools[0].needle->axis, scene.tools[0].needle->axis);
+  EXPECT_EQ(read.tools[0].needle->diameter, 0.7e-3);
+  EXPECT_EQ(read.tools[0].needle->length, 80e-3);
+}
+
 TEST(SceneJson, EveryWordThatIsNotKnownIsRefusedInTheSceneWithWhatWouldBeRight) {
   EXPECT_THAT(refusal(changed(R"("law": "smooth")", R"("law": "smoovh")")),
               AllOf(StartsWith("scene: law"), HasSubstr("smoovh"), HasSubstr("layered or smooth")));
-  EXPECT_THAT(refusal(changed(R"("task": "pull")", R"("task": "push")")),
-              AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press, pull or palpate")));
+  EXPECT_THAT(
+      refusal(changed(R"("task": "pull")", R"("task": "push")")),
+      AllOf(StartsWith("scene: task"), HasSubstr("push"), HasSubstr("press, pull, palpate or insert")));
   EXPECT_THAT(refusal(changed(R"("kind": "heartbeat")", R"("kind": "hiccup")")),
               AllOf(StartsWith("scene: organ.motion[0].kind"), HasSubstr("hiccup"),
                     HasSubstr("breathing or heartbeat")));

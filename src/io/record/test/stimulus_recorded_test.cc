@@ -149,10 +149,10 @@ void remove_stimulus(const std::filesystem::path& path) {
   H5Dread(ticks, in_memory.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data());
   H5Dclose(ticks);
   H5Ldelete(file, "ticks", H5P_DEFAULT);
-  const std::size_t bytes = sizeof(haptics::TickRow) - sizeof(double);
+  const std::size_t bytes = offsetof(haptics::TickRow, stimulus_force);
   const hid_t old = H5Tcreate(H5T_COMPOUND, bytes);
   for (const Column& column : tick_columns()) {
-    if (column.offset == offsetof(haptics::TickRow, stimulus_force)) continue;
+    if (column.offset >= offsetof(haptics::TickRow, stimulus_force)) continue;  // and the later ones
     const auto member = static_cast<unsigned>(H5Tget_member_index(in_memory.id(), column.name));
     const hid_t type = H5Tget_member_type(in_memory.id(), member);
     EXPECT_GE(H5Tinsert(old, column.name, column.offset, type), 0) << column.name;

@@ -62,6 +62,50 @@ TEST(Load, TaskPullAloneIsTheHeart) {
   EXPECT_EQ(scene.tools[0].name, "straight-forceps");
 }
 
+TEST(Load, TaskInsertAloneIsANeedleInABlockWithLayers) {
+  Overrides request;
+  request.task = "insert";
+  const scene::Scene scene = load(request);
+  EXPECT_EQ(scene.organ_name, "box");
+  ASSERT_TRUE(scene.tools.at(0).needle.has_value());
+  EXPECT_EQ(scene.tools[0].needle->tip, Vec3(0.0, 0.0, 90e-3));
+  EXPECT_EQ(scene.tools[0].needle->diameter, 1.2e-3);
+  ASSERT_EQ(scene.tissue.layers.size(), 3U);
+  EXPECT_EQ(scene.tissue.layers[0].name, "skin");
+  EXPECT_EQ(scene.tissue.layers[0].thickness, 2e-3);
+}
+
+TEST(Load, TaskInsertWithoutANeedleOrWithoutLayersIsRefused) {
+  Overrides request;
+  request.task = "insert";
+  request.tools = {"sphere:3"};
+  EXPECT_THAT(error_in(request), HasSubstr("tool \"sphere:3\" is no needle, which task insert needs"));
+  request.tools = {"needle:14G,50,pencil"};
+  request.tissue = "liver";
+  EXPECT_THAT(error_in(request), AllOf(HasSubstr("--tissue: tissue 'liver' has no [[tissue.layer]]"),
+                                       HasSubstr("skin-fat-muscle, liver-capsule, vein or epidural")));
+}
+
+TEST(Load, ANeedleThatPressesATissueWithoutLayersIsNoted) {
+  Overrides request;
+  request.tools = {"needle"};
+  const std::vector<std::string> remarks = load(request).remarks;
+  EXPECT_THAT(remarks, testing::Contains(HasSubstr("the needle presses and does not go in")));
+}
+
+TEST(Load, ANeedleOfAnUnknownSizeLengthOrTipIsRefusedWithWhatWouldBeRight) {
+  Overrides request;
+  for (const auto& [name, must] : std::vector<std::pair<std::string, std::string>>{
+           {"needle:24G", "must be a diameter of 0.3 to 3.4 mm, or a gauge: 10, 11"},
+           {"needle:5", "must be a diameter of 0.3 to 3.4 mm"},
+           {"needle:18G,5", "the length \"5\" must be 10 to 300 mm"},
+           {"needle:18G,90,sharp", "the tip \"sharp\" must be bevel, pencil or tuohy"},
+           {"needle:18G,90,bevel,1", "\"1\" is one part too many"}}) {
+    request.tools = {name};
+    EXPECT_THAT(error_in(request), HasSubstr(must)) << name;
+  }
+}
+
 TEST(Load, TissueDefaultsToTheOrgansOwnThenToTheTasks) {
   Overrides request;
   request.organ = "heart";
@@ -189,7 +233,8 @@ TEST(Load, RefusesBadFlagsByTheirName) {
     change(request);
     return error_in(request);
   };
-  EXPECT_EQ(with([](Overrides& r) { r.task = "cut"; }), "--task = \"cut\": must be press, pull or palpate");
+  EXPECT_EQ(with([](Overrides& r) { r.task = "cut"; }),
+            "--task = \"cut\": must be press, pull, palpate or insert");
   EXPECT_THAT(with([](Overrides& r) { r.organ = "lung"; }),
               HasSubstr("--organ = \"lung\": must be gallbladder"));
   EXPECT_THAT(with([](Overrides& r) { r.organ = "./lung.stl"; }),

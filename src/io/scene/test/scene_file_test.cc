@@ -228,12 +228,12 @@ TEST(SceneFile, ShortensLongKeysAndValuesInErrors) {
   EXPECT_LT(scene_error_in("[" + word + "]\n[" + word + "]").size(), 400U);
   EXPECT_THAT(
       scene_error_in("[scene]\ntask = \"" + word.substr(0, 4096) + "\""),
-      HasSubstr(":2: scene.task = \"" + word.substr(0, 256) + "...\": must be press, pull or palpate"));
+      HasSubstr(":2: scene.task = \"" + word.substr(0, 256) + "...\": must be press, pull, palpate or insert"));
 }
 
 TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
   for (const auto& [line, want] : std::vector<std::pair<std::string, std::string>>{
-           {"[scene]\ntask = \"cut\"", ":6: scene.task = \"cut\": must be press, pull or palpate"},
+           {"[scene]\ntask = \"cut\"", ":6: scene.task = \"cut\": must be press, pull, palpate or insert"},
            {"[scene]\ntask = 1", ":6: scene.task = 1: must be a text in quotes"},
            {"[scene]\nrate_Hz = 0", ":6: scene.rate_Hz = 0: must be a number >= 100 and <= 20000"},
            {"[scene]\nrate_Hz = -1000", ":6: scene.rate_Hz = -1000: must be a number >= 100"},

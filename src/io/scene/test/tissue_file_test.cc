@@ -1,3 +1,5 @@
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -278,6 +280,46 @@ TEST(TissueFile, WrittenTextReadsBackTheSame) {
 TEST(LoadTissue, TakesANameWithoutSlashOrEndingAsBuiltIn) {
   EXPECT_EQ(load_tissue("heart").name, "heart");
   EXPECT_THAT(error_of([] { (void)load_tissue("hart"); }), HasSubstr("gallbladder"));
+}
+
+TEST(TissueFile, LayersAreReadWrittenAndReadAgain) {
+  const TemporaryFolder folder;
+  const std::string layers =
+      "[[tissue.layer]]\nname = \"skin\"\nthickness_mm = 2\npuncture_force_N = 4.5\ncutting_force_N = 1\n"
+      "friction_N = 0.1\nfriction_N_per_mm = 0.05\nlateral_N_per_mm2 = 0.02\nrate_exponent = 0.3\n"
+      "[[tissue.layer]]\npuncture_force_N = 0\ncutting_force_N = 0.4\n";
+  const model::TissueParameters tissue = read_tissue_file(folder.write("a.toml", kRequired + layers));
+  ASSERT_EQ(tissue.layers.size(), 2U);
+  const model::TissueLayer& skin = tissue.layers[0];
+  EXPECT_EQ(skin.name, "skin");
+  EXPECT_EQ(skin.thickness, 2e-3);
+  EXPECT_EQ(skin.puncture_force, 4.5);
+  EXPECT_EQ(skin.friction_per_length, 50.0);
+  EXPECT_EQ(skin.lateral_stiffness, 0.02 * 1e6);
+  EXPECT_EQ(skin.rate_exponent, 0.3);
+  EXPECT_EQ(tissue.layers[1].name, "layer 2");
+  EXPECT_EQ(tissue.layers[1].thickness, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(read_tissue_file(folder.write("b.toml", to_toml(tissue))).layers, tissue.layers);
+}
+
+TEST(TissueFile, ALayerThatCannotBeIsRefusedByItsLine) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& layers) {
+    return error_of([&] { (void)read_tissue_file(folder.write("a.toml", kRequired + layers)); });
+  };
+  const std::string one = "[[tissue.layer]]\npuncture_force_N = 1\ncutting_force_N = 1\n";
+  EXPECT_THAT(refusal(one + one), HasSubstr("tissue.layer.thickness_mm"));
+  EXPECT_THAT(refusal(one + "thickness_mm = 3\n"), HasSubstr("the last layer has no end"));
+  EXPECT_THAT(refusal("[[tissue.layer]]\npuncture_force_N = -1\ncutting_force_N = 1\n"),
+              HasSubstr("layer 1: puncture_force_N = -1"));
+  EXPECT_THAT(refusal("[[tissue.layer]]\ncutting_force_N = 1\n"), HasSubstr("puncture_force_N"));
+  EXPECT_THAT(refusal(one + "colour = 3\n"), HasSubstr("colour"));
+  std::string many;
+  for (int i = 0; i < 9; ++i) {
+    many += "[[tissue.layer]]\npuncture_force_N = 1\ncutting_force_N = 1\n" +
+            std::string(i < 8 ? "thickness_mm = 1\n" : "");
+  }
+  EXPECT_THAT(refusal(many), HasSubstr("at most 8"));
 }
 
 }  // namespace
