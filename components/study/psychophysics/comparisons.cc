@@ -63,24 +63,6 @@ InvertedU inverted_u(std::span<const std::vector<double>> d_primes, std::span<co
   return {paired_t(rise), paired_t(fall)};
 }
 
-YesNoComparison compare_yes_no(std::span<const YesNoPair> people) {
-  std::vector<double> d_primes;
-  std::vector<double> criteria;
-  bool reliable = true;
-  for (const YesNoPair& person : people) {
-    const Sensitivity off = yes_no(person.off_hits, person.off_false_alarms);
-    const Sensitivity with = yes_no(person.with_hits, person.with_false_alarms);
-    reliable = reliable && off.reliable && with.reliable;
-    d_primes.push_back(with.d_prime - off.d_prime);
-    criteria.push_back(yes_no(person.with_hits, person.with_false_alarms, true).criterion -
-                       yes_no(person.off_hits, person.off_false_alarms, true).criterion);
-  }
-  YesNoComparison found;
-  found.criterion = paired_t(criteria);
-  if (reliable) found.d_prime = paired_t(d_primes);
-  return found;
-}
-
 std::vector<std::vector<int>> williams_square(int conditions) {
   if (conditions < 1) throw ParameterError("conditions", conditions, ">= 1");
   std::vector<int> first;  // 0, n - 1, 1, n - 2, 2, ...: successive differences are all different

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,22 +37,6 @@ struct InvertedU {
 /// @throws ParameterError for a person with another number of levels, or an index out of range
 [[nodiscard]] InvertedU inverted_u(std::span<const std::vector<double>> d_primes,
                                    std::span<const std::size_t> middle);
-
-/// One person's answers in a yes/no task without and with noise.
-struct YesNoPair {
-  Count off_hits, off_false_alarms, with_hits, with_false_alarms;
-};
-
-/// Effect of the noise in a yes/no task. It never shows that noise helps: two intervals are needed for that.
-struct YesNoComparison {
-  std::optional<PairedTest> d_prime;  // change; empty when somebody's rates are extreme: no statement
-  PairedTest criterion;               // change of c, log-linear
-  /// Whether "yes" became more or less frequent for a reason other than sensitivity.
-  [[nodiscard]] bool criterion_moved() const noexcept { return criterion.two_sided <= 0.05; }
-};
-
-/// [setup] @throws ParameterError for fewer than two people or invalid counts
-[[nodiscard]] YesNoComparison compare_yes_no(std::span<const YesNoPair> people);
 
 /// [setup] Orders of the conditions 0 to n - 1, one row for each person in turn: n rows for an even n, 2 n
 /// for an odd n. Each condition is equally often at each position, and equally often after each of the rest

@@ -69,15 +69,6 @@ TEST(Comparisons, InvalidLevelsAreRejected) {
   EXPECT_THROW((void)inverted_u(uneven, std::vector<std::size_t>{1}), ParameterError);
 }
 
-TEST(Comparisons, SensitivityIsNotComparedWithExtremeRates) {
-  std::vector<YesNoPair> people(3, YesNoPair{{40, 20}, {40, 8}, {40, 30}, {40, 16}});
-  people[0].with_hits.counted = 31;
-  EXPECT_TRUE(compare_yes_no(people).d_prime.has_value());
-  EXPECT_TRUE(compare_yes_no(people).criterion_moved());
-  people[1].off_false_alarms.counted = 1;
-  EXPECT_FALSE(compare_yes_no(people).d_prime.has_value());
-}
-
 TEST(Comparisons, WilliamsSquaresAreBalanced) {
   for (int n = 2; n <= 9; ++n) {
     const auto rows = williams_square(n);

@@ -151,41 +151,5 @@ TEST(GroupStudy, InvertedUIsNotClaimedWithoutStochasticResonance) {
   }
 }
 
-TEST(GroupStudy, FixedCriterionIsReportedAsAMovedCriterion) {
-  constexpr int kPeople = 16;
-  constexpr int kTrials = 40;
-  constexpr double kSignal = 0.65;  // below the criterion at 1
-  constexpr double kNoise = 0.35;
-  const Observer observer = make_observer("fixed-criterion");
-  const int groups = simulated(100, 1000);
-  int statements = 0;
-  int moved = 0;
-  for (int group = 0; group < groups; ++group) {
-    Random random(31, 0, static_cast<std::uint32_t>(group));
-    const auto count = [&](double signal, double noise) {
-      const double yes = probability_yes(observer, {signal, noise});
-      Count counts{kTrials, 0};
-      for (int i = 0; i < kTrials; ++i) counts.counted += random.uniform() < yes ? 1 : 0;
-      return counts;
-    };
-    std::vector<YesNoPair> people;
-    for (int person = 0; person < kPeople; ++person) {
-      YesNoPair pair;
-      pair.off_hits = count(kSignal, 0.0);
-      pair.off_false_alarms = count(0.0, 0.0);
-      pair.with_hits = count(kSignal, kNoise);
-      pair.with_false_alarms = count(0.0, kNoise);
-      people.push_back(pair);
-    }
-    const YesNoComparison found = compare_yes_no(people);
-    statements += found.d_prime.has_value() ? 1 : 0;
-    moved += found.criterion_moved() && found.criterion.mean < 0.0 ? 1 : 0;
-  }
-  print_figure("fixed criterion: statements about d'", static_cast<double>(statements) / groups);
-  print_figure("fixed criterion: criterion moved", static_cast<double>(moved) / groups);
-  EXPECT_EQ(statements, 0);
-  EXPECT_GE(moved, 0.96 * groups);
-}
-
 }  // namespace
 }  // namespace palpate::psychophysics
