@@ -1,8 +1,10 @@
 // `palpate serve` with clients of the live interface.
 #include <chrono>
 #include <csignal>
+#include <sstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -527,6 +529,38 @@ TEST(Serve, TheExampleInPythonStreamsAndMakesTheTissueStiffer) {
   const record::Recording recording = record::read_recording(folder / "run.h5");
   ASSERT_EQ(recording.changes.size(), 1U);
   EXPECT_EQ(recording.changes[0].tissue.k1, 36.0);
+}
+
+TEST(Serve, TheStimulusServerExampleGivesWhatItsSealedCodesSayAndLogsCodesAlone) {
+  const Folder folder;
+  Serve serve(folder, {"--device", "emulated", "--wait", "--record", "run.h5"});
+  LiveClient starter(serve.port());
+  starter.greet();
+  EXPECT_EQ(starter.ask(R"({"do": "start"})")["answer"], "start");
+  const std::string command = std::string("/usr/bin/python3 ") + PALPATE_EXAMPLES +
+                              "/python/stimulus_server.py " + (folder / "mine") + " --trials 2 --port " +
+                              std::to_string(serve.port()) + " > " + (folder / "said") + " 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << text_of(folder / "said");  // NOLINT(concurrency-mt-unsafe)
+  EXPECT_EQ(serve.end().exit_code, 0);
+  const std::string log = text_of(folder / "mine/trials.jsonl");
+  EXPECT_EQ(log.find("\"noise\""), std::string::npos) << log;
+  const json sealed = json::parse(text_of(folder / "mine/sealed.json"));
+  std::vector<haptics::ParameterUpdate> changes = record::read_recording(folder / "run.h5").changes;
+  ASSERT_EQ(changes.size(), 1U + 2 * 4U) << "off at first; on and off for each interval of two trials";
+  std::istringstream lines(log);
+  std::string line;
+  std::getline(lines, line);  // the session's
+  std::size_t next = 1;
+  while (std::getline(lines, line)) {
+    const json trial = json::parse(line);
+    for (std::size_t i = 0; i < 2; ++i, next += 2) {
+      EXPECT_EQ(changes[next].noise.enabled, sealed[trial["codes"][i].get<std::string>()] == "noise");
+      const double began = 1e-3 * static_cast<double>(changes[next].tick);
+      EXPECT_GE(began, trial["onsets_s"][i][0].get<double>());
+      EXPECT_LE(began, trial["onsets_s"][i][1].get<double>());
+    }
+  }
+  EXPECT_EQ(next, changes.size());
 }
 
 }  // namespace
