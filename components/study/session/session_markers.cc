@@ -3,7 +3,7 @@
 #include "core/base/text.h"
 #include "palpate/error.h"
 
-#include "study/session/session_events.h"
+#include "study/session/session_questions.h"
 
 namespace palpate::study {
 
