@@ -78,9 +78,9 @@ HdLibrary::HdLibrary(const std::string& file) {
     // message.
     if (library.is_missing) {
       throw InputError(fmt::format(
-          "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver, then "
-          "sudo ldconfig (docs/devices.md)",
-          file));
+          "device touch: {} is not installed: install 3D Systems' OpenHaptics and Touch Device Driver{} "
+          "(docs/devices.md)",
+          file, kIsWindows ? "" : ", then sudo ldconfig"));
     }
     throw InputError(
         fmt::format("device touch: {}: cannot be loaded ({}), must be OpenHaptics' library for this computer "
