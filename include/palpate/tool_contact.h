@@ -42,11 +42,12 @@ struct ToolInput {
 
 /// A needle in the tissue at one tick.
 struct InsertedNeedle {
-  std::uint32_t layer = 0;   // of the tip, from 1; 0: not in a layer
-  double length = 0.0;       // of the shaft in the tissue [m]
-  int slip = 0;              // 1: the shaft slips inwards, -1: outwards, 0: the tissue moves with it
-  double tip_force = 0.0;    // on the tip; the rest is friction on the shaft [N]
-  std::uint32_t events = 0;  // haptics::kPuncture, haptics::kExit
+  std::uint32_t layer = 0;  // of the tip, from 1; 0: not in a layer
+  double length = 0.0;      // of the shaft in the tissue [m]
+  int slip = 0;             // 1: the shaft slips inwards, -1: outwards, 0: the tissue moves with it
+  double tip_force = 0.0;   // on the tip; the rest is friction on the shaft [N]
+  bool punctured = false;   // a layer in this tick
+  bool left = false;        // the tissue in this tick, as it had come in
 };
 
 /// Force of the tissue on one tool at one tick, and the contact. World frame, SI units.

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "io/igtl/igtl_socket.h"
 #include "io/igtl/igtl_messages.h"
+#include "io/igtl/igtl_socket.h"
 
 namespace palpate::net {
 

@@ -49,8 +49,8 @@ void InclusionState::update(std::size_t index, double time) noexcept {
   }
   const double depth = one.depth - rise;
   now_[index] = {one.inclusion.centre_S + rise * one.outward_S, depth * depth,
-                 model::InclusionLaw(one.inclusion.radius, depth, one.inclusion.ratio),
-                 one.inclusion.radius, one.inclusion.ratio};
+                 model::InclusionLaw(one.inclusion.radius, depth, one.inclusion.ratio), one.inclusion.radius,
+                 one.inclusion.ratio};
 }
 
 }  // namespace palpate::contact

@@ -39,7 +39,6 @@
 #include "core/base/portable_math.h"
 #include "core/contact/contact_constants.h"
 #include "core/contact/state.h"
-#include "palpate/device.h"
 
 namespace palpate::contact {
 namespace {
@@ -178,7 +177,7 @@ void NeedleInsertion::enter(const Tick& tick, int layer, bool punctured) noexcep
   }
   const double cutting = tick.cutting_force(layer, tick.material(displacement_, direction_));
   surplus_ = std::max(0.0, bound - cutting);
-  if (punctured) state_.events |= haptics::kPuncture;
+  if (punctured) state_.punctured = true;
 }
 
 /// Cuts on by `way`, or up to the next membrane. @return the way cut [m]
@@ -276,7 +275,7 @@ void NeedleInsertion::slip_outwards(const Tick& tick, const model::Relaxation::L
   state_.slip = -1;
   if (way < whole || length_ > 0.0) return;
   release_at_once();
-  state_.events = haptics::kExit;
+  state_.left = true;
 }
 
 /// Force and torque of the springs across the shaft.
@@ -354,7 +353,7 @@ bool NeedleInsertion::try_puncture(const OrganSurface& surface, const ToolTissue
   tip_radius_ = contact->patch().tip_radius;
   radius_ = needle.diameter / 2.0;
   surplus_ = std::max(0.0, -force.dot(direction) - layers.front().cutting_force);
-  state_.events = haptics::kPuncture;
+  state_.punctured = true;
   return true;
 }
 
@@ -365,7 +364,7 @@ void NeedleInsertion::advance(const OrganSurface& surface, const ToolTissue& tis
   const double along = axis.dot(direction_);
   if (along < kLeastTurn) {
     release_at_once();
-    state_.events = haptics::kExit;
+    state_.left = true;
     return;
   }
   const Vec3 tip_S = tool_S * needle.tip;

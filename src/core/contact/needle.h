@@ -73,7 +73,7 @@ class NeedleInsertion final {
   [[nodiscard]] double radius() const noexcept { return radius_; }
   /// [rt] Of the law at that displacement.
   [[nodiscard]] const model::ContactResponse& response() const noexcept { return response_; }
-  /// [rt] Of the last advance(); `events` also after the needle has left.
+  /// [rt] Of the last advance(); `left` only after the needle has left.
   [[nodiscard]] const InsertedNeedle& state() const noexcept { return state_; }
   void clear_state() noexcept { state_ = {}; }
 

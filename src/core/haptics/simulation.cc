@@ -161,7 +161,9 @@ void fill_row(const SimulationWorld& world, const SimulationState& state, std::u
   row.fault = static_cast<std::uint32_t>(gate.fault);
   row.energy = gate.energy.tissue;
   row.engagement = force.gain;
-  copy_sample(sample, state.interval_events | result.needle.events, row);
+  const std::uint32_t of_needle =
+      (result.needle.punctured ? kPuncture : 0U) | (result.needle.left ? kExit : 0U);
+  copy_sample(sample, state.interval_events | of_needle, row);
 }
 
 }  // namespace

@@ -182,7 +182,7 @@ Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene, const st
   }
   std::string script = preamble(540, 440, kKey);
   script +=
-      "set key bottom right\nset xlabel 'way of the tip from the entry (mm)' offset 0,0.4\n"
+      "set key outside top center horizontal\nset xlabel 'way of the tip from the entry (mm)' offset 0,0.4\n"
       "set ylabel 'force along the needle (N)' offset 1\nset xzeroaxis lt 1 lw 1 lc rgb '#777777'\n" +
       punctures;
   std::vector<std::string> curves;

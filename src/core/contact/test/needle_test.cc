@@ -9,7 +9,6 @@
 
 #include "core/contact/test/rig.h"
 #include "palpate/builtin.h"
-#include "palpate/device.h"
 #include "palpate/units.h"
 
 namespace palpate::contact::test {
@@ -58,8 +57,8 @@ class NeedleRig {
     tip_ = tip;
     const Quat down = turn * Quat(0.0, 1.0, 0.0, 0.0);
     const ToolResult& result = rig_.tick({down, tip - down * Vec3(0, 0, kLength)});
-    punctures += (result.needle.events & haptics::kPuncture) != 0 ? 1 : 0;
-    exits += (result.needle.events & haptics::kExit) != 0 ? 1 : 0;
+    punctures += result.needle.punctured ? 1 : 0;
+    exits += result.needle.left ? 1 : 0;
     return result;
   }
   /// Straight to `goal` [m] of the tip's height at `speed` [m/s].
@@ -167,7 +166,7 @@ TEST(Needle, TheNextMembraneIsIndentedUntilItsForceAtTheDepthOfItsLayer) {
   int seen = 0;
   ToolResult last;
   needle.rig().each_tick([&](const ToolResult& result) {
-    if ((result.needle.events & haptics::kPuncture) != 0 && ++seen == 2) {
+    if (result.needle.punctured && ++seen == 2) {
       before = last.needle.length;
       force = last.force_W.z();
     }
@@ -191,7 +190,7 @@ TEST(Needle, ObliquelyTheLayerIsThickerByTheCosine) {
   double last = 0.0;
   int seen = 0;
   needle.rig().each_tick([&](const ToolResult& result) {
-    if ((result.needle.events & haptics::kPuncture) != 0 && ++seen == 2) second = last;
+    if (result.needle.punctured && ++seen == 2) second = last;
     last = result.needle.length;
   });
   for (double way = -5e-3; way < 60e-3; way += 5e-6) needle.at(way * along, turn);
@@ -228,7 +227,7 @@ TEST(Needle, OutOfTheFarSideItCutsNothingAndPunctureIsCounted) {
   int punctures = 0;
   for (double z = 5e-3; z > -60e-3; z -= 5e-6) {
     const ToolResult& result = rig.tick({Quat(0.0, 1.0, 0.0, 0.0), Vec3(0, 0, z + kLength)});
-    punctures += (result.needle.events & haptics::kPuncture) != 0 ? 1 : 0;
+    punctures += result.needle.punctured ? 1 : 0;
   }
   EXPECT_EQ(punctures, 2);
   EXPECT_EQ(rig.result().needle.layer, 0U);
@@ -306,7 +305,7 @@ double work_of_closed_path(const model::TissueParameters& tissue, unsigned seed,
       const Pose after = pose_at(tip + u * (goal - tip), angle + u * (goal_angle - angle));
       tick(after);
       sum += work(result, before, after);
-      if (punctures != nullptr) *punctures += (result.needle.events & haptics::kPuncture) != 0 ? 1 : 0;
+      if (punctures != nullptr) *punctures += result.needle.punctured ? 1 : 0;
       before = after;
     }
     tip = goal;

@@ -226,9 +226,9 @@ TEST(SceneFile, ShortensLongKeysAndValuesInErrors) {
               HasSubstr(":1: " + word.substr(0, 79) + "... = 1: unknown key"))
       << "a character is not cut in two";
   EXPECT_LT(scene_error_in("[" + word + "]\n[" + word + "]").size(), 400U);
-  EXPECT_THAT(
-      scene_error_in("[scene]\ntask = \"" + word.substr(0, 4096) + "\""),
-      HasSubstr(":2: scene.task = \"" + word.substr(0, 256) + "...\": must be press, pull, palpate or insert"));
+  EXPECT_THAT(scene_error_in("[scene]\ntask = \"" + word.substr(0, 4096) + "\""),
+              HasSubstr(":2: scene.task = \"" + word.substr(0, 256) +
+                        "...\": must be press, pull, palpate or insert"));
 }
 
 TEST(SceneFile, RefusesBadValuesAtTheirLineWithFieldAndValue) {
