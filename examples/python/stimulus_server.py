@@ -62,6 +62,8 @@ class Stimuli:
 
     def clock(self):
         """Offset of the run's clock from time.monotonic(), and half the shortest round trip, which bounds its error [s]."""
+        while self.client.ask('state')['state'] is None:  # the run has just begun
+            time.sleep(0.02)
         best = None
         for _ in range(20):
             before = time.monotonic()

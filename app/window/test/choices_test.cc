@@ -35,7 +35,7 @@ TEST(Choices, EachOrganIsOneNameWithItsDetails) {
 }
 
 TEST(Choices, EachToolIsOneNameWithItsDetails) {
-  EXPECT_THAT(tool_choices(), ElementsAre("curved-forceps", "straight-forceps"));
+  EXPECT_THAT(tool_choices(), ElementsAre("curved-forceps", "straight-forceps", "needle"));
   EXPECT_THAT(detail_choices("straight-forceps"), ElementsAre("", "-30k", "-300k"));
   EXPECT_THAT(detail_choices("sphere:5"), IsEmpty());
   EXPECT_EQ(parts_of("curved-forceps-30k").base, "curved-forceps");

@@ -61,15 +61,21 @@ std::vector<model::TissueLayer> read_layers(const TomlTable& table) {
     }
     model::TissueLayer layer;
     layer.name = entry.text("name", kLongestName).value_or("layer " + std::to_string(i + 1));
+    const auto checked = [&entry](const char* key, const model::FieldRange& range, double value) {
+      if (!range.contains(value)) entry.fail(key, "must be " + range.to_string());
+      return value;
+    };
     if (i + 1 < entries.size()) {
-      layer.thickness = entry.required_number(model::kLayerThicknessKey, kPositive) * kMillimetre;
+      const double thickness = entry.required_number(model::kLayerThicknessKey);
+      layer.thickness =
+          checked(model::kLayerThicknessKey, model::kLayerThicknessRange, thickness) * kMillimetre;
     } else if (entry.number(model::kLayerThicknessKey)) {
       entry.fail(model::kLayerThicknessKey, "the last layer has no end: leave it out, or add a layer below");
     }
     for (const model::LayerField& field : model::kLayerFields) {
       const std::optional<double> value =
           field.required ? entry.required_number(field.key) : entry.number(field.key);
-      layer.*field.at = value.value_or(0.0) * field.unit.si;
+      layer.*field.at = checked(field.key, field.range, value.value_or(0.0)) * field.unit.si;
     }
     layers.push_back(std::move(layer));
   }

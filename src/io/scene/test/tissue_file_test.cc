@@ -311,7 +311,7 @@ TEST(TissueFile, ALayerThatCannotBeIsRefusedByItsLine) {
   EXPECT_THAT(refusal(one + one), HasSubstr("tissue.layer.thickness_mm"));
   EXPECT_THAT(refusal(one + "thickness_mm = 3\n"), HasSubstr("the last layer has no end"));
   EXPECT_THAT(refusal("[[tissue.layer]]\npuncture_force_N = -1\ncutting_force_N = 1\n"),
-              HasSubstr("layer 1: puncture_force_N = -1"));
+              HasSubstr(":10: tissue.layer.puncture_force_N = -1: must be >= 0 and <= 1000"));
   EXPECT_THAT(refusal("[[tissue.layer]]\ncutting_force_N = 1\n"), HasSubstr("puncture_force_N"));
   EXPECT_THAT(refusal(one + "colour = 3\n"), HasSubstr("colour"));
   std::string many;
