@@ -53,6 +53,7 @@ typedef int32_t palpate_status;
 #define PALPATE_APPROACH 0
 #define PALPATE_PRESS 1
 #define PALPATE_PULL 2
+#define PALPATE_INSERT 3  // a needle in the tissue
 
 /// Cause of a hand's zero force (palpate_result.fault). A fault latches until palpate_reset_fault(). In
 /// palpate_sample.fault the program reports faults of its device with the same values.
@@ -104,7 +105,7 @@ typedef struct palpate_options {
   const char* scene_file;    // TOML (docs/file-formats.md)
   const char* scene_text;    // TOML text
   const char* scene_folder;  // folder of relative paths in scene_text; null: the working folder
-  const char* task;          // "press", "pull" or "palpate"; null: the scene's task
+  const char* task;          // "press", "pull", "palpate" or "insert"; null: the scene's task
   const char* record_file;   // file for every tick, CSV if it ends in .csv, else HDF5; null: no recording
   // 0: a recording that is too slow loses rows, which palpate_close() reports. 1: palpate_tick() waits for
   // the disk and is not [rt].
@@ -196,12 +197,12 @@ typedef struct palpate_result {
   // a surplus is reset to 0
   double energy;
   double engagement;      // gain of force and noise (force ramp), 0 .. 1
-  uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS or PALPATE_PULL
+  uint32_t phase;         // PALPATE_APPROACH, PALPATE_PRESS, PALPATE_PULL or PALPATE_INSERT
   uint32_t cutoff_layer;  // layer of the layered law; 0 without contact
   uint32_t saturated;     // 1: past the last layer, the force stays constant
   uint32_t status;        // bits, PALPATE_STARTED_INSIDE ...
   uint32_t fault;         // latched PALPATE_FAULT_...
-  uint32_t reserved;
+  uint32_t layer;         // of the tissue at a needle's tip, from 1; 0: in none
 } palpate_result;
 
 /// [rt] Computes the next haptic tick from one sample per hand, and writes one result per hand. Ticks count

@@ -139,6 +139,7 @@ void palpate_simulation::give_result(std::size_t hand, palpate_result& result) c
   result.gripper = row.gripper;
   result.energy = row.energy;
   result.engagement = row.engagement;
+  result.layer = static_cast<std::uint32_t>(row.layer);
   result.phase = row.phase;
   result.cutoff_layer = row.cutoff_layer;
   result.saturated = row.saturated;

@@ -12,7 +12,7 @@ namespace Palpate
         public string SceneText;
         /// <summary>Folder of relative paths in SceneText; null: the working folder.</summary>
         public string SceneFolder;
-        /// <summary>"press", "pull" or "palpate"; null: the scene's task.</summary>
+        /// <summary>"press", "pull", "palpate" or "insert"; null: the scene's task.</summary>
         public string Task;
         /// <summary>File for a recording of every tick; null: none.</summary>
         public string RecordFile;

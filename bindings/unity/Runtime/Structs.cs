@@ -53,7 +53,9 @@ namespace Palpate
     {
         Approach = 0,
         Press = 1,
-        Pull = 2
+        Pull = 2,
+        /// <summary>A needle in the tissue.</summary>
+        Insert = 3
     }
 
     /// <summary>Bits of Result.Status.</summary>
@@ -190,7 +192,8 @@ namespace Palpate
         public ResultStatus Status;
         /// <summary>Latched.</summary>
         public Fault Fault;
-        internal uint Reserved;
+        /// <summary>Of the tissue at a needle's tip, from 1; 0: in none.</summary>
+        public uint Layer;
     }
 
     /// <summary>Poses at the tick of the surface, in the world frame.</summary>

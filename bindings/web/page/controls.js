@@ -277,6 +277,7 @@ export class Controls {
     const mm = metres => `${(1e3 * metres).toFixed(1)} mm`;
     const {phase, depth, distance, deviceForce, engagement} = result;
     const words = phase === 1 ? `Pressing, ${mm(depth)} deep` : phase === 2 ? `Pulling, stretched ${mm(depth)}`
+      : phase === 3 ? `Needle inside, its tip ${mm(-distance)} from the entry`
       : distance < 0 ? 'Inside the organ: move out first' : `${mm(distance)} from the tissue`;
     const ramp = mode === 'haply' && engagement < 1 ? `. Force at ${Math.round(100 * engagement)} %: keep still outside the tissue` : '';
     byId('state').textContent = words + ramp + (parked ? '. Parked: F brings the tool back' : '');

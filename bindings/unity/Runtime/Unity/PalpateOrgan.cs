@@ -20,7 +20,7 @@ namespace Palpate
         [Tooltip("Folder of relative paths in the scene. Empty: the working folder.")]
         public string sceneFolder = "";
 
-        [Tooltip("press, pull or palpate. Empty: the scene's task.")]
+        [Tooltip("press, pull, palpate or insert. Empty: the scene's task.")]
         public string task = "";
 
         [Tooltip("One component per hand. A missing one: a scripted motion.")]
