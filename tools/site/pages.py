@@ -14,7 +14,7 @@ SECTIONS = (
     ('Start', ('README.md', 'docs/start.md', 'docs/install.md', 'docs/windows.md', 'docs/doors.md', 'docs/first-organ.md', 'docs/first-device.md',
                'docs/first-tissue.md')),
     ('Use', ('docs/file-formats.md', 'docs/odd-data.md', 'api/commands.md', 'docs/window.md', 'docs/devices.md', 'docs/organs.md',
-             'docs/lumps.md', 'docs/tissues.md', 'docs/fitting.md', 'docs/sweeps.md', 'docs/photographs.md', 'docs/safety.md', 'docs/realtime.md',
+             'docs/lumps.md', 'docs/needle.md', 'docs/tissues.md', 'docs/fitting.md', 'docs/sweeps.md', 'docs/photographs.md', 'docs/safety.md', 'docs/realtime.md',
              'docs/openigtlink.md', 'docs/live-interface.md')),
     ('Embed', ('docs/python.md', 'api/python.md', 'docs/c-interface.md', 'api/palpate.h.md', 'examples/cxx/README.md',
                'examples/c/README.md', 'examples/README.md')),
