@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(std::string(error.what()).find_first_of("\r\n") == std::string::npos,
                   "a refusal is one line", error.what());
     const auto answer = nlohmann::json::parse(net::error_text(reference, error));
-    fuzz::require(answer["error"]["code"] == error.code(), "an error can be told", error.what());
+    fuzz::require(answer["error"]["code"] == error.code(), "an error has its code", error.what());
     return 0;
   }
   (void)nlohmann::json::parse(net::answer_text(reference, nlohmann::ordered_json::object()));

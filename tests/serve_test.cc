@@ -1,5 +1,6 @@
 // `palpate serve` with clients of the live interface.
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <sstream>
 #include <string>
@@ -499,7 +500,7 @@ TEST(Serve, WhoMayConnectIsSaidByFlagsAndBadOnesAreRefusedBeforeAnythingIsPlayed
   has(refusal({"--organ", "lung"}), "lung");
 }
 
-TEST(Serve, ATokenFromAFileIsAskedForAndNeverTold) {
+TEST(Serve, ATokenFromAFileIsAskedForAndNeverPrinted) {
   const Folder folder;
   std::ofstream(folder / "token") << "a-secret-of-the-laboratory\n";
   chmod((folder / "token").c_str(), 0600);
@@ -555,9 +556,12 @@ TEST(Serve, TheStimulusServerExampleGivesWhatItsSealedCodesSayAndLogsCodesAlone)
     const json trial = json::parse(line);
     for (std::size_t i = 0; i < 2; ++i, next += 2) {
       EXPECT_EQ(changes[next].noise.enabled, sealed[trial["codes"][i].get<std::string>()] == "noise");
-      const double began = 1e-3 * static_cast<double>(changes[next].tick);
-      EXPECT_GE(began, trial["onsets_s"][i][0].get<double>());
-      EXPECT_LE(began, trial["onsets_s"][i][1].get<double>());
+      const auto tick = [&](std::size_t k) {
+        return std::llround(1000.0 * trial["onsets_s"][i][k].get<double>());
+      };
+      const auto began = static_cast<long long>(changes[next].tick);
+      EXPECT_GE(began, tick(0));
+      EXPECT_LE(began, tick(1));
     }
   }
   EXPECT_EQ(next, changes.size());

@@ -34,7 +34,7 @@ def arguments(document):
 
 
 def fits(value, kind):
-    """Whether a value may have the type `kind` of a signature. True if this cannot be told."""
+    """Whether a value may have the type `kind` of a signature. True where the type does not say."""
     words = set(re.findall(r'\w+', kind))
     if value is None:
         return 'Optional' in words

@@ -367,9 +367,10 @@ void refuse_unless_plausible(const Best& best, const std::string& name) {
   constexpr double kStandsOut = 2.5;       // times the residual of an edge; about 1.5 for pure noise
   const Candidate& line = best.line;
   if (line.contrast < kLeastContrast || line.contrast < kStandsOut * line.residual || line.share < 0.5) {
-    throw InputError(name +
-                     ": no surface line from the left to the right side can be told from what is around it; "
-                     "must show the tissue's outline against a plain background, from the side");
+    throw InputError(
+        name +
+        ": no surface line from the left to the right side differs enough from what is around it; "
+        "must show the tissue's outline against a plain background, from the side");
   }
 }
 

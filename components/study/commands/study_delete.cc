@@ -40,16 +40,19 @@ void print_plan(const study::StudyFolder& study, const std::string& id) {
   }
   std::cout << fmt::format(
       "participants/{}.jsonl becomes one line with the id, the date and the reason.\n"
-      "Number {} of {} stays empty: nobody else gets it, and the orders of the others do not change.\n"
-      "Not reached: exports (CSV, BIDS), reports and copies made earlier, backups, traces on the disk.\n",
+      "Nobody else gets number {} of {}, and the orders of the others do not change.\n"
+      "The program cannot delete earlier exports (CSV, BIDS), reports, copies and backups, or traces on the "
+      "disk.\n",
       id, study.number_of(id) + 1, study.ids.size());
   if (linked > 0) {
     std::cout << fmt::format("{} of the files {} elsewhere, too, as a BIDS export links them.\n", linked,
                              linked == 1 ? "is" : "are");
   }
   for (const std::string& file : study::verify_folder(study)) {
-    if (!study::is_leftover(study, file))
-      std::cout << "Not looked at, no part of the study: " << file << '\n';
+    if (!study::is_leftover(study, file)) {
+      std::cout << file << " is not a file of the study: look yourself whether it holds data of " << id
+                << ".\n";
+    }
   }
 }
 

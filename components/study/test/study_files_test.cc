@@ -279,9 +279,11 @@ TEST(StudyDeleteCommand, ListsFilesAsksAndIsNamedByEveryLaterCommand) {
   const std::string plan = text_of(folder / "out.txt");
   EXPECT_THAT(plan, testing::StartsWith("2 files with data of " + id + ":\n  participants/" + id +
                                         ".jsonl\n  recordings/" + id + "-s1-b01.h5\n"));
-  EXPECT_THAT(plan, HasSubstr("Number 1 of 2 stays empty"));
-  EXPECT_THAT(plan, HasSubstr("Not reached: exports (CSV, BIDS)"));
-  EXPECT_THAT(plan, HasSubstr("Not looked at, no part of the study: trials.csv\n"));
+  EXPECT_THAT(plan, HasSubstr("Nobody else gets number 1 of 2"));
+  EXPECT_THAT(plan, HasSubstr("cannot delete earlier exports (CSV, BIDS)"));
+  EXPECT_THAT(
+      plan,
+      HasSubstr("\ntrials.csv is not a file of the study: look yourself whether it holds data of " + id));
   EXPECT_EQ(typed(id), 0) << text_of(folder / "err.txt");
   EXPECT_THAT(text_of(folder / "err.txt"), HasSubstr("1 person's data deleted on request (" + id));
 

@@ -189,7 +189,7 @@ TEST(IgtlServer, AFaultIsReportedInWords) {
     EXPECT_THAT(status->GetStatusString(), HasSubstr("the force stays zero until it is reset"));
     return;
   }
-  ADD_FAILURE() << "no fault was told";
+  ADD_FAILURE() << "no message of a fault came";
 }
 
 TEST(IgtlServer, ASecondRunIsShownToTheSameClientsWithoutAnythingOfTheFirst) {

@@ -439,7 +439,7 @@ TEST_F(Served, ALateAnswerReachesItsAskerAndAnEventReachesAll) {
   host_.alarm();
   EXPECT_EQ(one.hear().value_or(json())["event"], "fault");
   EXPECT_EQ(two.hear().value_or(json())["event"], "fault") << "and no answer of another's";
-  EXPECT_EQ(stranger.greet()["answer"], "hello") << "who has not said hello is told no events";
+  EXPECT_EQ(stranger.greet()["answer"], "hello") << "events go only to clients that have said hello";
 }
 
 TEST_F(Served, AtTheEndClientsAreInformedAndTheServerDoesNotWaitForThem) {

@@ -70,11 +70,11 @@ TEST(LocalOptima, AreDescendedToFromBetterPlacesOnly) {
 TEST(FitSpecimen, ItsProgressNeverGoesBackAndGoesOnThroughTheProfiles) {
   for (const std::uint32_t number : {5U, 8U}) {
     double last = 0.0;
-    const auto told = [&last, number](double share, const auto&) {
+    const auto reported = [&last, number](double share, const auto&) {
       EXPECT_GE(share, last) << number;
       last = share;
     };
-    (void)fit_specimen(springs(random_springs(number), number), Settings{}, 0, told);
+    (void)fit_specimen(springs(random_springs(number), number), Settings{}, 0, reported);
     EXPECT_GT(last, 0.8) << number;
   }
 }

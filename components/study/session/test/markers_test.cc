@@ -198,9 +198,9 @@ TEST_F(MarkedSession, SendsEachIntervalAndAnswerAtTheTimeOfItsTick) {
   EXPECT_EQ(outcome.markers_failure, "");
   Receiver lines(::accept(server.listener, nullptr, nullptr));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  const auto told = lines_of(lines.bytes());
+  const auto messages = lines_of(lines.bytes());
   const auto pulses = bytes.bytes();
-  ASSERT_EQ(told.size(), pulses.size());
+  ASSERT_EQ(messages.size(), pulses.size());
   std::vector<double> late;
   std::size_t next = 0;
   for (const TrialRecord& trial : study_.read(study_.ids[0]).trials) {
@@ -214,8 +214,8 @@ TEST_F(MarkedSession, SendsEachIntervalAndAnswerAtTheTimeOfItsTick) {
                       static_cast<std::uint64_t>(std::llround(1000.0 * trial.response_time)));
     }
     for (std::size_t i = 0; i < ticks.size(); ++i, ++next) {
-      ASSERT_LT(next, told.size());
-      const auto& [line, arrival] = told[next];
+      ASSERT_LT(next, messages.size());
+      const auto& [line, arrival] = messages[next];
       const std::size_t code = i < 2 ? i + 1 : 2 + static_cast<std::size_t>(trial.answer);
       EXPECT_EQ(line["marker"], code);
       EXPECT_EQ(pulses[next].byte, static_cast<char>(code));
@@ -226,13 +226,13 @@ TEST_F(MarkedSession, SendsEachIntervalAndAnswerAtTheTimeOfItsTick) {
     }
     if (trial.answer == 0) ++next;  // "no answer"
   }
-  EXPECT_EQ(next, told.size());
+  EXPECT_EQ(next, messages.size());
   EXPECT_GE(late.size(), 12U);
   EXPECT_LT(median_of(late, "serial stand-in"), 5.0);
   EXPECT_GT(*std::min_element(late.begin(), late.end()), -0.01) << "before its tick";
   std::size_t sent = 0;
   for (const EventRecord& block : events("block")) sent += std::stoul(block.value("markers"));
-  EXPECT_EQ(sent, told.size());
+  EXPECT_EQ(sent, messages.size());
   EXPECT_THAT(events("session")[0].value("markers"), HasSubstr(server.target()));
 }
 

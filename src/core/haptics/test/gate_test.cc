@@ -144,7 +144,7 @@ TEST(Gate, ASecondFaultDoesNotStartTheFallAgain) {
   for (int i = 0; i < 10; ++i) (void)pass({}, state, force_only(Vec3(0, 0, 5)), Vec3::Zero(), Fault::kDevice);
   EXPECT_EQ(state.force, Vec3::Zero().eval());
   (void)pass({}, state, force_only(Vec3(0, 0, kGateNaN)), Vec3::Zero(), Fault::kNone);
-  EXPECT_EQ(state.fault, Fault::kDevice) << "the first fault is the one that is told";
+  EXPECT_EQ(state.fault, Fault::kDevice) << "the first fault is kept";
 }
 
 TEST(Gate, AfterResetTheForceRisesAgainByTheSlewLimit) {

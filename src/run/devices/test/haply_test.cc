@@ -115,10 +115,10 @@ TEST(Haply, ZeroForceDoesNotWaitForAReply) {
   pushed_arm(device, Vec3(0.0, 0.0, 3.0));
   EXPECT_TRUE(eventually([&] { return service.force().z() == 3.0; }));
   silent = true;
-  std::size_t told = 0;
+  std::size_t sent = 0;
   EXPECT_TRUE(eventually([&] {  // all commands under way have arrived
-    const bool still = service.received().size() == told && read(device).age > 0.05;
-    told = service.received().size();
+    const bool still = service.received().size() == sent && read(device).age > 0.05;
+    sent = service.received().size();
     return still;
   }));
   EXPECT_EQ(service.force().z(), 3.0);
