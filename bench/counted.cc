@@ -1,5 +1,6 @@
 // The work whose instructions tools/check_counts counts with callgrind: the law in both directions, the
-// noise, and a tick in approach and in contact, with the built-in tool and with one of 97,000 triangles.
+// noise, and a tick in approach and in contact, with the built-in tool, with one of 97,000 triangles, and
+// with a needle before and after it punctures the surface.
 // Without callgrind it does the same work and prints nothing.
 #include <cstdint>
 #include <cstdio>
@@ -106,6 +107,26 @@ bool count_tick(std::size_t tool_triangles, std::size_t inclusions, Approach dum
   return true;
 }
 
+/// Counts ticks of a needle that presses, and shortly after it has punctured the surface. @return false when
+/// it never does
+bool count_needle() {
+  const scene::Scene scene = bench::bench_scene("insert", 0, 0);
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  devices::ScriptedDevice device(bench::hand_path(scene));
+  const std::uint64_t last = device.last_tick(world.rate_Hz);
+  bench::OneHand hand(world);
+  std::uint64_t next = 0;
+  if (!go_to(hand, device, contact::Phase::kPress, next, last)) return false;
+  count_ticks(hand, device, next);
+  PALPATE_COUNTED("needle before the puncture", 200);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  if (!go_to(hand, device, contact::Phase::kInsert, next, last)) return false;
+  count_ticks(hand, device, next);
+  PALPATE_COUNTED("needle inside", 200);
+  CALLGRIND_STOP_INSTRUMENTATION;
+  return true;
+}
+
 }  // namespace
 
 int main() {
@@ -121,7 +142,8 @@ int main() {
                            [] { PALPATE_COUNTED("tick in contact with 8 inclusions", 200); }) &&
                        count_tick(
                            97'000, 0, [] { PALPATE_COUNTED("dense tool in approach", 200); },
-                           [] { PALPATE_COUNTED("dense tool in contact", 200); });
+                           [] { PALPATE_COUNTED("dense tool in contact", 200); }) &&
+                       count_needle();
   if (counted) return 0;
   std::fputs("palpate_counted: the path never came into contact\n", stderr);
   return 1;

@@ -91,7 +91,8 @@ bool move_part(const Pose& pose_S, double reference_radius, double period, bool 
   std::size_t count = 0;
   for (const Proxy& contact : part.active()) contacts_S[count++] = contact.load().at.point;
   const bool moved =
-      part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
+      inserted ? part.distances.move_inserted(pose_S, period)
+               : part.distances.move(pose_S, period, std::span(contacts_S).first(count), reference_radius);
   if (!moved) {
     part.may_start_contacts = false;
     part.contact_count = 0;

@@ -72,8 +72,8 @@ double DistanceCache::largest_motion() const noexcept {
   return motion;
 }
 
-bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
-                         double reference_radius) noexcept {
+/// @return false when the part jumped; then all sides are found anew
+bool DistanceCache::place(const Pose& pose_S, double period) noexcept {
   previous_S_ = placed_S_;
   placed_S_ = {pose_S.rotation.toRotationMatrix(), pose_S.position};
   if (!placed_) previous_S_ = placed_S_;
@@ -86,11 +86,23 @@ bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3
     previous_S_ = placed_S_;
     motion_ = 0.0;
     reset();
-  } else {
-    // In one tick a proxy moves by at most the tool's motion there plus the drift.
-    find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
   }
   return !jumped;
+}
+
+bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
+                         double reference_radius) noexcept {
+  if (!place(pose_S, period)) return false;
+  if (!sides_known_) reset();
+  // In one tick a proxy moves by at most the tool's motion there plus the drift.
+  find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
+  return true;
+}
+
+bool DistanceCache::move_inserted(const Pose& pose_S, double period) noexcept {
+  if (!place(pose_S, period)) return false;
+  sides_known_ = false;
+  return true;
 }
 
 void DistanceCache::set_inside(std::size_t point, double distance) noexcept {
@@ -149,6 +161,7 @@ void DistanceCache::reset() noexcept {
   }
   next_crossing_ = odometer_;
   nearest_point_ = points_->clusters[nearest].begin;
+  sides_known_ = true;
 }
 
 /// Places the clearance sphere behind the nearest point, away from the organ.
@@ -317,6 +330,7 @@ std::size_t DistanceCache::count_nearer(std::size_t c, double wanted) noexcept {
 }
 
 void DistanceCache::find_nearest(double enough) noexcept {
+  if (!sides_known_) reset();
   for (std::size_t c = 0; c < bounds_.size(); ++c) {
     if (bounds_[c].deferred) resolve(c);
   }

@@ -54,6 +54,10 @@ class DistanceCache final {
   bool move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
             double reference_radius) noexcept;
 
+  /// [rt] Moves the part of a needle that is in the tissue, whose points start no contacts. The next move()
+  /// or find_nearest() finds all sides, without entries. @return as move()
+  bool move_inserted(const Pose& pose_S, double period) noexcept;
+
   /// [rt] Finds exactly the part's point nearest to the organ, or the deepest one when some are inside.
   /// @param enough distances below this [m] are exact; for a part farther away nearest() is that of some
   /// point at least this far
@@ -127,6 +131,7 @@ class DistanceCache final {
     const Cached& cached = cached_[point];
     return std::abs(cached.distance - kInside) <= odometer_ - cached.odometer;
   }
+  bool place(const Pose& pose_S, double period) noexcept;
   void reset() noexcept;
   void find_crossings(std::span<const Vec3> contacts_S, double reach) noexcept;
   bool stays_outside(std::size_t point) noexcept;
@@ -155,6 +160,7 @@ class DistanceCache final {
   RigidTransform placed_S_;
   RigidTransform previous_S_;  // in the last tick
   bool placed_ = false;
+  bool sides_known_ = true;
   double odometer_ = 0.0;
   double motion_ = 0.0;         // added to the odometer in this tick
   double next_crossing_ = 0.0;  // smallest `crossing` of all clusters

@@ -107,6 +107,36 @@ TEST(DistanceCache, RaisedBoundsAreNeverAboveTheDistance) {
   EXPECT_GT(raised, 100);  // the turn, and with it the number, depends on the compiler
 }
 
+TEST(DistanceCache, KnowsAllSidesAndTheNearestPointAfterTicksAsAnInsertedNeedle) {
+  std::mt19937 random(9);
+  const OrganSurface surface(geometry::make_organ("gallbladder"), kReference);
+  const PartPoints points = jaw();
+  DistanceCache part(surface, points);
+  const Quat turn = random_turn(random);
+  int inside = 0;
+  for (int tick = 0; tick < 3000; ++tick) {
+    const Pose pose = wander(tick * kPeriod, turn, points.point(0));
+    if (tick % 100 < 90) {
+      part.move_inserted(pose, kPeriod);
+      ASSERT_TRUE(part.entries().empty());
+      if (tick % 100 != 89 || tick % 200 < 100) continue;
+      part.find_nearest();
+      ASSERT_EQ(part.nearest().distance, nearest_of_all(surface, points, part)) << "tick " << tick;
+      continue;
+    }
+    part.move(pose, kPeriod, {}, kReference);
+    if (tick % 100 == 90) {
+      ASSERT_TRUE(part.entries().empty()) << "tick " << tick;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const bool is_inside = surface.nearest(part.point_S(i), -1).distance < kInside;
+      ASSERT_EQ(part.is_inside(i), is_inside) << "tick " << tick << ", point " << i;
+      inside += is_inside ? 1 : 0;
+    }
+  }
+  EXPECT_GT(inside, 1000);
+}
+
 TEST(DistanceCache, KnowsTheSideOfEachPointAfterAJumpToAnyPlaceOfTheSurface) {
   std::mt19937 random(8);
   const OrganSurface surface(geometry::make_organ("heart"), kReference);
