@@ -1,4 +1,4 @@
-"""Scenes of tools/check_energy: about 530 chosen ones, one function a kind, and random ones that mix their ingredients."""
+"""Scenes of tools/check_energy: about 600 chosen ones, one function a kind, and random ones that mix their ingredients."""
 import dataclasses
 import math
 import random
@@ -79,7 +79,7 @@ def layers(k=18.0, beta=1.6, rest=14.0, limit=8.0, q=0.7, **more):
             'max_length_mm': rest + limit, 'min_length_mm': rest - limit, 't1_us': 1.0, **more}
 
 
-def press(depth, *, radius=5.0, clear=4.0, hold=1.5, wave=(0.0, 3.0), side=(0.0, 2.0), x=0.0, scale=1.0):
+def press(depth, *, radius=5.0, clear=4.0, hold=1.5, wave=(0.0, 3.0), side=(0.0, 2.0), x=0.0, scale=1.0, turn=None):
     """Path [mm] of a ball that rests over the box for 1 s, goes in, holds and comes back.
 
     wave, side: amplitude [mm] and frequency [Hz] of a motion along z and x while it holds."""
@@ -93,7 +93,9 @@ def press(depth, *, radius=5.0, clear=4.0, hold=1.5, wave=(0.0, 3.0), side=(0.0,
     z = BOX_TOP + radius + clear - (clear + depth) * inside + wave[0] * np.sin(2.0 * np.pi * wave[1] * held)
     along = x + side[0] * np.sin(2.0 * np.pi * side[1] * held)
     rows = np.stack([t, along / scale * 1e-3, np.zeros_like(t), z / scale * 1e-3], 1)
-    return 'time_s,x_m,y_m,z_m\n' + '\n'.join(','.join(map(repr, row)) for row in rows.tolist()) + '\n'
+    more = ',qw,qx,qy,qz' if turn else ''
+    rows = np.hstack([rows, np.tile(turn, (len(rows), 1))]) if turn else rows
+    return f'time_s,x_m,y_m,z_m{more}\n' + '\n'.join(','.join(map(repr, row)) for row in rows.tolist()) + '\n'
 
 
 def stiffness_of(tissue, inclusions):
@@ -388,6 +390,25 @@ def pulls():
         yield case(f'noise-{organ}', organ, organ=organ, noise=True)
 
 
+def needles():
+    """Needles that go in and out of layers, with reversals and sideways motion; the last ones in stiff channels."""
+    path = press(34.0, radius=90.0, hold=2.0, wave=(8.0, 2.0), side=(2.0, 1.0), turn=(0.0, 1.0, 0.0, 0.0))
+    more = {'task': 'insert', 'tool': 'needle'}
+    for tissue in ('skin-fat-muscle', 'liver-capsule', 'vein', 'epidural'):
+        for word, grip in (('light', LIGHT), ('firm', FIRM), ('clamped', CLAMPED)):
+            for resolution in (0.0, 0.01):
+                yield case(f'needle-{tissue}-{word}-{resolution:g}', tissue, path, device=hand(4.0, 0.1, resolution, grip=grip), **more)
+        yield case(f'needle-{tissue}-4000', tissue, path, rate=4000, device=hand(), **more)
+        yield case(f'needle-{tissue}-breath', tissue, path, motion=[breathing(8.0, 1.5, rotation_deg=5.0, axis=[0, 1, 0])],
+                   device=hand(4.0), **more)
+        yield case(f'needle-{tissue}-two', tissue, path, hands=2, device=hand(4.0), **more)
+    layer = {'name': 'one', 'puncture_force_N': 2.0, 'cutting_force_N': 0.5, 'friction_N': 0.1, 'friction_N_per_mm': 0.02}
+    for lateral in (0.01, 0.1, 1.0):  # the channel is up to 34 mm long: 340 N/m to 34 kN/m
+        for damping in (1.5, 8.0):
+            yield case(f'needle-channel-{lateral:g}-{damping:g}', {**layers(100.0), 'layer': [{**layer, 'lateral_N_per_mm2': lateral}]},
+                       path, device=hand(damping, 0.1, 0.01), **more)
+
+
 def live():
     """Parameters that change in step with the hand."""
     apart = [stone(x, y, 3.0, z=16.9, ratio=1.0) for x in (-8.0, 0.0, 8.0) for y in (-5.0, 5.0)]
@@ -404,13 +425,13 @@ def live():
 
 
 KINDS = (walls, light_hands, curved, overlapping, neighbours, small_tips, maps, layer_jumps, contact_damping, friction_springs,
-         limits, moving, many_contacts, several_hands, workspaces, relaxing, pulses, faults, pulls, live)
+         limits, moving, many_contacts, several_hands, workspaces, relaxing, pulses, faults, pulls, needles, live)
 
 # For a short check: scenes of each kind that give energy without controller, check and guard, and scenes that are fine.
 QUICK = ('overlap-100-3', 'overlap-100-6', 'peak-1-3-900', 'comb-1-900', 'beta-0.02', 'touch-100-4', 'slew-900-0.01',
          'light-12720-0-0.05-light', 'light-35900-0-0.1-firm', 'liver-10000-17600-0.05', 'slew-gallbladder-0.001',
          'slew-1900-0.02', 'breath-25000-0-10', 'breath-kidney-24600', 'jaws-3-1-1900', 'reference-1-1900',
-         'live-together-100', 'live-beta-0.02', 'press-liver', 'noise-heart', 'pull-heart', 'tap-100', 'glide-300',
+         'live-together-100', 'live-beta-0.02', 'press-liver', 'noise-heart', 'pull-heart', 'tap-100', 'glide-300', 'needle-epidural-breath',
          'friction-500-0.2-1', 'breath-liver-own', 'hands-2-liver', 'relax-900-0.9-1.5', 'pulse-300-1-9',
          'fault-drop-out-300', 'damping-8-0.5-0.25-real')
 
