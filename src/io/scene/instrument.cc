@@ -1,11 +1,14 @@
 #include "io/scene/instrument.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
 #include "io/scene/plausibility.h"
@@ -13,11 +16,15 @@
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
 
 constexpr std::string_view kSpherePrefix = "sphere:";
+constexpr double kShaftShare = 0.9;  // of a needle's length, where its mesh must be about as wide as it says
+constexpr double kMostWidth = 2.0;   // factor between the two
+constexpr double kRounding = 1e-6;
 
 geometry::Tool make_sphere(const LocatedString& mesh) {
   geometry::Tool tool = with_location(mesh, [&mesh] { return geometry::make_tool(mesh.value); });
@@ -68,6 +75,52 @@ Vec3 middle(const geometry::TriangleMesh& mesh) {
   return area > 0.0 ? Vec3(sum / area) : geometry::bounds(mesh).middle();
 }
 
+/// Extents [m] of the vertices that are at least `from` along an axis: along it, and across it.
+struct Extents {
+  geometry::Bounds box;  // z along the axis
+  std::size_t count = 0;
+};
+Extents extents_of(const geometry::TriangleMesh& mesh, const Quat& to_axis, double from) {
+  Extents found;
+  for (const Vec3& vertex : mesh.vertices) {
+    const Vec3 point = to_axis * vertex;
+    if (point.z() < from) continue;
+    found.box.low = found.count == 0 ? point : Vec3(found.box.low.cwiseMin(point));
+    found.box.high = found.count == 0 ? point : Vec3(found.box.high.cwiseMax(point));
+    ++found.count;
+  }
+  return found;
+}
+
+/// The needle that a mesh is. The tip is its foremost point, in the middle of the shaft.
+geometry::Needle needle_of(const ToolTable& description, const geometry::Tool& tool) {
+  const NeedleTable& table = *description.needle;
+  const auto fail = [&table](const std::string& key, const std::string& why) {
+    throw InputError(table.where + key + ": " + why);
+  };
+  if (!description.mesh || tool.parts.size() != 1 || tool.needle || tool.tip_radius) {
+    fail("", "needs a tool of one mesh file, tool.mesh");
+  }
+  const geometry::TriangleMesh& mesh = tool.parts.front().mesh;
+  const Quat to_axis = Quat::FromTwoVectors(table.axis, Vec3::UnitZ());
+  const geometry::Bounds whole = extents_of(mesh, to_axis, -std::numeric_limits<double>::infinity()).box;
+  const double long_by = whole.high.z() - whole.low.z();
+  const auto in_mm = [](double length) { return brief(length / kMillimetre, 3) + " mm"; };
+  if (table.length > long_by * (1.0 + kRounding)) {
+    fail(".length_mm", in_mm(table.length) + " is more than the mesh has along the axis, " + in_mm(long_by));
+  }
+  const Extents shaft = extents_of(mesh, to_axis, whole.high.z() - kShaftShare * table.length);
+  const Vec3 size = shaft.box.high - shaft.box.low;
+  const double width = std::max(size.x(), size.y());
+  if (width > kMostWidth * table.diameter || (shaft.count > 2 && width < table.diameter / kMostWidth)) {
+    fail(".diameter_mm", in_mm(table.diameter) + ", but the mesh is " + in_mm(width) + " wide within " +
+                             in_mm(kShaftShare * table.length) + " of its tip");
+  }
+  Vec3 tip = (shaft.box.low + shaft.box.high) / 2.0;
+  tip.z() = whole.high.z();
+  return {to_axis.conjugate() * tip, table.axis, table.diameter, table.length};
+}
+
 std::string names_of(const ToolTable& description) {
   std::string name = description.mesh ? description.mesh->value : "";
   for (const JawTable& jaw : description.jaws) name += (name.empty() ? "" : " + ") + jaw.mesh.value;
@@ -100,6 +153,7 @@ void open_apart(std::vector<geometry::ToolPart>& jaws) {
 geometry::Tool load_instrument(const ToolTable& description, MeshNotes& notes) {
   geometry::Tool tool;
   if (description.mesh) tool = read_main_mesh(description, notes);
+  if (description.needle) tool.needle = needle_of(description, tool);
   std::vector<geometry::ToolPart> jaws;
   for (const JawTable& jaw : description.jaws) {
     if (!is_path(jaw.mesh.value)) jaw.mesh.fail("must be a file (with a / or an extension such as .stl)");

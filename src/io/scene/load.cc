@@ -331,7 +331,9 @@ void check_needle(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
     } else if (scene.task == Task::kInsert) {
       const std::string tool =
           "tool \"" + scene.tools[hand].name + "\" is no needle, which task insert needs";
-      throw InputError(tool + ": must be needle or needle:SIZE,LENGTH_MM,TIP, such as needle:18G,90,bevel");
+      throw InputError(tool +
+                       ": must be needle, needle:SIZE,LENGTH_MM,TIP such as needle:18G,90,bevel, or a mesh "
+                       "with [tool.needle]");
     }
   }
   if (layered || needles == 0) return;

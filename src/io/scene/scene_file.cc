@@ -104,6 +104,13 @@ class SceneReader final {
     }
   }
 
+  static std::optional<Vec3> read_axis(const TomlTable& table) {
+    const auto axis = table.vector("axis", kPosition);
+    if (!axis) return std::nullopt;
+    if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
+    return axis->normalized();
+  }
+
   JawTable read_jaw(const TomlTable& table) const {
     constexpr double kDefaultOpening = 15.0;  // deg
     JawTable jaw;
@@ -112,22 +119,37 @@ class SceneReader final {
     if (!mesh) table.fail_missing("mesh", "a jaw needs its mesh, a file");
     jaw.mesh = *mesh;
     if (const auto pivot = table.vector("pivot_mm", kPosition)) jaw.pivot = *pivot * kMillimetre;
-    if (const auto axis = table.vector("axis", kPosition)) {
-      if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
-      jaw.axis = axis->normalized();
-    }
+    if (const auto axis = read_axis(table)) jaw.axis = *axis;
     jaw.open_angle = number_in(table, "open_deg").value_or(kDefaultOpening) * kRadiansPerDegree;
     return jaw;
   }
 
+  static std::optional<NeedleTable> read_needle(const TomlTable& tool) {
+    const std::optional<TomlTable> table = tool.table("needle");
+    if (!table) return std::nullopt;
+    table->allow_only(keys_in("tool.needle", {"axis"}));
+    const auto length_of = [&table](const char* key, const char* what) {
+      const std::optional<double> value = number_in(*table, key);
+      if (!value) table->fail_missing(key, what);
+      return *value * kMillimetre;
+    };
+    NeedleTable needle;
+    needle.where = tool.location("needle") + ": " + tool.field("needle");
+    needle.diameter = length_of("diameter_mm", "the outer diameter of the shaft");
+    needle.length = length_of("length_mm", "the length of the shaft, from the tip to the hub");
+    if (const auto axis = read_axis(*table)) needle.axis = *axis;
+    return needle;
+  }
+
   ToolTable read_tool(const TomlTable& table) const {
     ToolTable tool;
-    table.allow_only(keys_in("tool", {"mount", "jaw"}));
+    table.allow_only(keys_in("tool", {"mount", "jaw", "needle"}));
     tool.mesh = stated(table, "mesh");
     tool.unit = read_unit(table);
     tool.mount = read_pose(table, "mount");
     if (const auto radius = number_in(table, "tip_radius_mm")) tool.tip_radius = *radius * kMillimetre;
     for (const TomlTable& jaw : table.tables("jaw")) tool.jaws.push_back(read_jaw(jaw));
+    tool.needle = read_needle(table);
     if (!tool.mesh && tool.jaws.empty()) {
       table.fail_missing("mesh", "a tool needs a mesh (a built-in name, a file or sphere:R) or jaws");
     }

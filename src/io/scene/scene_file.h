@@ -49,11 +49,20 @@ struct JawTable {
   double open_angle = 0.0;    // rad
 };
 
+/// A mesh that is a straight needle.
+struct NeedleTable {
+  std::string where;          // location and field, for messages
+  Vec3 axis = Vec3::UnitZ();  // unit, from the hub to the tip, in the mesh's frame
+  double diameter = 0.0;      // m
+  double length = 0.0;        // m, of the shaft
+};
+
 struct ToolTable {
   std::optional<LocatedString> mesh;
   std::optional<LengthUnit> unit;
   Pose mount;
   std::optional<double> tip_radius;  // m
+  std::optional<NeedleTable> needle;
   std::vector<JawTable> jaws;
   bool jaws_by_flags = false;  // choose the axis and sign of the opening so that the jaws open apart
 };

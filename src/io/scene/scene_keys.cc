@@ -53,6 +53,8 @@ std::vector<SceneKey> make_keys() {
       {"tool.mesh", kText},
       {"tool.unit", kText},
       {"tool.tip_radius_mm", kNumber, up_to(1000.0)},
+      {"tool.needle.diameter_mm", kNumber, {0.1, 10.0}},
+      {"tool.needle.length_mm", kNumber, {10.0, 300.0}},
       {"tool.jaw.mesh", kText},
       {"tool.jaw.open_deg", kNumber, {-180.0, 180.0}},
       {"search.lumps", kWhole},

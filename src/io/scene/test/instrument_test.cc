@@ -120,6 +120,42 @@ TEST(LoadInstrument, PlacesMeshesPivotsAndAxesByTheMount) {
   EXPECT_EQ(tool.tip_radius, 2e-3);
 }
 
+/// A needle as an OBJ file: a square shaft of 1 x 1 x 80 mm with a bevel, along +x, and a hub 6 mm wide
+/// behind.
+const std::string kNeedle =
+    "v 0 2 2\nv 0 3 2\nv 0 3 3\nv 0 2 3\nv 80 2 2\nv 80 3 2\nv 78 3 3\nv 78 2 3\nv 0 -1 -1\nv 0 5 -1\nv -20 "
+    "5 5\n"
+    "f 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\nf 5 6 7\nf 5 7 8\nf 9 10 11\n";
+
+TEST(LoadInstrument, AMeshWithANeedleTableHasItsTipOnTheShaftsAxisUnderTheMount) {
+  const TemporaryFolder folder;
+  ToolTable table;
+  table.mesh = stated(folder.write("needle.obj", kNeedle));
+  table.unit = LengthUnit::kMillimetre;
+  table.needle = NeedleTable{"s.toml:6: tool.needle", Vec3::UnitX(), 1e-3, 80e-3};
+  table.mount.position = Vec3(0, 0, 10e-3);
+  MeshNotes notes;
+  const geometry::Tool tool = load_instrument(table, notes);
+  ASSERT_TRUE(tool.needle);
+  EXPECT_LT((tool.needle->tip - Vec3(80e-3, 2.5e-3, 12.5e-3)).norm(), 1e-9);
+  EXPECT_LT((tool.needle->axis - Vec3::UnitX()).norm(), 1e-12);
+  EXPECT_EQ(tool.needle->length, 80e-3);
+
+  const auto refusal = [&](const NeedleTable& needle) {
+    table.needle = needle;
+    return error_of([&] { static_cast<void>(load_instrument(table, notes)); });
+  };
+  EXPECT_EQ(refusal({"here", Vec3::UnitX(), 1e-3, 120e-3}),
+            "here.length_mm: 120 mm is more than the mesh has along the axis, 100 mm");
+  EXPECT_THAT(refusal({"here", Vec3::UnitX(), 3e-3, 80e-3}),
+              HasSubstr("here.diameter_mm: 3 mm, but the mesh is 1 mm wide within 72 mm of its tip"));
+  EXPECT_THAT(refusal({"here", -Vec3::UnitX(), 1e-3, 80e-3}),
+              HasSubstr("here.diameter_mm: 1 mm, but the mesh is 6"));
+  table.mesh->value = "sphere:3";
+  EXPECT_THAT(refusal({"here", Vec3::UnitX(), 1e-3, 80e-3}),
+              HasSubstr("here: needs a tool of one mesh file"));
+}
+
 TEST(LoadInstrument, ReportsOfAnOpenMeshThatItIsUsedAllTheSame) {
   const TemporaryFolder folder;
   ToolTable description;
