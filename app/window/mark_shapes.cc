@@ -121,7 +121,7 @@ double scale_bar_length(double longest) {
 }
 
 MarkShapes shapes_of(const PictureMarks& marks, const PictureSize& size, const OrbitCamera& camera,
-                     const haptics::Snapshot& shown) {
+                     const haptics::Snapshot& shown, NeedleMarks* needle) {
   MarkShapes shapes;
   const float unit = size.letters;
   if (size.width < 20.0F * unit || size.height < 14.0F * unit) return shapes;
@@ -132,6 +132,7 @@ MarkShapes shapes_of(const PictureMarks& marks, const PictureSize& size, const O
   const float lower = size.height - 2.6F * unit;  // above the messages
   if (marks.scale) add_scale(shapes, size, camera, lower);
   if (marks.axes) add_axes(shapes, size, camera, lower);
+  if (needle != nullptr) needle->add(shapes, marks, size, camera.camera(), shown);
   return shapes;
 }
 

@@ -190,6 +190,8 @@ void draw_help(PanelState& state, const Gestures& gestures) {
   static constexpr KeyLine kPause[] = {{"Ctrl + Space", "pause the run"}};
   static constexpr KeyLine kSearch[] = {{"M", "mark the place under the tool"},
                                         {"T", "map of the felt stiffness"}};
+  static constexpr KeyLine kNeedle[] = {
+      {"C, I", "section along the needle, needle inside the tissue: on or off"}};
   static constexpr KeyLine kMouse[] = {
       {"mouse", "the tool is under the pointer"},
       {"wheel", "away from you presses, 1 mm a notch (Shift: 0.2 mm)"},
@@ -207,6 +209,7 @@ void draw_help(PanelState& state, const Gestures& gestures) {
     draw_key_lines("view", gestures.mouse ? std::span<const KeyLine>(kViewBesideTool) : kView);
     if (gestures.may_pause) draw_key_lines("pause", kPause);
     if (gestures.search) draw_key_lines("search", kSearch);
+    if (gestures.needle) draw_key_lines("needle", kNeedle);
     if (gestures.mouse) {
       ImGui::Separator();
       ImGui::TextUnformatted("The mouse holds the tool");

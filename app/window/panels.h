@@ -167,6 +167,7 @@ struct Gestures {
   bool gamepad = false;    // holds a tool
   bool jaws = false;       // a tool has jaws
   bool search = false;     // task palpate
+  bool needle = false;     // goes into layers
   bool may_pause = false;  // no hand holds a device
   std::size_t hands = 1;
 };

@@ -1,5 +1,8 @@
 #include "app/window/picture_marks.h"
 
+#include <cstddef>
+#include <cstdint>
+
 #include <imgui.h>
 
 #include "app/window/theme.h"
@@ -22,8 +25,8 @@ void text(const ImVec2& at, const ImVec4& colour, const std::string& words) {
   canvas().AddText(at, packed(colour), words.c_str());
 }
 
-ImVec4 drawn_as(MarkShapes::Colour colour) {
-  switch (colour) {
+ImVec4 drawn_as(MarkShapes::Colour drawn) {
+  switch (drawn) {
     case MarkShapes::Colour::kForce:
       return colour::kForce;
     case MarkShapes::Colour::kX:
@@ -32,27 +35,38 @@ ImVec4 drawn_as(MarkShapes::Colour colour) {
       return {0.55F, 0.82F, 0.45F, 1.0F};
     case MarkShapes::Colour::kZ:
       return {0.48F, 0.66F, 0.98F, 1.0F};
+    case MarkShapes::Colour::kPlate:
+      return {0.07F, 0.08F, 0.09F, 0.78F};
+    case MarkShapes::Colour::kSteel:
+      return {0.93F, 0.95F, 0.97F, 1.0F};
     case MarkShapes::Colour::kText:
+      return colour::kText;
+    default:
       break;
   }
-  return colour::kText;
+  const auto layer = static_cast<std::size_t>(drawn) - static_cast<std::size_t>(MarkShapes::Colour::kLayer);
+  const std::uint32_t rgb = render::kLayerColours[layer];
+  const auto part = [rgb](int shift) { return static_cast<float>((rgb >> shift) & 0xFFU) / 255.0F; };
+  return {part(16), part(8), part(0), 1.0F};
 }
 
 }  // namespace
 
 void draw_marks(const Rectangle& picture, const OrbitCamera& camera, const haptics::Snapshot& shown,
-                const PictureMarks& marks) {
+                const PictureMarks& marks, NeedleMarks* needle) {
   const MarkShapes shapes =
-      shapes_of(marks, {picture.width, picture.height, ImGui::GetFontSize()}, camera, shown);
+      shapes_of(marks, {picture.width, picture.height, ImGui::GetFontSize()}, camera, shown, needle);
   const auto at = [&picture](const MarkShapes::Point& point) {
     return ImVec2(picture.x + point.x, picture.y + point.y);
   };
   canvas().PushClipRect(at({}), at({picture.width, picture.height}));
   for (const MarkShapes::Line& one : shapes.lines)
     line(at(one.from), at(one.to), drawn_as(one.colour), one.width);
+  canvas().Flags &= ~ImDrawListFlags_AntiAliasedFill;  // no seams between neighbours
   for (const MarkShapes::Triangle& one : shapes.triangles) {
     canvas().AddTriangleFilled(at(one.tip), at(one.left), at(one.right), packed(drawn_as(one.colour)));
   }
+  canvas().Flags |= ImDrawListFlags_AntiAliasedFill;
   for (const MarkShapes::Words& one : shapes.words) text(at(one.at), drawn_as(one.colour), one.text);
   canvas().PopClipRect();
 }

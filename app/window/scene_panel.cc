@@ -124,7 +124,8 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
 void choose_task(const PanelModel& shown, Commands& commands) {
   for (const scene::Task task :
        {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate, scene::Task::kInsert}) {
-    if (task != scene::Task::kPress) ImGui::SameLine();
+    const bool begins_row = task == scene::Task::kPress || task == scene::Task::kInsert;  // three fit in one
+    if (!begins_row) ImGui::SameLine();
     const bool now = shown.scene.task == task;
     if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;
     commands.request = with_task(shown.scene, shown.request, task);

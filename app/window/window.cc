@@ -327,6 +327,7 @@ Gestures Window::gestures() const {
     for (const geometry::ToolPart& part : tool.parts) all.jaws = all.jaws || part.is_jaw;
   }
   all.search = search_ != nullptr;
+  all.needle = needle_.has_value();
   all.may_pause = session.may_pause();
   all.hands = session.hands();
   return all;
@@ -335,7 +336,8 @@ Gestures Window::gestures() const {
 /// Draws marks, hint, title, banner and message over the picture.
 void Window::draw_overlay() {
   bool fault = false;
-  if (snapshot_there_) draw_marks(layout_.picture, camera_, shown_, panels_.marks);
+  if (snapshot_there_)
+    draw_marks(layout_.picture, camera_, shown_, panels_.marks, needle_ ? &*needle_ : nullptr);
   for (const contact::ToolResult& result : shown_.hand_results()) {
     touched_ = touched_ || result.phase != contact::Phase::kApproach;
   }

@@ -184,6 +184,7 @@ class Window final {
   bool run_closed_ = false;                 // close_run() was called
   bool ended_by_user_ = false;              // the user ended the search
   std::unique_ptr<Search> search_;          // of the run; null: another task
+  std::optional<NeedleMarks> needle_;       // of the run
   std::unique_ptr<SupportEditor> support_;  // of the run; null: task palpate, whose map takes the colours
   std::vector<SearchOutcome> searches_;
   std::unique_ptr<NextSession> next_;

@@ -54,6 +54,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   } else {
     support_ = std::make_unique<SupportEditor>(scene);
   }
+  needle_ = NeedleMarks::of(scene, run_->session().world().contact);
   steering_.take(run_->session());
   viewport_.display().set_title("Palpate: " + title_of(scene));
 }

@@ -403,9 +403,11 @@ export interface View {
   keepInFrame(): boolean;
   /**
    * The marks that the program's window draws over its picture, for the last drawn state: force arrows, a scale bar (true at
-   * the view's centre), the world's axes. @param size of the picture and of its letters, in any unit; a small picture has none
+   * the view's centre), the world's axes, and for a needle that goes into layers the section along it and its shaft inside. @param size of the picture and of its letters, in any unit; a small picture has none
    */
-  marks(size: {width: number; height: number; letters: number; force?: boolean; scale?: boolean; axes?: boolean}): PictureMarks;
+  marks(size: {
+    width: number; height: number; letters: number; force?: boolean; scale?: boolean; axes?: boolean; section?: boolean; inside?: boolean;
+  }): PictureMarks;
   /**
    * Motion of a pointer as motion of a tool: the displacement [m, world frame] across the tool's axis for a
    * motion by these fractions of the picture's height.

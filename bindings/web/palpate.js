@@ -5,7 +5,7 @@ import createCore from './palpate_core.js';
 const KINDS = ['', 'use', 'input', 'other'];
 const QUALITIES = ['full', 'balanced', 'fast'];
 const MARKS = ['found', 'false', 'lump'];
-const MARK_COLOURS = ['text', 'force', 'x', 'y', 'z'];
+const MARK_COLOURS = ['text', 'force', 'x', 'y', 'z', 'plate', 'steel', ...Array.from({length: 8}, (_, i) => `layer${i + 1}`)];
 const STATUS = Object.freeze({
   STARTED_INSIDE: 1, CONTACTS_FULL: 2, GRIP_RELEASED: 4, JUMP: 8, EXTRAPOLATED: 16, FORCE_CLAMPED: 0x100,
   FORCE_SLEWED: 0x200, TORQUE_CLAMPED: 0x400, TORQUE_SLEWED: 0x800, ENERGY_DAMPED: 0x1000, DUTY_HIGH: 0x2000, DUTY_LIMITED: 0x4000,
@@ -786,8 +786,8 @@ class View {
 
   keepInFrame() { return this.#memory.core._palpate_web_view_keep_in_frame(this.#view) !== 0; }
 
-  marks({width, height, letters, force = true, scale = true, axes = true}) {
-    const which = (force ? 1 : 0) | (scale ? 2 : 0) | (axes ? 4 : 0);
+  marks({width, height, letters, force = true, scale = true, axes = true, section = true, inside = false}) {
+    const which = (force ? 1 : 0) | (scale ? 2 : 0) | (axes ? 4 : 0) | (section ? 8 : 0) | (inside ? 16 : 0);
     const {core} = this.#memory;
     const {lines, triangles, words} = JSON.parse(core.UTF8ToString(
         core._palpate_web_view_marks(this.#view, width, height, letters, which)));

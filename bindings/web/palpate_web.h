@@ -94,9 +94,10 @@ palpate_status palpate_web_view_frame(palpate_web_view* view, int32_t close_up);
 int32_t palpate_web_view_keep_in_frame(palpate_web_view* view);
 /// Marks over the picture (app/window/mark_shapes.h) as JSON: {"lines": [[x1, y1, x2, y2, width, colour],
 /// ...], "triangles": [[x1, y1, x2, y2, x3, y3, colour], ...], "words": [[x, y, colour, "1.25 N"], ...]}.
-/// Colours: 0 text, 1 force, 2 to 4 x to z. @param which 1 force, 2 scale, 4 axes @param letters size of
+/// Colours: 0 text, 1 force, 2 to 4 x to z, 5 plate, 6 steel, 7 to 14 layers. @param which 1 force, 2 scale,
+/// 4 axes, 8 section along a needle, 16 its shaft inside @param letters size of
 /// letters, in the unit of width and height. Valid until the next call.
-const char* palpate_web_view_marks(const palpate_web_view* view, double width, double height, double letters,
+const char* palpate_web_view_marks(palpate_web_view* view, double width, double height, double letters,
                                    uint32_t which);
 /// Motion of a hand's tool across its axis for a motion by fractions of the picture's height.
 palpate_status palpate_web_view_steer(const palpate_web_view* view, uint32_t hand, double right, double up,

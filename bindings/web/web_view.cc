@@ -126,6 +126,16 @@ void read_hand(StateReader& numbers, const Pose& organ_W, const palpate::geometr
 constexpr int kFirstWidth = 60;
 constexpr int kFirstHeight = 44;
 
+/// A text as a JSON string; the few characters that need escapes become ones that do not.
+std::string in_json(std::string text) {
+  for (char& letter : text) {
+    if (letter == '"') letter = '\'';
+    if (letter == '\\') letter = '/';
+    if (static_cast<unsigned char>(letter) < ' ') letter = ' ';
+  }
+  return '"' + text + '"';
+}
+
 /// Shapes as palpate_web_view_marks() gives them.
 std::string marks_text(const palpate::app::MarkShapes& shapes) {
   std::string text = "{\"lines\":[";
@@ -144,8 +154,9 @@ std::string marks_text(const palpate::app::MarkShapes& shapes) {
   }
   text += "],\"words\":[";
   comma = "";
-  for (const auto& [at, colour, words] : shapes.words) {  // numbers and letters, which need no escapes
-    text += fmt::format("{}[{},{},{},\"{}\"]", comma, at.x, at.y, static_cast<int>(colour), words);
+  for (const auto& [at, colour, words] : shapes.words) {
+    text += fmt::format("{}[{},{},{},{}]", comma, at.x, at.y, static_cast<int>(colour),
+                        in_json(words));
     comma = ",";
   }
   return text + "]}";
@@ -163,7 +174,8 @@ struct palpate_web_view {
         renderer(subject_of(simulation.scene()), kFirstWidth, kFirstHeight,
                  palpate::render::OffscreenRenderer::InCurrentContext{}),
         driver(renderer.driver()),
-        shown(simulation.newest_snapshot()) {
+        shown(simulation.newest_snapshot()),
+        needle(palpate::app::NeedleMarks::of(simulation.scene(), simulation.world().contact)) {
     frame(false);
   }
 
@@ -216,6 +228,7 @@ struct palpate_web_view {
   palpate::render::OffscreenRenderer renderer;
   std::string driver;
   Snapshot shown;
+  std::optional<palpate::app::NeedleMarks> needle;
   palpate::app::OrbitCamera camera;
   palpate::app::ResolutionChoice resolution;
   int drawn_width = kFirstWidth;
@@ -307,13 +320,15 @@ int32_t palpate_web_view_keep_in_frame(palpate_web_view* view) {
   return 1;
 }
 
-const char* palpate_web_view_marks(const palpate_web_view* view, double width, double height, double letters,
+const char* palpate_web_view_marks(palpate_web_view* view, double width, double height, double letters,
                                    uint32_t which) {
   static std::string text;
-  const palpate::app::PictureMarks marks{(which & 1U) != 0, (which & 2U) != 0, (which & 4U) != 0};
+  const palpate::app::PictureMarks marks{(which & 1U) != 0, (which & 2U) != 0, (which & 4U) != 0,
+                                           (which & 8U) != 0, (which & 16U) != 0};
   const palpate::app::PictureSize size{static_cast<float>(width), static_cast<float>(height),
                                        static_cast<float>(letters)};
-  text = marks_text(palpate::app::shapes_of(marks, size, view->camera, view->shown));
+  text = marks_text(palpate::app::shapes_of(marks, size, view->camera, view->shown,
+                                              view->needle ? &*view->needle : nullptr));
   return text.c_str();
 }
 

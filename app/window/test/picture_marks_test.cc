@@ -1,7 +1,14 @@
 // Marks over the picture, and the words that tell how to begin.
 #include "app/window/picture_marks.h"
 
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
+
+#include "io/scene/make_world.h"
 
 #include "app/window/panels.h"
 
@@ -32,6 +39,40 @@ TEST(PictureMarks, AToolAboveThePictureIsOutOfFrameUnlessItIsFarFromTheOrgan) {
   result.views[0].direction_S = Vec3::UnitZ();
   result.views[0].depth = 55e-3;
   EXPECT_FALSE(contacts_in_frame(shown, camera, 1.0));
+}
+
+/// A needle whose tip is 6 mm inside the layers of the tissue skin-fat-muscle (2 mm, 6 mm), without
+/// displacement.
+TEST(PictureMarks, TheSectionOfANeedleNamesTheLayersAndShowsWhichTheTipIsIn) {
+  scene::Overrides request;
+  request.task = "insert";
+  const scene::Scene scene = scene::load(request);
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  std::optional<NeedleMarks> needle = NeedleMarks::of(scene, world.contact);
+  ASSERT_TRUE(needle);
+  haptics::Snapshot shown;
+  shown.hands = 1;
+  shown.organ_W = scene.organ_pose;
+  const double top = geometry::bounds(scene.organ).high.z();
+  shown.tools[0].pose_W =
+      scene.organ_pose * Pose{Quat(0, 1, 0, 0), Vec3(0, 0, top - 6e-3 + scene.tools[0].needle->tip.z())};
+  PictureMarks marks{.force = false, .scale = false, .axes = false};
+  const PictureSize size{900.0F, 600.0F, 15.0F};
+  const auto words_in = [&](const PictureSize& of) {
+    std::vector<std::pair<std::string, bool>> found;
+    for (const MarkShapes::Words& one : shapes_of(marks, of, {}, shown, &*needle).words) {
+      found.emplace_back(one.text, one.colour == MarkShapes::Colour::kForce);
+    }
+    return found;
+  };
+  using Names = std::vector<std::pair<std::string, bool>>;
+  EXPECT_EQ(words_in(size), (Names{{"skin", false}, {"fat", true}, {"muscle", false}}));
+  EXPECT_EQ(words_in({390.0F, 600.0F, 15.0F}), Names{}) << "a narrow picture has no names";
+  EXPECT_FALSE(shapes_of(marks, {390.0F, 600.0F, 15.0F}, {}, shown, &*needle).triangles.empty());
+  marks.section = false;
+  EXPECT_TRUE(shapes_of(marks, size, {}, shown, &*needle).triangles.empty());
+  request.task = "press";
+  EXPECT_FALSE(NeedleMarks::of(scene::load(request), world.contact));
 }
 
 TEST(PictureMarks, TheHintNamesOnlyWhatTheDeviceAndTheToolCanDo) {

@@ -15,7 +15,7 @@ const HINTS = {
   pull: ['Hold left and drag to pull.', 'Close the jaws, then drag to pull.'],
 };
 const NOTE_TIME = 4000;  // ms that a message stays in place of the hint
-const MARKS = ['force', 'scale', 'axes'];
+const MARKS = ['force', 'scale', 'axes', 'section', 'inside'];
 
 /** Shows a slider's value. */
 function showValue(input) {

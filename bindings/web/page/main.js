@@ -387,7 +387,7 @@ listen(stage, picture, {
   commands: {
     ' ': () => controls.page.jaws(), g: () => { if (controls.jawed && take(true)) send('rest'); }, f: () => { if (take(true)) send('park'); },
     m: mark, r: () => send('resetFault'), n: () => controls.toggleNoise(),
-    a: toggled('show_force'), b: toggled('show_scale'), x: toggled('show_axes'),
+    a: toggled('show_force'), b: toggled('show_scale'), x: toggled('show_axes'), c: toggled('show_section'), i: toggled('show_inside'),
     ...Object.fromEntries([1, 2, 3, 4].map(number => [number, () => send('hand', {which: number - 1})])),
     'Ctrl+z': () => controls.undo(), 'Ctrl+y': () => controls.redo(), 'Ctrl+Shift+z': () => controls.redo(),
     Home: () => firstView(false), Enter: () => send('restart'),

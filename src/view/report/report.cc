@@ -24,7 +24,9 @@ HandFigures draw_hand(const ExperimentResults& worked, std::size_t i, const Surf
   return {draw_over_time(hand, recording.scene, file("over-time.svg")),
           went_in ? draw_needle(hand, recording.scene, file("needle.svg"))
                   : draw_law(hand, recording, worked.analysis.direction, file("law.svg")),
-          draw_profile(line, recording.scene, reach, measured ? &*measured : nullptr, file("profile.svg")),
+          went_in ? draw_sections(hand, recording.scene, file("sections.svg"))
+                  : draw_profile(line, recording.scene, reach, measured ? &*measured : nullptr,
+                                 file("profile.svg")),
           draw_noise_spectrum(hand, recording.scene, file("noise-spectrum.svg")),
           draw_noise_histogram(hand, file("noise-histogram.svg"))};
 }

@@ -22,6 +22,9 @@ namespace palpate::report {
 /// Force along a needle over the way of its tip, with the punctures.
 [[nodiscard]] Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene,
                                  const std::filesystem::path& file);
+/// Sections along a needle with the tissue's layers: before the first puncture, deepest, and on the way out.
+[[nodiscard]] Figure draw_sections(const HandAnalysis& hand, const scene::Scene& scene,
+                                   const std::filesystem::path& file);
 [[nodiscard]] Figure draw_law(const HandAnalysis& hand, const record::Recording& recording,
                               model::Direction direction, const std::filesystem::path& file);
 [[nodiscard]] Figure draw_noise_spectrum(const HandAnalysis& hand, const scene::Scene& scene,
