@@ -38,6 +38,8 @@ void check_count(std::size_t values, std::size_t points) {
   throw InputError(fmt::format("{} values for {} points of the surface; want one per point", values, points));
 }
 
+constexpr double kSameHole = 0.5e-3;  // m between entries through one hole
+
 constexpr double kShare = 0.15;  // weight of the newest picture in the running mean
 constexpr int kFewest = 12;      // number of pictures before the mean is used
 constexpr int kSlowInARow = 3;   // consecutive pictures over the budget that lower the quality at once
@@ -60,7 +62,9 @@ struct OffscreenRenderer::Impl {
       shapes.emplace_back(tool);
       tools.emplace_back(tool);
       jaws.push_back(Jaws::of(tool));
+      has_needle = has_needle || tool.needle;
     }
+    if (has_needle) painter.show_holes({});
     const geometry::Bounds box = geometry::bounds(subject.organ);
     const double diagonal = box.size().norm();
     region = {box.middle(), kLitShare * diagonal, Quat::Identity(),
@@ -116,7 +120,28 @@ struct OffscreenRenderer::Impl {
     }
   }
 
+  // Keeps a hole wherever a needle has gone in, until a run begins again.
+  void keep_holes(const haptics::Snapshot& snapshot) {
+    if (!has_needle) return;
+    bool changed = snapshot.tick < newest_tick && !holes.empty();
+    if (changed) holes.clear();
+    newest_tick = snapshot.tick;
+    for (const contact::ToolResult& result : snapshot.hand_results()) {
+      if (result.phase != contact::Phase::kInsert || result.view_count == 0) continue;
+      const contact::ContactView& entry = result.views.front();
+      const bool known = std::any_of(holes.begin(), holes.end(), [&entry](const PunctureHole& hole) {
+        return (hole.point_S - entry.point_S).norm() < kSameHole;
+      });
+      if (known) continue;
+      if (holes.size() == kMaxMarks) holes.erase(holes.begin());
+      holes.push_back({entry.point_S, entry.half_width});
+      changed = true;
+    }
+    if (changed) painter.show_holes(holes);
+  }
+
   void show(const haptics::Snapshot& snapshot) {
+    keep_holes(snapshot);
     painter.organ().pose_W = snapshot.organ_W;
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
@@ -182,6 +207,9 @@ struct OffscreenRenderer::Impl {
   std::vector<ToolPicture> tools;
   std::vector<std::optional<Jaws>> jaws;  // of the tools
   LitRegion region;                       // organ frame
+  bool has_needle = false;
+  std::uint64_t newest_tick = 0;
+  std::vector<PunctureHole> holes;
   std::string driver;
   double update_ms = 0.0;
   std::optional<QualityChoice> choice;

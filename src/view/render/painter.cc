@@ -18,6 +18,7 @@ constexpr double kPenumbra = 0.018;       // radius, as a fraction of the pictur
 constexpr double kOcclusionReach = 0.16;  // as a fraction of the picture's height at the target
 constexpr double kMarkRadius = 0.016;     // as a fraction of the picture's height at the target
 constexpr double kLeastMarkRadius = 7.0;  // pixels
+constexpr double kLeastHole = 1.5;        // pixels: radius of a hole
 
 Eigen::Matrix4f matrix_of(const Pose& pose) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -267,6 +268,14 @@ void Painter::set_marks(const Program& program, const StudioView& view) const {
   }
   program.set("mark_count", count);
   const double pixel = view.height_at_target / height_;  // m
+  program.set("hole_count", static_cast<int>(holes_.size()));
+  for (std::size_t i = 0; i < holes_.size(); ++i) {
+    const std::string element = "[" + std::to_string(i) + "]";
+    program.set(("hole_point" + element).c_str(),
+                Eigen::Vector3f((organ_.pose_W * holes_[i].point_S).cast<float>()));
+    program.set(("hole_radius" + element).c_str(),
+                static_cast<float>(std::max(holes_[i].radius, kLeastHole * pixel)));
+  }
   program.set("mark_radius", static_cast<float>(pixel * std::max(kMarkRadius * height_, kLeastMarkRadius)));
   program.set("pixel_length", static_cast<float>(pixel));
 }

@@ -33,6 +33,12 @@ struct PlacedMark {
   Vec3 normal_S = Vec3::UnitZ();
 };
 
+/// A hole that a needle has left in the surface. Organ frame.
+struct PunctureHole {
+  Vec3 point_S;
+  double radius = 0.0;  // m
+};
+
 /// Draws tissue and steel in studio lighting. All members: [setup], with the context current.
 ///
 /// In the qualities for moving pictures it draws only what changed since its last picture, where camera,
@@ -67,9 +73,16 @@ class Painter final {
     marks_ = std::move(marks);
     redraw_all();
   }
-  /// Whether values, marks or inclusions are shown. The first picture with them in each quality takes long.
+  /// Where needles have gone in, at most kMaxMarks; organ frame. The first call prepares the shaders.
+  void show_holes(std::vector<PunctureHole> holes) {
+    holes_ = std::move(holes);
+    holes_expected_ = true;
+    redraw_all();
+  }
+  /// Whether values, marks, holes or inclusions are shown. The first picture with them in each quality takes
+  /// long.
   [[nodiscard]] bool annotated() const noexcept {
-    return values_shown_ || !marks_.empty() || !inclusions_.empty();
+    return values_shown_ || holes_expected_ || !marks_.empty() || !inclusions_.empty();
   }
   /// The inclusions to draw inside the organ, at most model::kMaxInclusions; organ frame.
   void show_inclusions(std::vector<model::Inclusion> inclusions) {
@@ -143,6 +156,8 @@ class Painter final {
   bool lamps_ = true;
   std::vector<model::Inclusion> inclusions_;
   std::vector<PlacedMark> marks_;
+  std::vector<PunctureHole> holes_;
+  bool holes_expected_ = false;
   DeformingSolid organ_;
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw

@@ -232,6 +232,9 @@ uniform int mark_count;
 uniform vec3 mark_point[32];  // m, world frame
 uniform int mark_kind[32];    // 0 found, 1 false, 2 lump
 uniform float mark_radius;    // m
+uniform int hole_count;
+uniform vec3 hole_point[32];  // m, world frame
+uniform float hole_radius[32];  // m
 uniform float pixel_length;   // m
 
 // Distance [m] from the lines of a mark, negative inside, at a position relative to its middle in the picture's
@@ -251,6 +254,12 @@ float mark_distance(vec2 p, int kind) {
 // rest position takes the place of the point, so that a mark moves with the tissue.
 vec3 with_marks(vec3 finished) {
   vec3 at = (model * vec4(rest, 1.0)).xyz;
+  for (int i = 0; i < hole_count; ++i) {  // dark, with a softer rim
+    float outside = length(at - hole_point[i]) - hole_radius[i];
+    float rim = 1.0 - smoothstep(0.0, 1.5 * hole_radius[i], outside);
+    finished *= mix(vec3(1.0), vec3(0.72, 0.5, 0.5), rim);
+    finished = mix(finished, vec3(0.06, 0.01, 0.01), clamp(0.5 - outside / pixel_length, 0.0, 1.0));
+  }
   for (int i = 0; i < mark_count; ++i) {
     vec3 d = at - mark_point[i];
     if (dot(d, d) > 16.0 * mark_radius * mark_radius) continue;
