@@ -174,7 +174,7 @@ struct Played {
   RunResult result;
   bool later_fault = false;               // a later run in the window latched a fault
   bool display_lost = false;              // the display closed during a run
-  std::vector<SearchOutcome> searches{};  // of task palpate, in the window
+  std::vector<SearchOutcome> searches{};  // of tasks palpate and insert, in the window
 };
 
 /// The scores of the searches in a window. Where the window missed rows, the score is of the recording.
@@ -186,7 +186,7 @@ void complete_scores(std::vector<SearchOutcome>& searches, bool no_cache) {
                                  search.rows_left_out));
       continue;
     }
-    search.score = score_of(record::read_recording(search.recording), no_cache).scorer().score();
+    search.score = any_score_of(record::read_recording(search.recording), no_cache);
   }
 }
 
@@ -197,7 +197,8 @@ void print_searches(const std::vector<SearchOutcome>& searches) {
     if (searches.size() > 1 && !search.recording.empty()) {
       std::cout << fmt::format("{:<20}{}\n", "recording", to_text(search.recording));
     }
-    if (search.score.contact_time == 0.0) {
+    const auto* found = std::get_if<palpation::Score>(&search.score);
+    if (found != nullptr && found->contact_time == 0.0) {
       std::cout << "the tissue was never touched\n";
     } else {
       print_score(std::cout, search.score);
@@ -290,8 +291,9 @@ int run(const RunFlags& flags, const std::string& command_line) {
     if (files.recording.empty()) files.recording = files.report / "recording.h5";
   }
   fs::path recorded = files.recording;
-  const bool palpates = session->scene().task == scene::Task::kPalpate;
-  if (recorded.empty() && ((palpates && !window) || !files.screenshot.empty())) {
+  const scene::Task task = session->scene().task;
+  const bool has_score = task == scene::Task::kPalpate || task == scene::Task::kInsert;
+  if (recorded.empty() && ((has_score && !window) || !files.screenshot.empty())) {
     const fs::path folder = temporary.emplace("palpate-").path();
     if (folder.empty()) throw InputError(to_text(fs::temp_directory_path()) + ": cannot make a folder in it");
     recorded = folder / "run.h5";
@@ -317,13 +319,13 @@ int run(const RunFlags& flags, const std::string& command_line) {
     files.report.clear();
     files.screenshot.clear();
   }
-  std::optional<palpation::Score> score;
+  std::optional<palpation::AnyScore> score;
   if (!played.searches.empty()) score = played.searches.front().score;
   const bool scores =
-      palpates && !score && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
+      has_score && !score && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
   if (draw || scores) {
     const record::Recording recording = record::read_recording(recorded);
-    if (scores) score = score_of(recording, flags.no_cache).scorer().score();
+    if (scores) score = any_score_of(recording, flags.no_cache);
     if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);
     if (draw && !files.report.empty()) {

@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <ostream>
 #include <utility>
+#include <variant>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -206,8 +207,12 @@ void print_summary(std::ostream& out, const RunResult& run, const OutputFiles& f
   out << run.scene << ": " << run.loop.ticks << " ticks at " << shortest(run.rate_Hz) << " Hz, "
       << pace_of(run) << '\n';
   print_phases(out, run.statistics, run.hands > 1);
-  out << std::fixed << std::setprecision(3) << "Deepest: " << run.statistics.peak_depth * 1e3
-      << " mm; largest tissue force: " << run.statistics.peak_tissue
+  const bool inserted = std::any_of(
+      run.statistics.phases.begin(), run.statistics.phases.end(), [](const session::PhaseSpan& span) {
+        return span.phase == static_cast<std::uint32_t>(contact::Phase::kInsert);
+      });
+  out << std::fixed << std::setprecision(3) << (inserted ? "Tissue displaced by at most: " : "Deepest: ")
+      << run.statistics.peak_depth * 1e3 << " mm; largest tissue force: " << run.statistics.peak_tissue
       << " N, at the device: " << run.statistics.peak_force << " N\n"
       << std::defaultfloat;
   print_timing(out, run);
@@ -226,10 +231,20 @@ palpation::ScoredRecording score_of(const record::Recording& recording, bool no_
   return {recording, preparation.how(), [&bar](double share) { bar.update(share, "scoring"); }};
 }
 
-void print_score(std::ostream& out, const palpation::Score& score) {
-  for (const palpation::Measure& one : palpation::measures(score)) {
+palpation::AnyScore any_score_of(const record::Recording& recording, bool no_cache) {
+  if (!palpation::is_insertion(recording.scene)) return score_of(recording, no_cache).scorer().score();
+  const OrganPreparation preparation(no_cache);
+  Progress bar("score");
+  return palpation::score_insertions(recording, preparation.how(),
+                                     [&bar](double share) { bar.update(share, "scoring"); });
+}
+
+void print_score(std::ostream& out, const palpation::AnyScore& any) {
+  for (const palpation::Measure& one : palpation::measures(any)) {
     out << fmt::format("{:<20}{}\n", one.name, one.value);
   }
+  if (!std::holds_alternative<palpation::Score>(any)) return;
+  const palpation::Score& score = std::get<palpation::Score>(any);
   for (std::size_t i = 0; i < score.lumps.size(); ++i) {
     const palpation::Lump& lump = score.lumps[i];
     out << fmt::format(

@@ -11,6 +11,7 @@
 #include "net/igtl_clients.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
+#include "run/palpation/insertion_score.h"
 #include "run/palpation/score.h"
 
 namespace palpate::app {
@@ -43,7 +44,10 @@ void print_summary(std::ostream& out, const session::RunResult& run, const Outpu
 /// [setup] Scores a recording, with a progress bar. @throws InputError as scene::make_world()
 [[nodiscard]] palpation::ScoredRecording score_of(const record::Recording& recording, bool no_cache);
 
+/// [setup] As score_of(); a recording of task insert gets an InsertionScore.
+[[nodiscard]] palpation::AnyScore any_score_of(const record::Recording& recording, bool no_cache);
+
 /// [setup] Prints a score as text.
-void print_score(std::ostream& out, const palpation::Score& score);
+void print_score(std::ostream& out, const palpation::AnyScore& score);
 
 }  // namespace palpate::app

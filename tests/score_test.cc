@@ -65,6 +65,46 @@ TEST(ScoreCommand, AMarkAboveAHiddenStoneFindsItInTheRunAndInItsRecording) {
   EXPECT_EQ(run(folder, {"replay", "r.h5", "--verify"}).exit_code, 0);
 }
 
+TEST(ScoreCommand, TheEpiduralEndsInItsTargetAndADeeperOneIsADuralPuncture) {
+  const Folder folder;
+  const std::string scene = std::string(PALPATE_EXAMPLES) + "/epidural.toml";
+  const Outcome played = run(folder, {"run", scene, "--offline", "--record", "r.h5", "--json"});
+  ASSERT_EQ(played.exit_code, 0) << played.err;
+  const json score = json::parse(played.out)["score"];
+  EXPECT_EQ(score["reached"], 1);
+  EXPECT_EQ(score["forbidden"], json::array());
+  EXPECT_EQ(score["crossed"].size(), 6U);
+  EXPECT_EQ(score["crossed"][5], "epidural space");
+  EXPECT_EQ(score["attempts"], 1);
+  EXPECT_LT(score["overshoot_mm"], 5.0) << "the space is 5 mm thick";
+  const Outcome scored = run(folder, {"score", "r.h5", "--json"});
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  EXPECT_EQ(json::parse(scored.out), score);
+  const Outcome text = run(folder, {"score", "r.h5"});
+  EXPECT_THAT(text.out, testing::HasSubstr("target reached      yes\n"));
+  const Outcome map = run(folder, {"score", "r.h5", "--map", "m.csv"});
+  EXPECT_EQ(map.exit_code, 2);
+  EXPECT_THAT(map.err, testing::HasSubstr("--map: task insert has none: must be left out"));
+
+  std::ofstream(folder / "deep.csv")
+      << "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.1,0,1,0,0\n5,0,0,0.03,0,1,0,0\n";
+  const Outcome deep = run(folder, {"run", scene, "--offline", "--device", "scripted:deep.csv", "--json"});
+  ASSERT_EQ(deep.exit_code, 0) << deep.err;
+  EXPECT_EQ(json::parse(deep.out)["score"]["forbidden"], json({"dura"}));
+}
+
+TEST(ScoreCommand, TheBiopsyReachesItsHiddenTargetForEverySeed) {
+  const Folder folder;
+  for (const char* seed : {"1", "2", "3"}) {
+    const Outcome played = run(folder, {"run", std::string(PALPATE_EXAMPLES) + "/biopsy.toml", "--offline",
+                                        "--seed", seed, "--json"});
+    ASSERT_EQ(played.exit_code, 0) << played.err;
+    const json score = json::parse(played.out)["score"];
+    EXPECT_EQ(score["reached"], 1) << seed;
+    EXPECT_EQ(score["closest_mm"], 0.0) << seed;
+  }
+}
+
 TEST(ScoreCommand, RefusesWhatItCannotScoreOrWrite) {
   const Folder folder;
   EXPECT_EQ(run(folder, {"score", "no.h5"}).exit_code, 2);

@@ -16,6 +16,7 @@
 #include "palpate/tick_observer.h"
 #include "palpate/tissue.h"
 #include "palpate/touch_noise.h"
+#include "run/palpation/score.h"
 
 #include "app/window/file_chooser.h"
 #include "app/window/picture_marks.h"
@@ -66,6 +67,8 @@ struct PanelModel {
   std::uint64_t rows_left_out = 0;
   std::span<const scene::InclusionSetup> inclusions{};  // in force, visible and hidden
   std::optional<SearchStatus> search{};                 // of task palpate
+  bool inserts = false;                                 // task insert
+  std::vector<palpation::Measure> insertion{};          // of task insert, after the end of the run
   std::optional<SupportStatus> support{};               // of other tasks
   bool can_undo = false;
   bool can_redo = false;
@@ -103,7 +106,7 @@ struct Commands {
   bool look = false;         // open the recording in a viewer
   bool leave = false;
   std::optional<bool> map;  // of the felt stiffness
-  bool end_search = false;
+  bool end_search = false;  // or the insertion
   std::optional<SupportChange> support;
 };
 
@@ -196,6 +199,8 @@ void begin_column(const char* name, const Rectangle& place);
 // Single panels, each in a source file of its own.
 void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void search_panel(const PanelModel& shown, Commands& commands);
+/// The end of an insertion, then its score, which would show during it where a hidden target is.
+void insertion_panel(const PanelModel& shown, Commands& commands);
 void tissue_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void noise_panel(const PanelModel& shown, PanelState& state, Commands& commands);
 void device_panel(const PanelModel& shown, Commands& commands);

@@ -32,7 +32,7 @@ struct SearchOutcome {
   std::filesystem::path recording;  // empty: not recorded
   std::uint64_t seed = 0;           // of the places
   std::uint64_t rows_left_out = 0;  // that the window missed, so that the score is of the others
-  palpation::Score score;
+  palpation::AnyScore score;
 };
 
 /// Options of the window and of its sessions.
@@ -54,7 +54,7 @@ struct WindowOptions {
 struct WindowOutcome {
   RunResult result;                       // result of the first session
   std::uint64_t more_runs = 0;            // sessions started in the window
-  std::vector<SearchOutcome> searches{};  // of task palpate, in their order
+  std::vector<SearchOutcome> searches{};  // of tasks palpate and insert, in their order
   bool later_fault = false;               // one of those had a fault
   std::uint64_t frames = 0;               // frames that showed a running session
   double median_age = 0.0;                // s, age of the shown snapshots

@@ -239,6 +239,7 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
   inclusion_rows(shown, commands);
   support_panel(shown, commands);
   search_panel(shown, commands);
+  insertion_panel(shown, commands);
   ImGui::Spacing();
 }
 

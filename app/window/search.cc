@@ -20,11 +20,18 @@
 namespace palpate::app {
 namespace {
 
-void score_rows(const palpation::Score& score) {
+void score_rows(const std::vector<palpation::Measure>& measures) {
   const Rows rows("score");
-  for (const palpation::Measure& one : palpation::measures(score)) {
-    rows.text(one.name, one.value, one.definition.c_str());
-  }
+  for (const palpation::Measure& one : measures) rows.text(one.name, one.value, one.definition.c_str());
+}
+
+/// A new run of the scene with the next seed, which hides things elsewhere.
+void other_places(const PanelModel& shown, Commands& commands) {
+  if (!ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) return;
+  scene::Overrides request = shown.request;
+  request.seed = shown.scene.seed + 1;
+  commands.request = std::move(request);
+  commands.keep = {.tissue = true, .noise = true};
 }
 
 /// The colours of the map, with the factors at their ends. Without the map its place stays empty, so that
@@ -131,17 +138,25 @@ SearchStatus Search::status() const {
   return status;
 }
 
+void insertion_panel(const PanelModel& shown, Commands& commands) {
+  if (!shown.inserts) return;
+  ImGui::Separator();
+  if (!shown.ended) {
+    if (ImGui::Button("End the insertion", ImVec2(-1.0F, 0.0F))) commands.end_search = true;
+    return;
+  }
+  const bool hidden = std::any_of(shown.inclusions.begin(), shown.inclusions.end(),
+                                  [](const scene::InclusionSetup& one) { return !one.visible; });
+  if (hidden) other_places(shown, commands);
+  score_rows(shown.insertion);
+}
+
 void search_panel(const PanelModel& shown, Commands& commands) {
   if (!shown.search) return;
   const SearchStatus& search = *shown.search;
   ImGui::Separator();
   if (search.score) {
-    if (ImGui::Button("Other places", ImVec2(-1.0F, 0.0F))) {
-      scene::Overrides request = shown.request;
-      request.seed = shown.scene.seed + 1;
-      commands.request = std::move(request);
-      commands.keep = {.tissue = true, .noise = true};
-    }
+    other_places(shown, commands);
   } else {
     ImGui::PushTextWrapPos(0.0F);
     ImGui::TextColored(colour::kFaint,
@@ -167,7 +182,7 @@ void search_panel(const PanelModel& shown, Commands& commands) {
                 "pseudo-haptics: over stiff places the mouse moves the tool less");
     }
   }
-  if (search.score) score_rows(*search.score);
+  if (search.score) score_rows(palpation::measures(*search.score));
 }
 
 }  // namespace palpate::app

@@ -264,6 +264,10 @@ PanelModel Window::shown() const {
   shown.can_undo = history_.can_undo();
   shown.can_redo = history_.can_redo();
   if (support_ != nullptr) shown.support = support_->status(live_);
+  if (insertion_ != nullptr) {
+    shown.inserts = true;
+    if (shown.ended) shown.insertion = palpation::measures(insertion_->score());
+  }
   if (search_ != nullptr) {
     shown.search = search_->status();
     if (steering_.mouse_steers()) shown.search->pointer_gain = search_->pointer_gain(*traces_);

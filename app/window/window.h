@@ -14,6 +14,7 @@
 #include <sys/types.h>
 
 #include "palpate/offscreen.h"
+#include "run/palpation/insertion_score.h"
 
 #include "app/live_run.h"
 #include "app/next_session.h"
@@ -127,6 +128,7 @@ class Window final {
   void close_run();
   void take_rows();
   void poll_search();
+  void show_all_inclusions();
   void grant(const Commands& commands);
   void take_file(const ChosenFile& file);
   void keep_support();
@@ -180,11 +182,13 @@ class Window final {
   Steering steering_;
   std::unique_ptr<Traces> traces_;
   std::unique_ptr<LiveRun<RowObserver>> run_;
-  std::unique_ptr<RunTape> tape_;           // of the run; null: it is recorded from its start
-  bool run_closed_ = false;                 // close_run() was called
-  bool ended_by_user_ = false;              // the user ended the search
-  std::unique_ptr<Search> search_;          // of the run; null: another task
-  std::optional<NeedleMarks> needle_;       // of the run
+  std::unique_ptr<RunTape> tape_;                          // of the run; null: it is recorded from its start
+  bool run_closed_ = false;                                // close_run() was called
+  bool ended_by_user_ = false;                             // the user ended the search or the insertion
+  bool answered_ = false;                                  // what an insertion hid is shown
+  std::unique_ptr<Search> search_;                         // of the run; null: another task
+  std::optional<NeedleMarks> needle_;                      // of the run
+  std::unique_ptr<palpation::InsertionScorer> insertion_;  // of the run; null: another task
   std::unique_ptr<SupportEditor> support_;  // of the run; null: task palpate, whose map takes the colours
   std::vector<SearchOutcome> searches_;
   std::unique_ptr<NextSession> next_;

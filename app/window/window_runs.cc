@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 
 /// Switches the window to this run, which starts with the next frame.
 void Window::take(std::shared_ptr<Session> session, fs::path recording) {
+  insertion_.reset();
   search_.reset();  // search, support and tape refer to the previous session
   support_.reset();
   tape_.reset();
@@ -39,6 +40,7 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
   }
   run_closed_ = false;
   ended_by_user_ = false;
+  answered_ = false;
   now_ = LiveParameters(scene);
   history_.clear();
   tissue_note_.clear();
@@ -55,6 +57,9 @@ void Window::take(std::shared_ptr<Session> session, fs::path recording) {
     support_ = std::make_unique<SupportEditor>(scene);
   }
   needle_ = NeedleMarks::of(scene, run_->session().world().contact);
+  if (palpation::is_insertion(scene)) {
+    insertion_ = std::make_unique<palpation::InsertionScorer>(scene, run_->session().world().contact);
+  }
   steering_.take(run_->session());
   viewport_.display().set_title("Palpate: " + title_of(scene));
 }
@@ -85,6 +90,7 @@ render::Subject Window::subject() const {
 void Window::take_rows() {
   traces_->take(run_->observer(), !paused_, [this](const haptics::TickRow& row) {
     if (search_ != nullptr) search_->add(row);
+    if (insertion_ != nullptr) insertion_->add(row);
     if (tape_ != nullptr) tape_->add(row);
   });
   haptics::ParameterUpdate update;
@@ -96,22 +102,29 @@ void Window::take_rows() {
   }
 }
 
-/// Slows the mouse over stiff places; at the end of a search shows lumps and marks.
+/// Shows hidden inclusions too, in the picture.
+void Window::show_all_inclusions() {
+  std::vector<model::Inclusion> all;
+  for (const scene::InclusionSetup& one : now_.inclusions) all.push_back(one.inclusion);
+  live_.show_inclusions(std::move(all));
+  live_.refresh();
+}
+
+/// Slows the mouse over stiff places; at the end of a search shows lumps and marks, at the end of an
+/// insertion what was hidden.
 void Window::poll_search() {
+  if (insertion_ != nullptr && run_->ended() && !std::exchange(answered_, true)) show_all_inclusions();
   steering_.set_gain(search_ == nullptr ? 1.0 : search_->pointer_gain(*traces_));
   if (search_ == nullptr) return;
   const bool ends = !search_->ended() && run_->ended();
   if (ends) search_->end();
   search_->draw_on(live_, ends);
   if (!ends) return;
-  std::vector<model::Inclusion> all;
-  for (const scene::InclusionSetup& one : now_.inclusions) all.push_back(one.inclusion);
-  live_.show_inclusions(std::move(all));
   // The organ at rest without the tool, which would hide the last mark.
   const Pose organ_W = shown_.organ_W;
   shown_ = {};
   shown_.organ_W = organ_W;
-  live_.refresh();
+  show_all_inclusions();
 }
 
 /// Ends the run: zero force, recording closed, devices free for the next session.
@@ -135,10 +148,11 @@ void Window::close_run() {
   run_->stop();
   take_rows();
   end_recording();
-  if (search_ == nullptr) return;
-  search_->end();
-  searches_.push_back(
-      {recording_now(), run_->session().scene().seed, run_->observer().left_out(), *search_->score()});
+  if (search_ == nullptr && insertion_ == nullptr) return;
+  if (search_ != nullptr) search_->end();
+  const palpation::AnyScore score =
+      search_ != nullptr ? palpation::AnyScore(*search_->score()) : insertion_->score();
+  searches_.push_back({recording_now(), run_->session().scene().seed, run_->observer().left_out(), score});
 }
 
 void Window::poll_runs() {

@@ -5,6 +5,7 @@
 
 #include "palpate/error.h"
 #include "palpate/recording.h"
+#include "run/palpation/insertion_score.h"
 #include "run/palpation/score.h"
 
 #include "bindings/python/binding.h"
@@ -19,8 +20,14 @@ palpation::ScoredRecording score(const record::Recording& recording, bool cache)
 }
 
 py::dict score_of(const record::Recording& recording, bool cache) {
-  palpation::require_search(recording.scene, "score()", "task='palpate' makes a search");
-  const std::string text = palpation::to_json(score(recording, cache).scorer().score());
+  std::string text;
+  if (palpation::is_insertion(recording.scene)) {
+    const py::gil_scoped_release others_may_run;
+    text = palpation::to_json(palpation::score_insertions(recording, preparation_of(cache)));
+  } else {
+    palpation::require_search(recording.scene, "score()", "task='palpate' makes a search");
+    text = palpation::to_json(score(recording, cache).scorer().score());
+  }
   return py::module_::import("json").attr("loads")(text);
 }
 
@@ -54,8 +61,8 @@ void bind_palpation(py::module_& module) {
   const py::object recording = module.attr("Recording");
   recording.attr("score") = py::cpp_function(
       &score_of, py::name("score"), py::is_method(recording), py::arg("cache") = true,
-      "Scores the search for inclusions, as `palpate score --json` does. Returns a dict. Raises InputError, "
-      "also when there is no search in it.");
+      "Scores the search for inclusions, or the insertions of task insert, as `palpate score --json` does. "
+      "Returns a dict. Raises InputError, also when there is neither in it.");
   recording.attr("felt_map") = py::cpp_function(
       &felt_map_of, py::name("felt_map"), py::is_method(recording), py::arg("cache") = true,
       "The stiffness that the hands felt, over the organ's surface. Returns a dict of arrays: points (n x 3, "

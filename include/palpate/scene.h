@@ -168,6 +168,12 @@ struct SearchSetup {
   std::uint32_t mark_button = 0;  // bit of DeviceState::buttons that sets a mark
 };
 
+/// The task insert: where the needle's tip is to go, and where not (docs/needle.md).
+struct TargetSetup {
+  std::string layer{};                   // name of a tissue layer; empty: the hidden inclusions, else all
+  std::vector<std::string> forbidden{};  // names of tissue layers
+};
+
 /// [setup] The inclusions that pictures show.
 [[nodiscard]] std::vector<model::Inclusion> visible_inclusions(const std::vector<InclusionSetup>& inclusions);
 
@@ -208,6 +214,7 @@ struct Scene {
   std::optional<geometry::Support>
       support;                        // what holds the organ; empty: only the surface near a contact moves
   SearchSetup search;                 // only for task palpate
+  TargetSetup target;                 // only for task insert
   std::vector<geometry::Tool> tools;  // one per hand
   std::vector<DeviceSetup> devices;   // one per hand
   noise::NoiseSettings noise;

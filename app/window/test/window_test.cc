@@ -254,9 +254,9 @@ TEST_F(WindowTest, EachRecordedSearchEndsWithItsAnswerAndIsScoredInAFileOfItsOwn
   const WindowOutcome outcome = driven.finish();
   ASSERT_EQ(outcome.searches.size(), 2U);
   EXPECT_EQ(outcome.searches[0].recording, file("search.h5"));
-  EXPECT_EQ(outcome.searches[0].score.found, 1U);
+  EXPECT_EQ(std::get<palpation::Score>(outcome.searches[0].score).found, 1U);
   EXPECT_EQ(outcome.searches[1].recording, file("search-3.h5"));
-  EXPECT_EQ(outcome.searches[1].score.found, 0U);
+  EXPECT_EQ(std::get<palpation::Score>(outcome.searches[1].score).found, 0U);
   EXPECT_EQ(std::filesystem::file_size(file("search-2.h5")), 10U) << "no file is overwritten";
   for (const SearchOutcome& search : outcome.searches) {
     EXPECT_EQ(record::replay(record::read_recording(search.recording)).rows_different, 0U);

@@ -372,6 +372,11 @@ void fields(auto& io, Is<scene::SearchSetup> auto& search) {
   io("mark_button", search.mark_button);
 }
 
+void fields(auto& io, Is<scene::TargetSetup> auto& target) {
+  io("layer", target.layer);
+  io.list("forbidden", target.forbidden, model::kMaxTissueLayers);
+}
+
 /// Older recordings have uniform tissue and no organ motion.
 void fields(auto& io, Is<scene::Scene> auto& scene) {
   io("name", scene.name);
@@ -393,6 +398,7 @@ void fields(auto& io, Is<scene::Scene> auto& scene) {
   });
   io("tissue", scene.tissue);
   if (scene.task == scene::Task::kPalpate) io("search", scene.search);
+  if (scene.task == scene::Task::kInsert && io.has("target")) io("target", scene.target);
   io.list("tools", scene.tools, kMaxHands);
   io.list("devices", scene.devices, kMaxHands);
   io("noise", scene.noise);

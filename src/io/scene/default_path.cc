@@ -13,6 +13,7 @@
 #include "io/scene/minimum_jerk.h"
 #include "io/scene/organ_distance.h"
 #include "io/scene/search.h"
+#include "palpate/spring_law.h"
 #include "palpate/tool_path.h"
 #include "palpate/units.h"
 
@@ -36,6 +37,7 @@ struct Leg {
   double height = 0.0;
   double gripper = 0.0;
   double duration = 0.0;
+  Vec3 aside = Vec3::Zero();  // m, horizontal, from that surface point
 };
 
 /// Duration of a minimum-jerk motion over `distance` [m] whose speed stays at or below the peak speed; 1.875
@@ -151,6 +153,51 @@ double insertion_depth(const Scene& scene, const geometry::SignedDistance& surfa
   return std::min(kInsertion, kShare * (1.0 - exit->fraction) * (touch - below).norm());
 }
 
+/// Way of a needle straight down to the scene's target.
+struct Aim {
+  Vec3 aside = Vec3::Zero();  // m, horizontal, from the point where the path would go down without a target
+  double depth = 0.0;         // m, below that point
+};
+
+/// Displacement [m] of the tissue under a needle with this depth inside and this force on its tip [N].
+double displacement_under(const Scene& scene, double depth, double on_tip) {
+  double force = on_tip;
+  double low = 0.0;
+  for (const model::TissueLayer& layer : scene.tissue.layers) {
+    if (depth <= low) break;
+    force += layer.friction + layer.friction_per_length * (std::min(depth, low + layer.thickness) - low);
+    low += layer.thickness;
+  }
+  return model::SpringLaw(scene.tissue, model::Direction::kPress, 1.0 / scene.rate_Hz)
+      .deformation_under(force)
+      .depth;
+}
+
+/// Just into the target's layer, or to the centre of the first target: there the tip is as deep as the path
+/// less the tissue's displacement.
+std::optional<Aim> aim_of(const Scene& scene, const Vec3& touch) {
+  constexpr double kInto = 1.2e-3;  // m
+  double low = 0.0;
+  double cutting = 0.0;  // N, of the layer before
+  for (const model::TissueLayer& layer : scene.tissue.layers) {
+    if (layer.name == scene.target.layer) {
+      const double on_tip = std::max(cutting, layer.puncture_force);
+      return Aim{Vec3::Zero(), low + kInto + displacement_under(scene, low, on_tip)};
+    }
+    low += layer.thickness;
+    cutting = layer.cutting_force;
+  }
+  const auto hidden = std::find_if(scene.inclusions.begin(), scene.inclusions.end(),
+                                   [](const InclusionSetup& one) { return !one.visible; });
+  const auto target = hidden != scene.inclusions.end() ? hidden : scene.inclusions.begin();
+  if (target == scene.inclusions.end()) return std::nullopt;
+  const Vec3 centre = scene.organ_pose * target->inclusion.centre_S;
+  const double depth = touch.z() - centre.z();
+  const double on_tip = target->inclusion.ratio * scene.tissue.layers.back().cutting_force;
+  return Aim{Vec3(centre.x() - touch.x(), centre.y() - touch.y(), 0.0),
+             depth + displacement_under(scene, depth, on_tip)};
+}
+
 /// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
 /// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
 PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
@@ -208,6 +255,19 @@ std::vector<Leg> legs_of(Task task, double depth) {
           {kClearance, 1.0, time_for(approach)}};
 }
 
+/// A needle's, by way of a height over the whole organ where the target is aside. The start is the same
+/// wherever the target hides.
+std::vector<Leg> legs_to(const Aim& aim, double top) {
+  const Vec3& aside = aim.aside;
+  const double low = -aim.depth;
+  if (aside.norm() == 0.0) return legs_of(Task::kInsert, aim.depth);
+  return {{top, 0.0, time_for(top), Vec3::Zero()},
+          {top, 0.0, time_for(aside.norm()), aside},
+          {low, 0.0, time_for(top - low), aside},
+          {low, 0.0, kHold, aside},
+          {top, 0.0, time_for(top - low), aside}};
+}
+
 }  // namespace
 
 std::vector<std::string> default_path_remarks(const Scene& scene) {
@@ -245,21 +305,25 @@ ToolPath default_path(const Scene& scene, std::size_t hand) {
   const Quat orientation = turn * downwards();
 
   std::vector<PathRow> rows;
-  const auto add = [&](double time, double height, double gripper) {
-    const Vec3 handle_W = handle_at_touch - height * direction;
+  const auto add = [&](double time, double height, double gripper, const Vec3& aside) {
+    const Vec3 handle_W = handle_at_touch - height * direction + aside;
     rows.push_back(
         {time, (to_device * handle_W) / device.workspace_scale, to_device.rotation * orientation, gripper});
   };
   Leg from{kClearance, scene.task == Task::kPull ? 1.0 : 0.0, 0.0};
   double start = 0.0;
-  add(start, from.height, from.gripper);
-  for (const Leg& leg : legs_of(scene.task, place.depth)) {
+  add(start, from.height, from.gripper, from.aside);
+  const std::optional<Aim> aim = scene.task == Task::kInsert && scene.tools.size() == 1
+                                     ? aim_of(scene, place.approach.touch)
+                                     : std::nullopt;
+  const double top = world_bounds(scene).high.z() - place.approach.touch.z() + 2.0 * kClearance;
+  for (const Leg& leg : aim ? legs_to(*aim, top) : legs_of(scene.task, place.depth)) {
     const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
     for (int i = 1; i <= steps; ++i) {
       const double u = static_cast<double>(i) / steps;
       const double way = minimum_jerk(u);
       add(start + u * leg.duration, (1.0 - way) * from.height + way * leg.height,
-          (1.0 - way) * from.gripper + way * leg.gripper);
+          (1.0 - way) * from.gripper + way * leg.gripper, (1.0 - way) * from.aside + way * leg.aside);
     }
     start += leg.duration;
     from = leg;

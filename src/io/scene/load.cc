@@ -575,6 +575,10 @@ Scene load(const Overrides& request) {
     }
     hide_inclusions(scene_file.search, scene);
   }
+  if (scene.task == Task::kInsert) {
+    scene.target = target_of(scene_file.target, scene.tissue);
+    if (scene_file.search.given) hide_inclusions(scene_file.search, scene);
+  }
   load_stiffness_map(scene_file, scene, notes);
   scene.repairs = std::move(notes.repairs);
   scene.remarks = std::move(notes.remarks);

@@ -1,9 +1,12 @@
 #include "io/scene/scene_file.h"
 
+#include <algorithm>
+
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "io/scene/emulated_reader.h"
+#include "io/scene/names.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_keys.h"
 #include "io/scene/toml_reader.h"
@@ -28,7 +31,8 @@ class SceneReader final {
   SceneFile read(const std::string& default_name) {
     SceneFile scene;
     scene.name = default_name;
-    root_.allow_only({"scene", "organ", "search", "tool", "path", "device", "noise", "safety", "probes"});
+    root_.allow_only(
+        {"scene", "organ", "search", "target", "tool", "path", "device", "noise", "safety", "probes"});
     if (auto table = root_.table("probes")) {  // of palpate fit --map, for palpate validate --map
       table->allow_only({"first_contact_mm"});
       (void)table->required_number("first_contact_mm");
@@ -36,6 +40,7 @@ class SceneReader final {
     if (auto table = root_.table("scene")) read_scene(*table, scene);
     read_organ(scene);
     scene.search = read_search(root_.table("search"));
+    if (auto table = root_.table("target")) read_target(*table, scene.target);
     for (const TomlTable& table : root_.tables("tool")) scene.tools.push_back(read_tool(table));
     scene.tool_location = root_.location("tool") + ": tool.mesh";
     if (auto table = root_.table("path")) {
@@ -109,6 +114,15 @@ class SceneReader final {
     if (!axis) return std::nullopt;
     if (axis->norm() < 1e-9) table.fail("axis", "must be a direction, not zero");
     return axis->normalized();
+  }
+
+  void read_target(const TomlTable& table, TargetTable& target) const {
+    table.allow_only(keys_in("target", {"forbidden"}));
+    target.layer = stated(table, "layer");
+    for (const std::string& layer : table.texts("forbidden").value_or(std::vector<std::string>{})) {
+      target.forbidden.push_back(
+          {layer, table.location("forbidden") + ": " + table.field("forbidden"), folder_});
+    }
   }
 
   JawTable read_jaw(const TomlTable& table) const {
@@ -235,6 +249,21 @@ class SceneReader final {
 
 void LocatedString::fail(const std::string& want) const {
   throw InputError(fmt::format("{} = \"{}\": {}", where, excerpt(value, kLongestName), want));
+}
+
+TargetSetup target_of(const TargetTable& table, const model::TissueParameters& tissue) {
+  std::vector<std::string> names;
+  for (const model::TissueLayer& layer : tissue.layers) names.push_back(layer.name);
+  const auto known = [&](const LocatedString& stated) {
+    if (std::find(names.begin(), names.end(), stated.value) == names.end()) {
+      stated.fail("must be a layer of the tissue '" + tissue.name + "': " + alternatives(names));
+    }
+    return stated.value;
+  };
+  TargetSetup target;
+  if (table.layer) target.layer = known(*table.layer);
+  for (const LocatedString& one : table.forbidden) target.forbidden.push_back(known(one));
+  return target;
 }
 
 Task parse_task(const LocatedString& stated) {

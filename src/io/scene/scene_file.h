@@ -75,6 +75,12 @@ struct DeviceTable {
   bool has_base = false;                           // the scene gives setup.base
 };
 
+/// The [target] table.
+struct TargetTable {
+  std::optional<LocatedString> layer;
+  std::vector<LocatedString> forbidden;
+};
+
 /// The content of a scene file, checked except for the files that it names. SI units.
 struct SceneFile {
   std::string name;
@@ -92,6 +98,7 @@ struct SceneFile {
   std::optional<LocatedSupport> support;
   std::optional<LocatedString> stiffness_map;
   SearchTable search;
+  TargetTable target;
   StiffnessMapOptions stiffness_map_options;
   std::vector<ToolTable> tools;
   double path_speed = 1.0;  // factor of all tool paths
@@ -111,6 +118,9 @@ struct SceneFile {
 /// [setup] Reads and checks the text of a scene. @param folder base of relative paths in it
 [[nodiscard]] SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
                                         std::span<const Setting> settings = {});
+
+/// [setup] @throws InputError for a layer that the tissue does not have
+[[nodiscard]] TargetSetup target_of(const TargetTable& table, const model::TissueParameters& tissue);
 
 /// [setup] The task that `stated` names. @throws InputError naming where `stated` was written.
 [[nodiscard]] Task parse_task(const LocatedString& stated);

@@ -64,6 +64,7 @@ std::vector<SceneKey> make_keys() {
       {"search.depth_mm", kNumber, up_to(1000.0)},
       {"search.tolerance_mm", kNumber, {1.0, 100.0}},
       {"search.mark_button", kWhole},
+      {"target.layer", kText},
       {"path.speed", kNumber, {0.01, 100.0}},
       {"device.kind", kText},
       {"device.path", kText},

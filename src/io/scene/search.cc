@@ -180,6 +180,7 @@ SearchTable read_search(const std::optional<TomlTable>& table) {
   SearchTable search;
   std::string preset = "nodule";
   if (table) {
+    search.given = true;
     table->allow_only(keys_in("search"));
     search.where = table->location("") + ": search";
     preset = table->text("preset").value_or(preset);
@@ -233,7 +234,7 @@ void hide_inclusions(const SearchTable& table, Scene& scene) {
   constexpr std::uint32_t kTries = 1000;
   const bool has_hidden = std::any_of(scene.inclusions.begin(), scene.inclusions.end(),
                                       [](const InclusionSetup& one) { return !one.visible; });
-  const std::size_t wanted = table.lumps.value_or(has_hidden ? 0 : 3);
+  const std::size_t wanted = table.lumps.value_or(has_hidden ? 0 : scene.task == Task::kInsert ? 1 : 3);
   if (scene.inclusions.size() + wanted > model::kMaxInclusions) {
     throw InputError(fmt::format("{}.lumps = {}: there are {} inclusions already, must be at most {} in all",
                                  table.where, wanted, scene.inclusions.size(), model::kMaxInclusions));

@@ -18,6 +18,7 @@ namespace palpate::scene {
 /// The [search] table of a scene, checked except for the room in the organ. SI units.
 struct SearchTable {
   SearchSetup setup;
+  bool given = false;                // the scene has the table
   std::optional<std::size_t> lumps;  // hidden at random; empty: see hide_inclusions()
   model::Inclusion lump;             // its centre is not set
   double depth = 0.0;                // of a centre below the surface [m]
@@ -48,8 +49,9 @@ class SearchArea final {
 };
 
 /// [setup] Adds hidden inclusions at random places under the search area, by the scene's seed: `lumps` of
-/// them, or by default as many as have room, at most 3, in a scene without hidden inclusions. Marks within
-/// the tolerance of one are outside that of another. @throws InputError when the organ has no room for them
+/// them, or by default as many as have room, at most 3 (task insert: 1), in a scene without hidden
+/// inclusions. Marks within the tolerance of one are outside that of another. @throws InputError when the
+/// organ has no room for them
 void hide_inclusions(const SearchTable& table, Scene& setup);
 
 /// [setup] The default path of task palpate, in the world: the tool points down and presses at the points of

@@ -15,6 +15,7 @@
 #include "palpate/error.h"
 #include "palpate/tool_contact.h"
 #include "palpate/units.h"
+#include "run/palpation/score_field.h"
 
 namespace palpate::palpation {
 namespace {
@@ -39,15 +40,6 @@ std::vector<double> areas_of(const contact::World& world, const Pose& organ_pose
 nlohmann::ordered_json place_json(const Vec3& place) {
   return {place.x() / kMillimetre, place.y() / kMillimetre, place.z() / kMillimetre};
 }
-
-/// A measure of a score, as all outputs show it.
-struct ScoreField {
-  const char* key;  // in the JSON document
-  nlohmann::ordered_json value;
-  const char* name = nullptr;  // in text, report and window; nullptr: in the JSON document alone
-  std::string text{};          // its value there
-  std::string definition{};
-};
 
 std::vector<ScoreField> fields_of(const Score& score) {
   const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
@@ -227,26 +219,27 @@ ScoredRecording::ScoredRecording(const record::Recording& recording, const conta
                                  const record::Progress& progress)
     : world_(std::make_unique<haptics::SimulationWorld>(scene::make_world(recording.scene, how))),
       scorer_(recording.scene, world_->contact) {
-  constexpr std::size_t kBlock = 10'000;  // rows
-  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
-    scorer_.add(recording.rows[i]);
-    if (progress && i % kBlock == 0) {
-      progress(static_cast<double>(i) / static_cast<double>(recording.rows.size()));
-    }
-  }
+  for_each_row(recording, progress, [this](const haptics::TickRow& row) { scorer_.add(row); });
 }
 
-std::vector<Measure> measures(const Score& score) {
+std::vector<Measure> measures_of(const std::vector<ScoreField>& fields) {
   std::vector<Measure> shown;
-  for (const ScoreField& field : fields_of(score)) {
+  for (const ScoreField& field : fields) {
     if (field.name != nullptr) shown.push_back({field.name, field.text, field.definition});
   }
   return shown;
 }
 
-std::string to_json(const Score& score) {
+nlohmann::ordered_json json_of(const std::vector<ScoreField>& fields) {
   nlohmann::ordered_json json;
-  for (const ScoreField& field : fields_of(score)) json[field.key] = field.value;
+  for (const ScoreField& field : fields) json[field.key] = field.value;
+  return json;
+}
+
+std::vector<Measure> measures(const Score& score) { return measures_of(fields_of(score)); }
+
+std::string to_json(const Score& score) {
+  nlohmann::ordered_json json = json_of(fields_of(score));
   json["lump"] = nlohmann::ordered_json::array();
   for (const Lump& lump : score.lumps) {
     json["lump"].push_back({{"name", lump.name},

@@ -106,6 +106,18 @@ class Scorer final {
   double rates_ = 0.0;    // (N/s)^2
 };
 
+/// [setup] Calls `use` with every row of a recording. @param progress 0..1
+template <typename Use>
+void for_each_row(const record::Recording& recording, const record::Progress& progress, const Use& use) {
+  constexpr std::size_t kBlock = 10'000;  // rows
+  for (std::size_t i = 0; i < recording.rows.size(); ++i) {
+    use(recording.rows[i]);
+    if (progress && i % kBlock == 0) {
+      progress(static_cast<double>(i) / static_cast<double>(recording.rows.size()));
+    }
+  }
+}
+
 /// A scored recording of any task, with the world that its map refers to.
 class ScoredRecording final {
  public:

@@ -33,6 +33,13 @@ bool touching(const haptics::TickRow& row) {
 
 double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
 
+bool inserted(const haptics::TickRow& row) {
+  return row.phase == static_cast<std::uint32_t>(contact::Phase::kInsert);
+}
+
+/// How far the tool is in the tissue [m]: its depth, or the way of a needle's tip.
+double reached(const haptics::TickRow& row) { return inserted(row) ? -row.distance : row.depth; }
+
 KeyTicks find_key_ticks(const std::vector<haptics::TickRow>& rows, model::Direction direction) {
   KeyTicks key_ticks;
   key_ticks.after = rows.size() - 1;
@@ -44,7 +51,8 @@ KeyTicks find_key_ticks(const std::vector<haptics::TickRow>& rows, model::Direct
       key_ticks.contact = true;
       key_ticks.touch = i;
     }
-    if (in_contact(rows[i], direction) && (!deep || rows[i].depth > rows[key_ticks.deepest].depth)) {
+    if ((in_contact(rows[i], direction) || inserted(rows[i])) &&
+        (!deep || reached(rows[i]) > reached(rows[key_ticks.deepest]))) {
       deep = true;
       key_ticks.deepest = i;
     }
@@ -113,7 +121,7 @@ HandAnalysis analyse_hand(const record::Recording& recording, std::uint32_t hand
   result.key_ticks = find_key_ticks(result.rows, direction);
   const haptics::TickRow* previous = nullptr;
   for (const haptics::TickRow& row : result.rows) {
-    if (touching(row)) result.peak_depth = std::max(result.peak_depth, row.depth);
+    if (touching(row)) result.peak_depth = std::max(result.peak_depth, reached(row));
     result.peak_tissue_force = std::max(result.peak_tissue_force, row.tissue_force);
     result.peak_device_force = std::max(result.peak_device_force, norm(row.force));
     if (previous != nullptr) {

@@ -87,7 +87,7 @@ struct HandAnalysis {
   std::uint32_t hand = 0;
   std::vector<haptics::TickRow> rows;
   KeyTicks key_ticks;
-  double peak_depth = 0.0;         // m, press or pull
+  double peak_depth = 0.0;         // m, press or pull, or the way of a needle's tip
   double peak_tissue_force = 0.0;  // N
   double peak_device_force = 0.0;  // N, noise included
   double largest_step = 0.0;       // N, largest change of the commanded force vector between ticks

@@ -51,8 +51,11 @@ std::string all_faults(const Analysis& analysis) {
 Check depth_check(const ExperimentResults& worked) {
   const double depth = main_hand(worked).peak_depth;
   const double goal = worked.experiment->goal_depth;
-  const std::string reached =
-      fmt::format("{} to {} mm", is_pull(worked) ? "Pulled" : "Pressed", fixed(depth * kMilli, 2));
+  const std::string reached = fmt::format("{} to {} mm",
+                                          is_pull(worked)              ? "Pulled"
+                                          : went_in(main_hand(worked)) ? "Inserted"
+                                                                       : "Pressed",
+                                          fixed(depth * kMilli, 2));
   if (!(goal > 0.0)) return {Mark::kInformation, reached + "."};
   return {mark_of(depth >= goal), fmt::format("{}; the goal is {} mm.", reached, fixed(goal * kMilli, 0))};
 }

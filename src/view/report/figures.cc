@@ -156,6 +156,11 @@ Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
   return drawn(figure, script, {data, way.data});
 }
 
+bool went_in(const HandAnalysis& hand) {
+  return std::any_of(hand.rows.begin(), hand.rows.end(),
+                     [](const haptics::TickRow& row) { return row.inserted_mm > 0.0; });
+}
+
 Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene, const std::filesystem::path& file) {
   PlotData in{"in.dat", {}};
   PlotData out{"out.dat", {}};

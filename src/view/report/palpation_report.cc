@@ -11,6 +11,7 @@
 #include "palpate/units.h"
 #include "view/render/map_legend.h"
 #include "view/report/page.h"
+#include "view/report/sections.h"
 #include "view/report/subject.h"
 
 namespace palpate::report {
@@ -18,7 +19,7 @@ namespace {
 
 std::string mm(double length) { return fixed(length / kMillimetre, 1) + " mm"; }
 
-TableRows measure_rows(const palpation::Score& score) {
+TableRows measure_rows(const palpation::AnyScore& score) {
   TableRows rows{{"measure", "value", "definition"}};
   for (const palpation::Measure& one : palpation::measures(score)) {
     rows.push_back({one.name, one.value, escaped(one.definition)});
@@ -135,6 +136,35 @@ std::filesystem::path write_palpation_report(const scene::Scene& scene, const pa
               {"organ", scene.organ_name},
               {"seed", std::to_string(scene.seed)},
               {"tolerance", mm(scene.search.tolerance)}});
+  page.code(command);
+  return page.write(folder);
+}
+
+std::filesystem::path write_insertion_report(const record::Recording& recording,
+                                             const palpation::AnyScore& any,
+                                             const std::filesystem::path& folder,
+                                             const std::string& command) {
+  make_report_folder(folder);
+  const scene::Scene& scene = recording.scene;
+  const auto& score = std::get<palpation::InsertionScore>(any);
+  Page page("Insertion: " + scene.name, score.targets == 0               ? "no target"
+                                        : score.reached == score.targets ? "target reached"
+                                                                         : "target missed");
+  page.section("score", "Score");
+  page.table(measure_rows(any));
+  std::vector<Figure> figures;
+  for (const HandAnalysis& hand : analyse(recording).hands) {
+    if (!went_in(hand)) continue;
+    const std::string name = fmt::format("{}-needle.svg", hand.hand + 1);
+    figures.push_back(draw_needle(hand, scene, folder / name));
+  }
+  page.section("force", "Force along the needle");
+  page.figures("", figures);
+  page.section("run", "How it was made");
+  page.facts({{"scene", scene.name},
+              {"organ", scene.organ_name},
+              {"tissue", scene.tissue.name},
+              {"seed", std::to_string(scene.seed)}});
   page.code(command);
   return page.write(folder);
 }

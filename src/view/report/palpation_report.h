@@ -5,6 +5,7 @@
 
 #include "palpate/offscreen.h"
 #include "palpate/scene.h"
+#include "run/palpation/insertion_score.h"
 #include "run/palpation/score.h"
 
 namespace palpate::report {
@@ -29,6 +30,12 @@ struct FactorRange {
 /// maps, lumps and marks. @param command the command line @return path of report.html @throws InputError when
 /// the folder cannot be written
 std::filesystem::path write_palpation_report(const scene::Scene& scene, const palpation::Scorer& scorer,
+                                             const std::filesystem::path& folder, const std::string& command);
+
+/// [setup] As write_palpation_report() of a recording of task insert: the score, and the force along each
+/// needle that went in.
+std::filesystem::path write_insertion_report(const record::Recording& recording,
+                                             const palpation::AnyScore& score,
                                              const std::filesystem::path& folder, const std::string& command);
 
 }  // namespace palpate::report

@@ -18,15 +18,13 @@ HandFigures draw_hand(const ExperimentResults& worked, std::size_t i, const Surf
   const HandAnalysis& hand = worked.analysis.hands[i];
   const record::Recording& recording = *worked.experiment->recording;
   const std::optional<ReferenceProfile>& measured = worked.experiment->reference;
-  const bool went_in = std::any_of(hand.rows.begin(), hand.rows.end(),
-                                   [](const haptics::TickRow& row) { return row.inserted_mm > 0.0; });
   const auto file = [&start](const char* name) { return std::filesystem::path(start.string() + name); };
   return {draw_over_time(hand, recording.scene, file("over-time.svg")),
-          went_in ? draw_needle(hand, recording.scene, file("needle.svg"))
-                  : draw_law(hand, recording, worked.analysis.direction, file("law.svg")),
-          went_in ? draw_sections(hand, recording.scene, file("sections.svg"))
-                  : draw_profile(line, recording.scene, reach, measured ? &*measured : nullptr,
-                                 file("profile.svg")),
+          went_in(hand) ? draw_needle(hand, recording.scene, file("needle.svg"))
+                        : draw_law(hand, recording, worked.analysis.direction, file("law.svg")),
+          went_in(hand) ? draw_sections(hand, recording.scene, file("sections.svg"))
+                        : draw_profile(line, recording.scene, reach, measured ? &*measured : nullptr,
+                                       file("profile.svg")),
           draw_noise_spectrum(hand, recording.scene, file("noise-spectrum.svg")),
           draw_noise_histogram(hand, file("noise-histogram.svg"))};
 }

@@ -19,6 +19,8 @@ namespace palpate::report {
 /// Depth and force over time; for a moving organ its motion between them.
 [[nodiscard]] Figure draw_over_time(const HandAnalysis& hand, const scene::Scene& scene,
                                     const std::filesystem::path& file);
+/// Whether a needle was in the tissue.
+[[nodiscard]] bool went_in(const HandAnalysis& hand);
 /// Force along a needle over the way of its tip, with the punctures.
 [[nodiscard]] Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene,
                                  const std::filesystem::path& file);

@@ -81,6 +81,17 @@ TEST(SceneJson, ASearchMakesTheRoundTrip) {
   EXPECT_EQ(refusal(text), "scene: search.mark_button = 32: must be a whole number from 0 to 31");
 }
 
+TEST(SceneJson, ATargetMakesTheRoundTripAndOlderRecordingsHaveNone) {
+  scene::Scene scene = sample_setup(1);
+  scene.task = scene::Task::kInsert;
+  scene.target = {"epidural space", {"dura"}};
+  std::string text = scene_to_json(scene);
+  EXPECT_EQ(scene_from_json(text).target.layer, "epidural space");
+  EXPECT_THAT(scene_from_json(text).target.forbidden, testing::ElementsAre("dura"));
+  text.replace(text.find("\"target\""), 8, "\"another\"");
+  EXPECT_EQ(scene_from_json(text).target.layer, "");
+}
+
 TEST(SceneJson, APathsSpeedIsInTheRangeOfTheScenesKey) {
   const std::string speed = R"("path_speed": 1.5)";
   for (const std::string least_or_most : {"0.01", "100.0"})

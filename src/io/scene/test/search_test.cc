@@ -101,6 +101,59 @@ TEST(Search, AnotherTaskHidesNothing) {
   EXPECT_EQ(load(request).inclusions.size(), 3U);
 }
 
+// A scene of task insert, with `content` from line 7 on.
+Scene insertion_scene(const std::string& content, std::uint64_t seed = 1) {
+  const TemporaryFolder folder;
+  Overrides request;
+  request.scene = folder.write("s.toml",
+                               "[scene]\ntask = \"insert\"\n[tool]\nmesh = \"needle\"\n[organ]\nmesh = "
+                               "\"box\"\n" +
+                                   content);
+  request.seed = seed;
+  return load(request);
+}
+
+TEST(Search, TaskInsertHidesOneTargetAtAPlaceOfTheSeedAndOnlyWithTheTable) {
+  const std::string table = "[search]\ndepth_mm = 17\n";
+  const Scene first = insertion_scene(table, 7);
+  ASSERT_EQ(first.inclusions.size(), 1U);
+  EXPECT_FALSE(first.inclusions[0].visible);
+  EXPECT_EQ(first.inclusions, insertion_scene(table, 7).inclusions);
+  EXPECT_NE(first.inclusions, insertion_scene(table, 8).inclusions);
+  EXPECT_TRUE(insertion_scene("").inclusions.empty());
+  EXPECT_EQ(insertion_scene(table + "lumps = 2\nradius_mm = 1\ntolerance_mm = 5\n").inclusions.size(), 2U);
+}
+
+// The window's mouse starts where this path does.
+TEST(Search, AHiddenTargetDoesNotMoveTheStartOfTheDefaultPathThatGoesToIt) {
+  const Scene plain = insertion_scene("");
+  for (const std::uint64_t seed : {7U, 8U}) {
+    const Scene hides = insertion_scene("[search]\ndepth_mm = 17\n", seed);
+    const ToolPath path = default_path(hides, 0);
+    EXPECT_EQ(path.rows().front().position, default_path(plain, 0).rows().front().position);
+    const Vec3& centre = hides.inclusions[0].inclusion.centre_S;
+    const auto deepest =
+        std::min_element(path.rows().begin(), path.rows().end(),
+                         [](const PathRow& a, const PathRow& b) { return a.position.z() < b.position.z(); });
+    EXPECT_NEAR(deepest->position.x(), centre.x(), 1e-3);  // the bevel's point is half the diameter aside
+    EXPECT_NEAR(deepest->position.y(), centre.y(), 1e-3);
+  }
+}
+
+TEST(Search, ATargetsLayersAreThoseOfTheTissue) {
+  const Scene scene = insertion_scene(
+      "tissue = \"epidural\"\n[target]\nlayer = \"epidural space\"\nforbidden = "
+      "[\"dura\", \"spinal fluid\"]\n");
+  EXPECT_EQ(scene.target.layer, "epidural space");
+  EXPECT_THAT(scene.target.forbidden, testing::ElementsAre("dura", "spinal fluid"));
+  EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nlayer = \"dura\"\n"); }),
+              HasSubstr("s.toml:8: target.layer = \"dura\": must be a layer of the tissue 'skin-fat-muscle': "
+                        "skin, fat or muscle"));
+  EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nforbidden = [\"skin\", \"bone\"]\n"); }),
+              HasSubstr("s.toml:8: target.forbidden = \"bone\": must be a layer"));
+  EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nlayers = \"skin\"\n"); }), HasSubstr("layer"));
+}
+
 TEST(Search, RefusesWhatCannotBe) {
   EXPECT_THAT(search_error("[search]\nlumps = 9\n"),
               AllOf(HasSubstr("s.toml:8: search.lumps = 9"), HasSubstr("0 to 8")));

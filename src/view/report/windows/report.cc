@@ -31,6 +31,13 @@ std::filesystem::path write_palpation_report(const scene::Scene& /*scene*/,
   refuse_pictures();
 }
 
+std::filesystem::path write_insertion_report(const record::Recording& /*recording*/,
+                                             const palpation::AnyScore& /*score*/,
+                                             const std::filesystem::path& /*folder*/,
+                                             const std::string& /*command*/) {
+  refuse_pictures();
+}
+
 render::Image draw_held(const geometry::TriangleMesh& /*organ*/, const geometry::Support& /*support*/,
                         int /*height*/) {
   refuse_pictures();
