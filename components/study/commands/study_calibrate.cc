@@ -20,9 +20,11 @@
 #include "run/realtime/realtime.h"
 
 #include "app/commands.h"
+#include "app/messages.h"
 #include "app/numbers.h"
 #include "app/signals.h"
 #include "study/commands/study_commands.h"
+#include "study/report/study_report_sections.h"
 #include "study/session/calibration.h"
 
 namespace palpate::app {
@@ -152,8 +154,9 @@ void print_calibration(const study::Calibration& made, const fs::path& file,
         << "hint: a coherence below 0.8: much of what the sensor measured was not the noise; hold still, fix "
            "the sensor, or play a larger --sigma-N\n";
   }
-  std::cout << fmt::format("{}: name it in the study file: [study] calibration = \"{}\"\n", file.string(),
-                           file.filename().string());
+  std::cout << fmt::format(
+      "{}, with a plot in calibration.svg. Name it in the study file: [study] calibration = \"{}\"\n",
+      file.string(), file.filename().string());
 }
 
 int compare_with_sensor(const CalibrateFlags& flags) {
@@ -168,6 +171,8 @@ int compare_with_sensor(const CalibrateFlags& flags) {
   made.sensor_sha256 = hash_of(flags.sensor);
   const std::string json = study::calibration_json(made);
   write_output(folder / "calibration.json", json);
+  const report::Figure figure = report::draw_calibration(made, folder / "calibration.svg");
+  if (!figure.missing.empty()) report_message(figure.missing);
   if (flags.as_json) {
     std::cout << json;
   } else {

@@ -205,7 +205,7 @@ void write_tasks(Page& page, const Study& study, const StudyAnalysis& analysis, 
 }
 
 void write_registration(Page& page, const StudyFolder& study, const StudyAnalysis& analysis,
-                        const std::string& command) {
+                        const std::filesystem::path& folder, const std::string& command) {
   page.section("registration", "Registration and seeds");
   page.facts({{"SHA-256 of lock.json", study.lock_hash},
               {"scene", study.study.scene},
@@ -217,6 +217,7 @@ void write_registration(Page& page, const StudyFolder& study, const StudyAnalysi
                     study.study.calibration_file, calibration->sha256, describe(*calibration),
                     shortest(study.study.max_noise), brief(calibration->at_grip(study.study.max_noise), 3),
                     calibration->unit));
+    page.figures("one", {draw_calibration(*calibration, folder / "calibration.svg")});
   } else {
     page.paragraph("No calibration: how much of the commanded noise reached the grip is not known.");
   }
@@ -253,7 +254,7 @@ fs::path write_study_report(const StudyFolder& study, const StudyAnalysis& analy
   write_blinding(page, analysis);
   write_quality(page, of, analysis);
   write_limits(page, of, analysis, study.simulated);
-  write_registration(page, study, analysis, command);
+  write_registration(page, study, analysis, folder, command);
   return page.write(folder);
 }
 

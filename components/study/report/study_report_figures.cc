@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "view/report/page.h"
 
 #include "study/report/study_report_sections.h"
@@ -247,6 +248,35 @@ Figure draw_people(const Study& study, const StudyAnalysis& analysis, std::size_
     if (i == 0) script += "unset label\n";
   }
   return drawn(std::move(figure), script + "unset multiplot\n", data);
+}
+
+Figure draw_calibration(const study::Calibration& calibration, const std::filesystem::path& file) {
+  PlotData data{"responses.dat", {}};
+  for (const study::Response& one : calibration.responses) {
+    data.rows.push_back({one.frequency, one.magnitude, one.coherence});
+  }
+  const study::Band& band = calibration.band;
+  const std::string shaded = fmt::format(
+      "set object 1 rectangle from {},graph 0 to {},graph 1 fs solid noborder fc rgb '#eef4fa' behind\n",
+      band.low, band.high);
+  const auto curve = [](int column, const char* colour) {
+    return fmt::format("plot 'responses.dat' using 1:{} with lines lw 2 lc rgb '{}' notitle\n", column,
+                       colour);
+  };
+  const std::string script = two_panes(
+      420, "off", 0.42,
+      shaded + "set logscale x\nset logscale y\nset ylabel '" + calibration.unit + " per N'\n" +
+          curve(2, kBlue),
+      "unset logscale y\nset yrange [0:1.05]\nset ytics 0.5\nset ylabel 'coherence'\nset xlabel 'frequency "
+      "(Hz)'\n" +
+          curve(3, kOrange));
+  Figure figure{file, "What the grip gets for 1 N, over the frequency, and the coherence"};
+  figure.caption = fmt::format(
+      "What the sensor measured for a commanded force of 1 N (above), and the share of it that follows the "
+      "command "
+      "(below). Shaded: the band of the gain, {} to {} Hz.",
+      shortest(band.low), shortest(band.high));
+  return drawn(figure, script, {data});
 }
 
 }  // namespace palpate::report

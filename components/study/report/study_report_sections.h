@@ -7,6 +7,7 @@
 #include "view/report/page.h"
 
 #include "study/session/analysis.h"
+#include "study/session/calibration.h"
 #include "study/session/folder.h"
 
 // Sections of the report of a study.
@@ -47,5 +48,8 @@ void write_limits(Page& page, const study::Study& study, const study::StudyAnaly
 /// Answers and fitted functions of all people in one task.
 [[nodiscard]] Figure draw_people(const study::Study& study, const study::StudyAnalysis& analysis,
                                  std::size_t task, const std::filesystem::path& file);
+/// Magnitude and coherence over the frequency, with the band of the gain.
+[[nodiscard]] Figure draw_calibration(const study::Calibration& calibration,
+                                      const std::filesystem::path& file);
 
 }  // namespace palpate::report

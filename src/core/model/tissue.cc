@@ -58,7 +58,7 @@ constexpr std::array kPresets{
            "two plates, cubes of heart muscle of 7.1 to 10.9 mm, 5 specimens in 3 axes, pressed and pulled; "
            "5 to 95 % of the curves at 1 mm: 0.10 to 0.64 N pressed, 0.05 to 0.61 N pulled",
            5.3},
-    Preset{"skin-fat-muscle", 80.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
+    Preset{"skin-fat-muscle", 95.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
     Preset{"liver-capsule", 30.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
     Preset{"vein", 80.0, 1.6, 0.7, 6.0, 6.0, 14.0, 1.0, 12.0, LawKind::kSmooth},
     Preset{"epidural", 120.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
@@ -78,9 +78,9 @@ struct PresetLayer {
 };
 
 constexpr std::array kPresetLayers{
-    PresetLayer{"skin-fat-muscle", "skin", 2.0, 4.7, 0.9, 0.1, 0.05, 0.02},
+    PresetLayer{"skin-fat-muscle", "skin", 2.0, 4.7, 1.2, 0.1, 0.13, 0.02},
     PresetLayer{"skin-fat-muscle", "fat", 6.0, 0.0, 0.2, 0.0, 0.01, 0.005},
-    PresetLayer{"skin-fat-muscle", "muscle", 0.0, 2.4, 0.8, 0.1, 0.03, 0.02},
+    PresetLayer{"skin-fat-muscle", "muscle", 0.0, 3.1, 0.6, 0.1, 0.07, 0.02},
     PresetLayer{"liver-capsule", "capsule", 0.5, 1.6, 0.5, 0.05, 0.02, 0.01},
     PresetLayer{"liver-capsule", "parenchyma", 0.0, 0.0, 0.35, 0.05, 0.012, 0.01},
     PresetLayer{"vein", "skin", 1.5, 1.9, 0.5, 0.05, 0.03, 0.02},

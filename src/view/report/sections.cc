@@ -41,7 +41,12 @@ std::string lower_first(std::string text) {
 
 void write_hand(Page& page, const HandAnalysis& hand, const HandFigures& figures, std::size_t hands) {
   if (hands > 1) page.heading("Hand " + std::to_string(hand.hand + 1));
-  page.figures("two", {figures.law, figures.profile});
+  if (went_in(hand)) {  // three panels and a legend
+    page.figures("one", {figures.law});
+    page.figures("one", {figures.profile});
+  } else {
+    page.figures("two", {figures.law, figures.profile});
+  }
 }
 
 void write_more_pictures(Page& page, const PictureSet& pictures) {
@@ -193,7 +198,7 @@ std::string lead_sentence(const std::vector<ExperimentResults>& all) {
                  ? fmt::format("{} mm {} with up to {} N", fixed(hand.peak_depth * kMilli, 1),
                                is_pull(worked) ? "far" : "deep", fixed(hand.peak_tissue_force, 2))
                  : "The tool did not touch the organ";
-      beside_law = hand.law.p95;
+      if (!went_in(hand)) beside_law = hand.law.p95;
       break;
     }
     text += text.empty() ? title : ", and " + lower_first(title);
