@@ -181,6 +181,7 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_a) panels_.marks.force = !panels_.marks.force;
   if (key == SDLK_b) panels_.marks.scale = !panels_.marks.scale;
   if (key == SDLK_x) panels_.marks.axes = !panels_.marks.axes;
+  if (key == SDLK_d) panels_.drape = !panels_.drape;
   if (key == SDLK_f) steering_.toggle_parked();
   if (key == SDLK_m && search_ != nullptr) {
     steering_.press_button(run_->session().scene().search.mark_button);
