@@ -166,6 +166,7 @@ struct ViewFlags {
   std::optional<render::Quality> quality;
   std::string ui_scale;
   bool close_up = false;
+  bool drape = false;
   bool no_cache = false;
   bool break_blind = false;
 
@@ -219,6 +220,7 @@ class FilePictures final {
         camera_(seen.camera(0, flags.close_up)),
         renderer_(seen.subject(), flags.size.width, flags.size.height, *flags.quality) {
     renderer_.set_map_range(map_range_);
+    renderer_.show_drape(flags.drape);
   }
 
   [[nodiscard]] render::Image at(double time) {
@@ -267,6 +269,7 @@ int view_in_window(std::unique_ptr<RecordedView> seen, const ViewFlags& flags) {
   options.at_s = flags.at;
   options.map_range = flags.map_range;
   options.close_up = flags.close_up;
+  options.drape = flags.drape;
   options.no_cache = flags.no_cache;
   options.size = flags.size;
   options.scale = UiScale::asked(flags.ui_scale);
@@ -323,6 +326,7 @@ void add_flags(CLI::App& command, ViewFlags& flags) {
       "--size", [&flags](const std::string& text) { flags.size = parse_size(text); },
       "WIDTHxHEIGHT in pixels (default: 1280x720; for the window: 1440x900)");
   command.add_flag("--close-up", flags.close_up, "Fill the picture with the contact instead of the organ");
+  command.add_flag("--drape", flags.drape, "Spread a surgical drape under the organ");
   add_number(command, "--map-mm", flags.map_range, Numbers::kPositive,
              "Colour the organ by its displacement, up to this many mm, with a legend", kMillimetre);
   using Qualities = std::vector<std::pair<std::string, render::Quality>>;

@@ -29,6 +29,7 @@ void LivePicture::take(const render::Subject& subject) {
   if (held_) renderer_->hold_quality(render::Quality::kFull);
   if (!resolution_.all()) renderer_->limit_quality(render::Quality::kFast);
   renderer_->set_map_range(map_range_);
+  renderer_->show_drape(drape_);
   values_ = 0;
   stale_ = true;
 }
@@ -43,6 +44,13 @@ void LivePicture::set_map_range(double range) {
   if (range == map_range_) return;
   map_range_ = range;
   renderer_->set_map_range(range);
+  stale_ = true;
+}
+
+void LivePicture::show_drape(bool shown) {
+  if (shown == drape_) return;
+  drape_ = shown;
+  renderer_->show_drape(shown);
   stale_ = true;
 }
 

@@ -26,6 +26,8 @@ class LivePicture final {
   void hold_full_quality();
   /// Colours the organ by its displacement, from 0 to `range` [m]; 0: its own colours.
   void set_map_range(double range);
+  /// Shows or hides the drape under the organ.
+  void show_drape(bool shown);
   /// Replaces the inclusions that the picture shows; organ frame.
   void show_inclusions(std::vector<model::Inclusion> inclusions);
 
@@ -60,6 +62,7 @@ class LivePicture final {
   ResolutionChoice resolution_;
   bool held_ = false;
   double map_range_ = 0.0;  // m
+  bool drape_ = false;
   std::size_t values_ = 0;  // number of points of the values that are shown
   double low_ = 0.0;
   double high_ = 0.0;

@@ -167,6 +167,7 @@ void draw_help(PanelState& state, const Gestures& gestures) {
       {"F11", "full screen"},
       {"Home", "the view of the beginning"},
       {"A, B, X", "force arrow, scale bar, axes: on or off"},
+      {"D", "surgical drape under the organ: on or off"},
       {"Space", "hold the picture; the run goes on"},
       {"Enter", "run again from the start"},
       {"R", "reset a fault"},

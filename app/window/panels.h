@@ -119,6 +119,7 @@ struct PanelState {
   bool hidden = false;  // all panels
   bool help = false;
   PictureMarks marks;
+  bool drape = false;             // under the organ; a turning view takes longer with it
   double user_threshold = 20e-3;  // N, touch threshold of the user
   double noise_share = 0.6;       // fraction of the threshold
   FileChooser files;

@@ -44,6 +44,7 @@ OpenRecording::OpenRecording(std::unique_ptr<RecordedView> seen)
 Viewer::Viewer(std::unique_ptr<RecordedView> seen, const ViewerOptions& options)
     : options_(options), viewport_("Palpate", options_.size, options_.scale) {
   state_.close_up = options_.close_up;
+  state_.drape = options_.drape;
   if (options_.map_range > 0.0) {
     state_.map = true;
     state_.map_range = options_.map_range;
@@ -230,6 +231,7 @@ void Viewer::draw_picture() {
   const render::Camera camera = camera_.camera();
   const double map = state_.map ? state_.map_range : 0.0;
   live_.set_map_range(map);
+  live_.show_drape(state_.drape);
   if (!same(camera, last_camera_)) moved_ns_ = frame_began_ns_;
   last_camera_ = camera;
   const bool quiet = stills_fit_ && there_ && !playback_->playing() &&
@@ -258,11 +260,14 @@ void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camer
   } else if (!same_size) {
     still_->resize(size.width, size.height);
   }
-  if (!same_moment || !same_size || map != still_map_ || !same(camera, still_camera_)) {
+  if (!same_moment || !same_size || map != still_map_ || state_.drape != still_drape_ ||
+      !same(camera, still_camera_)) {
     still_size_ = size;
     still_map_ = map;
+    still_drape_ = state_.drape;
     still_camera_ = camera;
     still_->set_map_range(map);
+    still_->show_drape(state_.drape);
     still_->draw_and_keep(shown_, camera);
   }
   still_->show_at(place.x, place.y, place.width, place.height);

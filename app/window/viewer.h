@@ -39,6 +39,7 @@ struct ViewerOptions {
   std::optional<double> at_s;  // start time; nothing: 0
   double map_range = 0.0;      // m, largest displacement in the map; 0: no map
   bool close_up = false;
+  bool drape = false;
   bool no_cache = false;
   const std::atomic<bool>* stop = nullptr;  // set by Ctrl-C
   Display::Size size{1440, 900};
@@ -126,6 +127,7 @@ class Viewer final {
   render::Camera still_camera_;
   Display::Size still_size_;
   double still_map_ = 0.0;
+  bool still_drape_ = false;
   bool still_shown_ = false;
   std::int64_t moved_ns_ = 0;  // time of the last motion
   render::Camera last_camera_;

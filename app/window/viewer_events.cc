@@ -111,6 +111,7 @@ void Viewer::letter_key(SDL_Keycode which) {
   if (which == SDLK_f && hand.faults.empty()) viewport_.show_message("no fault was latched on this hand");
   if (which == SDLK_m) state_.map = !state_.map;
   if (which == SDLK_p) commands_.save_window = true;
+  if (which == SDLK_s) state_.drape = !state_.drape;
   if (which == SDLK_v) commands_.home = true;
   if (which == SDLK_z) {
     state_.close_up = !state_.close_up;

@@ -108,6 +108,7 @@ void picture_rows(const ViewerModel& seen, ViewerState& state, ViewerCommands& c
                 1e3 * ViewerState::kMaxMap, "%.1f mm", "displacement at the upper end of the colours");
     ImGui::EndDisabled();
   }
+  ImGui::Checkbox("Surgical drape  (S)", &state.drape);
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   if (ImGui::Button("First view  (V)", ImVec2(half, 0.0F))) commands.home = true;
   ImGui::SameLine();
@@ -207,7 +208,7 @@ void draw_viewer_help(ViewerState& state) {
       {"down, up", "slower, faster: 1/10, 1/4, 1/2, 1, 2"},
       {"C, D, F", "to the first contact, the deepest place, the next fault"},
       {"0 to 3", "whose hand's numbers are shown"},
-      {"M", "displacement map on or off"},
+      {"M, S", "displacement map, surgical drape: on or off"},
       {"left or right drag, Alt + arrows", "turn the view"},
       {"middle drag, Alt + Shift + arrows", "move the view"},
       {"wheel, + and -", "nearer, farther"},

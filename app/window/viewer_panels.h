@@ -27,6 +27,7 @@ struct ViewerState {
   bool map = false;          // the organ is coloured by its displacement
   double map_range = 10e-3;  // m
   bool close_up = false;     // of the first view
+  bool drape = false;        // under the organ
   FileChooser files;
 };
 

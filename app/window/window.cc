@@ -178,6 +178,7 @@ void Window::recover_graphics() {
 
 void Window::draw_picture() {
   viewport_.clear();
+  live_.show_drape(panels_.drape);
   const Rectangle& place = layout_.picture;
   if (place.width < 1.0F || place.height < 1.0F) return;
   if (!snapshot_there_) {

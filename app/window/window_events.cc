@@ -183,6 +183,7 @@ void Window::letter_key(SDL_Keycode key) {
   if (key == SDLK_x) panels_.marks.axes = !panels_.marks.axes;
   if (key == SDLK_c) panels_.marks.section = !panels_.marks.section;
   if (key == SDLK_i) panels_.marks.inside = !panels_.marks.inside;
+  if (key == SDLK_d) panels_.drape = !panels_.drape;
   if (key == SDLK_f) steering_.toggle_parked();
   if (key == SDLK_m && search_ != nullptr) {
     steering_.press_button(run_->session().scene().search.mark_button);

@@ -85,6 +85,8 @@ void to_json(Json& row, const PictureAccount& picture) {
   add_times(row, picture.frame, "frame_");
   add_times(row, picture.frame_computed, "frame_computed_");
   add_times(row, picture.redraw_computed, "redraw_computed_");
+  add_times(row, picture.turned_computed, "turned_computed_");
+  add_times(row, picture.drape_computed, "drape_computed_");
 }
 
 void to_json(Json& row, const PeerAccount& peer) {

@@ -86,6 +86,8 @@ struct PictureAccount {
   TimeStatistics frame;             // wall time of a picture
   TimeStatistics frame_computed;    // CPU time of all threads for a picture
   TimeStatistics redraw_computed;   // CPU time of all threads where all of each picture is drawn
+  TimeStatistics turned_computed;   // CPU time of all threads while the view turns
+  TimeStatistics drape_computed;    // the same with a drape under the organ
 };
 
 /// Time that another library needs for its own answer on the same organ and path.

@@ -73,6 +73,8 @@ void add_picture(Rows& rows, const PictureAccount& picture) {
   rows.back().note = "by " + picture.driver;
   add("whole picture, all threads", picture.frame_computed);
   add("full redraw, all threads", picture.redraw_computed);
+  add("turning view, all threads", picture.turned_computed);
+  add("turning view with a drape, all threads", picture.drape_computed);
 }
 
 void add_peer(Rows& rows, const PeerAccount& peer) {

@@ -19,6 +19,7 @@ constexpr int kHeight = 720;
 constexpr std::uint64_t kTicksAFrame = 16;  // 1 kHz, about 60 pictures per second
 constexpr std::size_t kMaxFrames = 240;
 constexpr std::size_t kPictureWarmUp = 3;  // frames: shaders are compiled at their first use
+constexpr double kViewTurn = 0.026;        // rad a picture: a turn in 4 s at 60 pictures a second
 
 std::int64_t process_cpu_ns() {
   timespec now{};
@@ -76,23 +77,33 @@ PictureAccount time_pictures(const std::string& task, std::size_t organ_triangle
   account.quality = quality == render::Quality::kFast ? "fast" : "balanced";
   Frames changes(drawn, quality);
   Frames redraws(drawn, quality);
+  Frames turned(drawn, quality);
+  Frames drape(drawn, quality);
+  drape.renderer.show_drape(true);
   account.driver = changes.renderer.driver();
   const contact::ToolResult& middle = moments.at(moments.size() / 2).results[0];
   const render::Camera camera =
       render::frame_contact(drawn, moments.at(moments.size() / 2), middle.contact_W, middle.normal_W, false);
   for (std::size_t i = 0; i < kPictureWarmUp; ++i) {
-    changes.renderer.draw_and_keep(moments.front(), camera);
-    redraws.renderer.draw_and_keep(moments.front(), camera);
+    for (Frames* frames : {&changes, &redraws, &turned, &drape})
+      frames->renderer.draw_and_keep(moments.front(), camera);
   }
+  render::Camera turning = camera;
   for (const haptics::Snapshot& moment : moments) {
     changes.time(moment, camera);
     redraws.renderer.redraw_all();
     redraws.time(moment, camera);
+    const Vec3 to_eye = turning.eye - turning.target;
+    turning.eye = turning.target + Eigen::AngleAxisd(kViewTurn, Vec3::UnitZ()) * to_eye;
+    turned.time(moment, turning);
+    drape.time(moment, turning);
   }
   account.deformation = figures_of(std::move(changes.deformation));
   account.frame = figures_of(std::move(changes.wall));
   account.frame_computed = figures_of(std::move(changes.computed));
   account.redraw_computed = figures_of(std::move(redraws.computed));
+  account.turned_computed = figures_of(std::move(turned.computed));
+  account.drape_computed = figures_of(std::move(drape.computed));
   return account;
 }
 

@@ -419,6 +419,8 @@ export interface View {
   pick(x: number, y: number): {world: Vector; organ: Vector} | null;
   /** Colours the organ by its displacement up to `range` [m]; 0: its own colours. */
   showDisplacement(range: number): void;
+  /** Shows or hides the surgical drape under the organ, initially hidden. */
+  showDrape(shown: boolean): void;
   /** Replaces the inclusions that are drawn inside the organ; initially the visible ones. [] hides all. */
   showInclusions(inclusions: Pick<Inclusion, 'position' | 'radius' | 'stiffnessRatio'>[]): void;
   /** Replaces the marks on the surface, at most 32. */

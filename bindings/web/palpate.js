@@ -819,6 +819,8 @@ class View {
     this.#memory.check(this.#memory.core._palpate_web_view_show_displacement(this.#view, range));
   }
 
+  showDrape(shown) { this.#memory.check(this.#memory.core._palpate_web_view_show_drape(this.#view, shown ? 1 : 0)); }
+
   #show(call, rows) {
     const view = this.#view;
     const numbers = rows.flat();

@@ -110,6 +110,8 @@ void palpate_web_view_ray(const palpate_web_view* view, double x, double y, doub
 int32_t palpate_web_view_pick(const palpate_web_view* view, double x, double y, double point[6]);
 /// Colours by displacement up to `range` [m]; 0: natural colours.
 palpate_status palpate_web_view_show_displacement(palpate_web_view* view, double range);
+/// Shows or hides the surgical drape under the organ, initially hidden.
+palpate_status palpate_web_view_show_drape(palpate_web_view* view, int32_t shown);
 /// @param inclusions centre (organ frame), radius [m], stiffness ratio: 5 numbers each
 palpate_status palpate_web_view_show_inclusions(palpate_web_view* view, const double* inclusions,
                                                 size_t count);

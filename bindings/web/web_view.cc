@@ -372,6 +372,10 @@ palpate_status palpate_web_view_show_displacement(palpate_web_view* view, double
   });
 }
 
+palpate_status palpate_web_view_show_drape(palpate_web_view* view, int32_t shown) {
+  return guarded([&] { view->renderer.show_drape(shown != 0); });
+}
+
 palpate_status palpate_web_view_show_inclusions(palpate_web_view* view, const double* inclusions,
                                                 size_t count) {
   return guarded([&] {

@@ -182,6 +182,10 @@ class OffscreenRenderer final {
   /// [setup] Replaces the inclusions that are drawn as translucent spheres inside the organ: pale where they
   /// are stiffer than the tissue, blue where softer.
   void show_inclusions(std::vector<model::Inclusion> inclusions);
+  /// [setup] Shows a surgical drape spread under the organ, initially hidden. It touches the lowest point of
+  /// the organ in the first picture, stays there, and has the soft shadow of the organ at rest. It hides
+  /// nothing, and from below it is not seen.
+  void show_drape(bool shown);
   /// [setup] Switches the studio lamps, initially on. Off: ambient light only.
   void switch_lamps(bool on);
   /// [setup] Draws all of the next picture. Other pictures for motion (kBalanced, kFast) draw only what

@@ -41,6 +41,27 @@ TEST_F(WindowTest, ShowsOrganPanelsAndPlotsSideBySide) {
   close_and_expect_order(driven);
 }
 
+TEST_F(WindowTest, DSpreadsADrapeUnderTheOrganAndTakesItAway) {
+  if (!display_is_there()) return;
+  DrivenWindow driven(ball("scripted"), small());
+  ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.1; }));
+  const auto red_over_blue = [&] {  // in the lower left corner of the picture
+    driven.frames(3);
+    const Rectangle& place = driven.window().layout().picture;
+    const render::Image image = driven.window().picture();
+    const std::size_t pixel =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(place.y + 0.8F * place.height) +
+        static_cast<std::size_t>(place.x + 0.05F * place.width);
+    return static_cast<double>(image.rgb[3 * pixel]) / image.rgb[3 * pixel + 2];
+  };
+  const double without = red_over_blue();
+  driven.key(SDLK_d);
+  EXPECT_LT(red_over_blue(), 0.9 * without) << "a drape is bluer than the wall";
+  driven.key(SDLK_d);
+  EXPECT_NEAR(red_over_blue(), without, 0.02);
+  close_and_expect_order(driven);
+}
+
 TEST_F(WindowTest, ARunBeginsOnceThePictureSuitsTheMachine) {
   if (!display_is_there()) return;
   DrivenWindow driven(ball("scripted"), small());

@@ -24,7 +24,7 @@ function showValue(input) {
 }
 
 export class Controls {
-  /** @param page functions that the controls call: send, takeByLever, jaws, mark, finish, openScene, restart, view, map, marks, record, link, files */
+  /** @param page functions that the controls call: send, takeByLever, jaws, mark, finish, openScene, restart, view, map, drape, marks, record, link, files */
   constructor(page) {
     this.page = page;
     this.touch = matchMedia('(pointer: coarse)').matches;
@@ -58,6 +58,7 @@ export class Controls {
       byId('legend').classList.toggle('shown', event.target.checked);
       page.map(event.target.checked);
     };
+    byId('drape').onchange = event => page.drape(event.target.checked);
     for (const mark of MARKS) byId(`show_${mark}`).onchange = () => page.marks();
   }
 
@@ -203,7 +204,6 @@ export class Controls {
     for (const input of document.querySelectorAll('[name=task]')) input.checked = EXERCISES[input.value].scene === builtin;
     byId('name').textContent = line || name;
     byId('depth_name').textContent = task === 'pull' ? 'Depth, or stretch' : 'Depth';
-    byId('jaws').hidden = task !== 'pull';
     byId('mark').hidden = byId('search').hidden = task !== 'palpate' || lumps === 0;
     for (const row of document.querySelectorAll('[data-task]')) row.hidden = row.dataset.task !== task;
   }
@@ -247,6 +247,7 @@ export class Controls {
     byId('preset').replaceChildren(...(ownTissue ? [option(`${scene.tissue} (of the scene)`, '')] : []),
       ...this.page.tissueNames().map(name => option(name, name)));
     byId('hands').hidden = hands < 2;
+    byId('jaws').hidden = !this.jawed || (this.task !== 'pull' && hands < 2);
     byId('hands').replaceChildren(...Array.from({length: hands}, (_, which) => {
       const button = document.createElement('button');
       [button.type, button.textContent, button.title] = ['button', `Hand ${which + 1}`, `${which + 1}`];

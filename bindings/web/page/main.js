@@ -55,6 +55,10 @@ const controls = new Controls({
     state.view?.showDisplacement(on ? MAP_RANGE : 0);
     state.stale = true;
   },
+  drape(on) {
+    state.view?.showDrape(on);
+    state.stale = true;
+  },
   marks() { state.stale = true; },
   hand: which => send('hand', {which}),
   tissueNames: () => state.palpate?.tissueNames ?? [],
@@ -143,6 +147,7 @@ function show(request) {
   resize();
   state.view = state.palpate.view(canvas, state.sim);
   if (byId('map').checked) state.view.showDisplacement(MAP_RANGE);
+  state.view.showDrape(byId('drape').checked);
   Object.assign(state, {snapshot: null, scene: state.sim.scene});
   const builtin = state.palpate.scenes.find(({name}) => name === request.builtin);
   controls.exercise(state.scene, state.sim.name, request.organ || request.tissue ? '' : builtin?.line, request.builtin);
@@ -292,9 +297,11 @@ const hear = {
     if (message.pace) controls.pace(message.pace, SLOW_SHARE);
     if (state.recording && message.result.time > LONGEST_RECORDING) record();
   },
-  hand({hand}) {
+  hand({hand, closed}) {
     history.clear();
+    state.closed = closed;
     controls.hand(hand);
+    controls.jaws(closed);
   },
   csv: message => save(message.text),
   haply: message => controls.haply(message),
@@ -387,7 +394,8 @@ listen(stage, picture, {
   commands: {
     ' ': () => controls.page.jaws(), g: () => { if (controls.jawed && take(true)) send('rest'); }, f: () => { if (take(true)) send('park'); },
     m: mark, r: () => send('resetFault'), n: () => controls.toggleNoise(),
-    a: toggled('show_force'), b: toggled('show_scale'), x: toggled('show_axes'), c: toggled('show_section'), i: toggled('show_inside'),
+    a: toggled('show_force'), b: toggled('show_scale'), x: toggled('show_axes'), d: toggled('drape'),
+    c: toggled('show_section'), i: toggled('show_inside'),
     ...Object.fromEntries([1, 2, 3, 4].map(number => [number, () => send('hand', {which: number - 1})])),
     'Ctrl+z': () => controls.undo(), 'Ctrl+y': () => controls.redo(), 'Ctrl+Shift+z': () => controls.redo(),
     Home: () => firstView(false), Enter: () => send('restart'),

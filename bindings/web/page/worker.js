@@ -85,7 +85,7 @@ const handlers = {
     hands[hand].held = false;
     hand = which;
     count = 0;
-    postMessage({is: 'hand', hand});
+    postMessage({is: 'hand', hand, closed: hands[hand].latched});
   },
   replay({recording: read}) {
     if (mode === 'haply') throw new RecordingError('The Inverse3 holds the tool: disconnect it first.');

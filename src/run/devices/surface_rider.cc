@@ -245,7 +245,10 @@ void SurfaceRider::fly(double way) {
     const Vec3 rising = ((goal.point - touch_S_).normalized() + (ray_S_.origin - touch_S_).normalized());
     const Vec3 ahead = touch_S_ + kAhead * rising.normalized();
     const bool rises = rising.norm() > 0.1 && free_between(touch_S_, ahead) && distance(ahead) > 0.8 * kHover;
-    touch_S_ = within_reach(touch_S_ + way * (rises ? rising.normalized() : way_to_viewer()));
+    const Vec3 risen = within_reach(touch_S_ + way * (rises ? rising.normalized() : way_to_viewer()));
+    // A place behind a gap can be out of reach from everywhere: the tool waits under the pointer, near the
+    // organ.
+    touch_S_ = distance(risen) < kHighest ? risen : towards(touch_S_, on_sight(), way);
     return;
   }
   turn_normal(goal.normal, far > way ? way / far : 1.0);
@@ -254,6 +257,10 @@ void SurfaceRider::fly(double way) {
   riding_ = true;
   place_ = aim_;
   over_ = (touch_S_ - place_.point).dot(goal.normal);
+}
+
+Vec3 SurfaceRider::on_sight() const {
+  return ray_S_.origin + ray_S_.direction.dot(touch_S_ - ray_S_.origin) * ray_S_.direction;
 }
 
 bool SurfaceRider::lift_off(double way) {

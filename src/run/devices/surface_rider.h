@@ -26,6 +26,7 @@ class SurfaceRider final {
  public:
   static constexpr double kHover = 5e-3;  // m, height over the surface before the first press and in the air
   static constexpr double kParked = 30e-3;     // m, height of a parked tool
+  static constexpr double kHighest = 40e-3;    // m, height up to which it rises on its way around the organ
   static constexpr double kMaxDepth = 30e-3;   // m, largest set depth
   static constexpr double kMaxSpeed = 0.08;    // m/s over the surface and in the air; a hand has 0.1 m/s
   static constexpr double kPressSpeed = 0.05;  // m/s along the normal
@@ -99,6 +100,8 @@ class SurfaceRider final {
   /// Direction around the organ to the viewer, from whom all visible places can be reached.
   [[nodiscard]] Vec3 way_to_viewer() const;
   [[nodiscard]] AirPlace goal_in_air() const;
+  /// The point of the line of sight that is nearest to the tool.
+  [[nodiscard]] Vec3 on_sight() const;
   [[nodiscard]] bool free_between(const Vec3& a, const Vec3& b) const;
   [[nodiscard]] Vec3 within_reach(const Vec3& point_S) const;
   [[nodiscard]] double distance(const Vec3& point_S) const noexcept {

@@ -9,6 +9,7 @@
 #include "io/system/clock.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
+#include "view/render/drape.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
 #include "view/render/opengl.h"
@@ -140,8 +141,25 @@ struct OffscreenRenderer::Impl {
     if (changed) painter.show_holes(holes);
   }
 
+  void show_drape(bool shown) {
+    drape_shown = shown;
+    if (shown && drape) {
+      painter.show_drape(&*drape);
+    } else if (!shown) {
+      painter.show_drape(nullptr);
+    }
+  }
+
+  // The drape is where the organ of the first picture lies.
+  void lay_down(const Pose& organ_W) {
+    if (!drape_shown || drape) return;
+    drape = drape_below(organ.rest(), organ_W);
+    painter.show_drape(&*drape);
+  }
+
   void show(const haptics::Snapshot& snapshot) {
     keep_holes(snapshot);
+    lay_down(snapshot.organ_W);
     painter.organ().pose_W = snapshot.organ_W;
     std::size_t solid = 0;
     for (std::size_t hand = 0; hand < tools.size(); ++hand) {
@@ -210,6 +228,8 @@ struct OffscreenRenderer::Impl {
   bool has_needle = false;
   std::uint64_t newest_tick = 0;
   std::vector<PunctureHole> holes;
+  bool drape_shown = false;
+  std::optional<Drape> drape;  // once it was shown
   std::string driver;
   double update_ms = 0.0;
   std::optional<QualityChoice> choice;
@@ -325,6 +345,11 @@ void OffscreenRenderer::set_support(std::optional<geometry::Support> support) {
 }
 
 ResponseState OffscreenRenderer::response() const noexcept { return impl_->organ.response(); }
+
+void OffscreenRenderer::show_drape(bool shown) {
+  const Current current(context_.get());
+  impl_->show_drape(shown);
+}
 
 void OffscreenRenderer::switch_lamps(bool on) { impl_->painter.switch_lamps(on); }
 

@@ -103,7 +103,23 @@ struct Painter::Live {
   Target softest;  // along both
   Target backdrop;
   Target picture;
-  bool backdrop_drawn = false;
+  std::optional<Camera> backdrop_of;  // nothing: it is not drawn yet
+};
+
+struct Painter::Spread {
+  explicit Spread(const Drape& drape)
+      : program(shaders::drape_vertex(), shaders::drape_fragment()),
+        middle(drape.middle.cast<float>()),
+        radius(static_cast<float>(drape.radius)) {
+    mesh.set_triangles(drape.corners);
+    mesh.set_static(std::vector<StaticVertex>(drape.vertices.size()));
+    mesh.set_moving(drape.vertices);
+  }
+
+  Program program;
+  GpuMesh mesh;
+  Eigen::Vector3f middle;
+  float radius;
 };
 
 // Shaders of tissue and steel in one quality.
@@ -153,8 +169,14 @@ void Painter::resize(int width, int height) {
   if (live_) {
     live_->backdrop.resize(width, height);
     live_->picture.resize(width, height);
-    live_->backdrop_drawn = false;
+    live_->backdrop_of.reset();
   }
+}
+
+void Painter::show_drape(const Drape* drape) {
+  drape_ = drape == nullptr ? nullptr : std::make_unique<Spread>(*drape);
+  if (live_) live_->backdrop_of.reset();
+  redraw_all();
 }
 
 void Painter::draw_tools(const Program& program) const {
@@ -328,10 +350,7 @@ void Painter::draw_still(const StudioView& view) {
   still_->shadow.bind_texture(0);
   still_->blurred_half.bind_texture(1);
   glClear(GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
-  glDisable(GL_DEPTH_TEST);
-  background_.use();
-  nothing_.draw_fullscreen();
-  glEnable(GL_DEPTH_TEST);
+  draw_behind(view);
   draw_materials(view, whole().tiles);
   still_->picture.resolve_to(resolved_);
 }
@@ -417,19 +436,32 @@ void Painter::draw_soft_shadow(const StudioView& view, const PixelBox& changed) 
   glEnable(GL_DEPTH_TEST);
 }
 
-void Painter::draw_backdrop() {
-  if (live_->backdrop_drawn) return;
-  live_->backdrop.bind();
+// Wall and drape. Neither hides anything, because they are drawn first and without depths.
+void Painter::draw_behind(const StudioView& view) {
   glDisable(GL_DEPTH_TEST);
   background_.use();
   nothing_.draw_fullscreen();
+  if (drape_) {
+    drape_->program.use();
+    drape_->program.set("projection", view.projection);
+    drape_->program.set("middle", drape_->middle);
+    drape_->program.set("radius", drape_->radius);
+    drape_->program.set("pixel_size", texel_of(resolved_));
+    drape_->mesh.draw();
+  }
   glEnable(GL_DEPTH_TEST);
-  live_->backdrop_drawn = true;
 }
 
-void Painter::draw_live(const StudioView& view, const Part& part) {
+void Painter::draw_backdrop(const StudioView& view, const Camera& camera) {
+  if (live_->backdrop_of && (!drape_ || same(*live_->backdrop_of, camera))) return;
+  live_->backdrop.bind();
+  draw_behind(view);
+  live_->backdrop_of = camera;
+}
+
+void Painter::draw_live(const StudioView& view, const Camera& camera, const Part& part) {
   finished_ = quality_ == Quality::kFast ? &live_->picture : &resolved_;
-  draw_backdrop();
+  draw_backdrop(view, camera);
   glEnable(GL_SCISSOR_TEST);
   draw_soft_shadow(view, part.shadow);
   if (!part.tiles.empty()) draw_part(view, part.tiles);
@@ -484,7 +516,7 @@ void Painter::draw(const Camera& camera, const LitRegion& region) {
   if (quality_ == Quality::kFull) {
     draw_still(view);
   } else {
-    draw_live(view, changed_part(view, camera, region));
+    draw_live(view, camera, changed_part(view, camera, region));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "palpate/offscreen.h"
 #include "view/render/changed_region.h"
+#include "view/render/drape.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
 #include "view/render/studio_view.h"
@@ -89,6 +90,8 @@ class Painter final {
     inclusions_ = std::move(inclusions);
     redraw_all();
   }
+  /// Draws a drape behind everything else, or no drape.
+  void show_drape(const Drape* drape);
   /// Switches the studio lamps; initially on.
   void switch_lamps(bool on) noexcept {
     lamps_ = on;
@@ -113,6 +116,7 @@ class Painter final {
   struct Still;  // resources for kFull
   struct Live;   // resources for the other qualities
   struct Materials;
+  struct Spread;  // the drape
   // What the kept picture shows.
   struct Drawn {
     Camera camera;
@@ -142,9 +146,10 @@ class Painter final {
   [[nodiscard]] Projection projection_of(const StudioView& view, const Pose& pose_W) const;
   [[nodiscard]] Part whole() const;
   [[nodiscard]] Part changed_part(const StudioView& view, const Camera& camera, const LitRegion& region);
-  void draw_backdrop();
+  void draw_behind(const StudioView& view);
+  void draw_backdrop(const StudioView& view, const Camera& camera);
   void draw_soft_shadow(const StudioView& view, const PixelBox& changed);
-  void draw_live(const StudioView& view, const Part& part);
+  void draw_live(const StudioView& view, const Camera& camera, const Part& part);
   void draw_part(const StudioView& view, const ChangedTiles& tiles);
 
   TissueAppearance look_;
@@ -162,6 +167,7 @@ class Painter final {
   std::vector<std::unique_ptr<Solid>> tools_;
   GpuMesh nothing_;  // OpenGL core needs a bound vertex array for every draw
   Program background_;
+  std::unique_ptr<Spread> drape_;
   std::array<std::unique_ptr<Materials>, 3> materials_;  // one per quality, created at its first use
   std::unique_ptr<Still> still_;
   std::unique_ptr<Live> live_;

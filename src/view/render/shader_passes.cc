@@ -223,15 +223,10 @@ void main() { pixel = texelFetch(source, ivec2(gl_FragCoord.xy), 0); }
 }
 
 std::string background_fragment() {
-  return std::string(kVersion) + kFinish + R"(
+  return std::string(kVersion) + kFinish + kWall + R"(
 in vec2 uv;
 out vec4 pixel;
-void main() {
-  vec2 d = (uv - vec2(0.5, 0.56)) * vec2(1.25, 1.1);
-  float fall = smoothstep(0.0, 0.95, length(d));
-  vec3 colour = mix(vec3(0.300, 0.325, 0.350), vec3(0.060, 0.068, 0.078), fall);
-  pixel = vec4(finish(colour), 1.0);
-}
+void main() { pixel = vec4(finish(wall(uv)), 1.0); }
 )";
 }
 

@@ -1,4 +1,4 @@
-// The materials: tissue and steel in studio lighting.
+// The materials: tissue and steel in studio lighting, and the surgical drape under the organ.
 #include "view/render/shaders.h"
 
 namespace palpate::render::shaders {
@@ -377,6 +377,41 @@ void main() {
 }
 )";
 
+// Lit from above by lamps of an operating theatre, which cast no hard shadow. It fades into the wall. Folds
+// are computed at the vertices: per pixel they would take a third of a picture's time.
+const char* const kDrapeVertex = R"(
+layout(location = 0) in vec3 position;
+layout(location = 2) in float reached;  // share of the light from above that reaches it
+uniform mat4 projection;
+uniform vec3 middle;
+uniform float radius;  // m, where it has faded
+out float light;
+out float shown;
+void main() {
+  vec2 from_middle = (position - middle).xy / radius;
+  float far = length(from_middle);
+  // Long folds, and the shallow unevenness between them.
+  vec2 slope = 0.40 * noise(vec3(from_middle * mat2(3.2, 1.1, -0.5, 1.4), 7.0)).yz +
+               0.16 * noise(vec3(from_middle * 9.0, 3.0)).yz;
+  light = 0.40 + 0.70 * dot(normalize(vec3(-slope, 1.0)), normalize(vec3(-0.5, 0.35, 1.0)));
+  light *= mix(0.10, 1.0, reached) * mix(1.0, 0.55, smoothstep(0.15, 0.8, far));
+  shown = 1.0 - smoothstep(0.25, 1.0, far);
+  gl_Position = projection * vec4(position, 1.0);
+  gl_Position.z = 0.0;  // drawn without depths: the far plane must not cut it
+}
+)";
+
+const char* const kDrape = R"(
+in float light;
+in float shown;
+out vec4 pixel;
+uniform vec2 pixel_size;
+void main() {
+  vec3 cloth = light * vec3(0.092, 0.142, 0.160);
+  pixel = vec4(finish(mix(wall(gl_FragCoord.xy * pixel_size), cloth, shown)), 1.0);
+}
+)";
+
 std::string level(Quality quality) {
   switch (quality) {
     case Quality::kFull:
@@ -398,5 +433,9 @@ std::string tissue_fragment(Quality quality, Annotated annotated) {
 std::string steel_fragment(Quality quality) {
   return kVersion + level(quality) + "#define STEEL\n" + kFinish + kNoise + kLamps + kStudio + kSteel;
 }
+
+std::string drape_vertex() { return std::string(kVersion) + kNoise + kDrapeVertex; }
+
+std::string drape_fragment() { return std::string(kVersion) + kFinish + kWall + kDrape; }
 
 }  // namespace palpate::render::shaders

@@ -29,6 +29,14 @@ vec3 finish(vec3 colour) {
 }
 )";
 
+// The studio's wall, at a place of the picture from 0 to 1.
+inline const char* const kWall = R"(
+vec3 wall(vec2 uv) {
+  vec2 d = (uv - vec2(0.5, 0.56)) * vec2(1.25, 1.1);
+  return mix(vec3(0.300, 0.325, 0.350), vec3(0.060, 0.068, 0.078), smoothstep(0.0, 0.95, length(d)));
+}
+)";
+
 // The studio lamps, fixed to the camera: key, fill, rim and ambient light.
 inline const char* const kLamps = R"(
 uniform vec3 eye;
@@ -86,5 +94,7 @@ enum class Annotated : bool { kNo, kYes };
 [[nodiscard]] std::string background_fragment();
 [[nodiscard]] std::string tissue_fragment(Quality quality, Annotated annotated);
 [[nodiscard]] std::string steel_fragment(Quality quality);
+[[nodiscard]] std::string drape_vertex();
+[[nodiscard]] std::string drape_fragment();
 
 }  // namespace palpate::render::shaders

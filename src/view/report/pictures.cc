@@ -53,6 +53,7 @@ std::vector<std::uint64_t> moving_ticks(const HandAnalysis& hand) {
 void time_moving(const render::Subject& subject, const std::vector<haptics::Snapshot>& moving,
                  const render::Camera& camera, PictureSet& set) {
   render::OffscreenRenderer renderer(subject, kMovingWidth, kMovingHeight, render::Quality::kBalanced);
+  renderer.show_drape(true);
   for (int i = 0; i < kUntimedPictures; ++i) renderer.draw_and_keep(moving.front(), camera);
   renderer.finish();
   std::vector<double> times;
@@ -128,6 +129,7 @@ void draw_all(const record::Recording& recording, const HandAnalysis& hand, cons
   const scene::Scene& scene = recording.scene;
   const render::Subject subject = subject_of(scene);
   render::OffscreenRenderer renderer(subject, options.picture_width, options.picture_height);
+  renderer.show_drape(true);
   set.driver = renderer.driver();
   set.width = options.picture_width;
   set.height = options.picture_height;

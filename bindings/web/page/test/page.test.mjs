@@ -326,6 +326,39 @@ test('the gallery opens a scene of two hands, whose link opens it again', async 
   assert.equal(await again.locator('#hands button').count(), 2);
 });
 
+test('the button of the jaws says what the jaws of the chosen hand do', async context => {
+  const page = await opened(context, {search: '?scene=bimanual'});
+  const jaws = page.locator('#jaws'), hand = which => page.locator('#hands button').nth(which);
+  const closed = is => page.locator(`#jaws[aria-pressed=${is}]`).waitFor();
+  await jaws.click();
+  await closed(true);
+  assert.equal(await jaws.textContent(), 'Open the jaws');
+  await hand(1).click();
+  await closed(false);
+  assert.equal(await jaws.textContent(), 'Close the jaws');
+  await hand(0).click();
+  await closed(true);
+  await jaws.click();
+  await closed(false);
+});
+
+test('the switch spreads a drape under the organ', async context => {
+  const page = await opened(context);
+  // Red over blue in the lower left corner.
+  const tint = async () => (await pixelsOf(page)).evaluate(({data, width, height}) => {
+    let [red, blue] = [0, 0];
+    for (let y = Math.floor(0.8 * height); y < 0.9 * height; y++) {
+      for (let x = 0; x < 0.1 * width; x++) [red, blue] = [red + data[4 * (y * width + x)], blue + data[4 * (y * width + x) + 2]];
+    }
+    return red / blue;
+  });
+  const before = await tint();
+  await page.locator('#drape').check();
+  await page.waitForTimeout(2000);
+  const after = await tint();
+  assert.ok(after < 0.9 * before, `${before} to ${after}: it is bluer than the wall`);
+});
+
 test('a scene that moves reads its table from the page\u2019s folder', async context => {
   const page = await opened(context, {search: '?scene=beating-heart'});
   await until(page, () => window.noted.rows.some(([time]) => time > 1));

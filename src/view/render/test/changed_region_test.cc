@@ -141,6 +141,21 @@ TEST_P(ChangedPart, IsAllOfThePictureWhereTheCameraMoves) {
   }
 }
 
+TEST_P(ChangedPart, HasTheDrapeAsItsOwnCameraSeesIt) {
+  const Press press = press_of("gallbladder", "curved-forceps");
+  OffscreenRenderer turned(press.subject, kShownWidth, kShownHeight, GetParam());
+  OffscreenRenderer fresh(press.subject, kShownWidth, kShownHeight, GetParam());
+  turned.show_drape(true);
+  fresh.show_drape(true);
+  Camera camera = press.camera;
+  static_cast<void>(turned.draw(press.moments[0], camera));  // before the contact
+  camera.eye.x() += 0.02;
+  for (const std::size_t i : {1, 2})
+    EXPECT_TRUE(turned.draw(press.moments[i], camera).rgb == fresh.draw(press.moments[i], camera).rgb) << i;
+  turned.show_drape(false);
+  EXPECT_TRUE(turned.draw(press.moments[2], camera).rgb != fresh.draw(press.moments[2], camera).rgb);
+}
+
 TEST_P(ChangedPart, IsRightWhereAnInstrumentPassesTheCamera) {
   Press press = press_of("gallbladder", "curved-forceps");
   for (std::size_t i = 0; i < press.moments.size(); ++i) {

@@ -121,6 +121,35 @@ TEST_F(Offscreen, ShowsTheOrganInItsColourBeforeAGreyBackground) {
   EXPECT_NEAR(corner.green, corner.blue, 16);
 }
 
+TEST_F(Offscreen, ADrapeHidesNothingAndIsDarkUnderTheOrgan) {
+  Camera camera = front_camera();
+  const Image without = liver_->draw(pressed(0.004), camera);
+  liver_->show_drape(true);
+  const Image with = liver_->draw(pressed(0.004), camera);
+  int behind = 0;
+  for (int y = 0; y < kPictureHeight; ++y) {
+    for (int x = 0; x < kPictureWidth; ++x) {
+      const Colour before = at(without, x, y);
+      const Colour after = at(with, x, y);
+      if (before.red > before.green + 40) {
+        EXPECT_EQ(before.red, after.red) << "the organ at " << x << ' ' << y;
+      } else if (before.red != after.red) {
+        ++behind;
+      }
+    }
+  }
+  EXPECT_GT(behind, kPictureWidth * kPictureHeight / 4);
+  const auto [x, y] = pixel_of(camera, Vec3(0.0, -0.45 * kBall, -kBall));
+  const auto [x_far, y_far] = pixel_of(camera, Vec3(0.0, -1.5 * kBall, -kBall));
+  EXPECT_LT(brightness(with, x, y), 0.6 * brightness(with, x_far, y_far)) << "the shadow";
+
+  camera.eye.z() = -0.12;
+  const Image from_below = liver_->draw(pressed(0.004), camera);
+  liver_->show_drape(false);
+  EXPECT_EQ(from_below.rgb, liver_->draw(pressed(0.004), camera).rgb) << "from below";
+  EXPECT_EQ(without.rgb, liver_->draw(pressed(0.004), front_camera()).rgb) << "hidden again";
+}
+
 TEST_F(Offscreen, IsTheOrgansSizeOnThePicture) {
   const Camera camera = front_camera();
   const Image image = liver_->draw(far_tool(), camera);
