@@ -124,7 +124,8 @@ void choose_tool(const PanelModel& shown, PanelState& state, Commands& commands)
 void choose_task(const PanelModel& shown, Commands& commands) {
   for (const scene::Task task :
        {scene::Task::kPress, scene::Task::kPull, scene::Task::kPalpate, scene::Task::kInsert}) {
-    if (task != scene::Task::kPress) ImGui::SameLine();
+    const bool first = task == scene::Task::kPress || task == scene::Task::kInsert;  // of a line
+    if (!first) ImGui::SameLine();
     const bool now = shown.scene.task == task;
     if (!ImGui::RadioButton(scene::to_string(task), now) || now) continue;
     commands.request = with_task(shown.scene, shown.request, task);
@@ -229,7 +230,8 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     choose_tool_detail(shown, commands);
     ImGui::EndDisabled();
     rows.name("Task",
-              "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps");
+              "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps; "
+              "insert: a needle");
     choose_task(shown, commands);
   }
   run_buttons(shown, commands);
