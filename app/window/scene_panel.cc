@@ -230,7 +230,8 @@ void scene_panel(const PanelModel& shown, PanelState& state, Commands& commands)
     choose_tool_detail(shown, commands);
     ImGui::EndDisabled();
     rows.name("Task",
-              "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps");
+              "press: the law's limit when pressed; pull: the jaws grasp; palpate: find hidden lumps; "
+              "insert: a needle");
     choose_task(shown, commands);
   }
   run_buttons(shown, commands);

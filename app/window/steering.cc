@@ -134,6 +134,10 @@ void Steering::update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double
   const bool there = mouse.hand < shown.hands;  // false before the first tick
   const bool dragging = there && held && shown.results[mouse.hand].phase == contact::Phase::kPull;
   devices::SurfaceRider& rider = *mouse.rider;
+  if (there) {
+    const contact::ToolResult& result = shown.results[mouse.hand];
+    rider.feel_needle(result.phase == contact::Phase::kInsert, result.force_W);
+  }
   rider.advance(time, there ? shown.tools[mouse.hand].gripper : wanted, dragging, gain_);
   const devices::ToolTarget target = rider.target();
   const Pose device_W = mouse.mapping.base.inverse();

@@ -278,6 +278,71 @@ TEST(Steering, TheWheelPressesADraggedToolNoDeeperThanAFreeOne) {
   EXPECT_NEAR((rider.target().tip_W - gripped_W).norm(), devices::SurfaceRider::kMaxDepth, 1e-3);
 }
 
+/// A needle through skin and fat into the muscle of a block.
+class InsertedNeedle {
+ public:
+  InsertedNeedle() : run("box", "skin-fat-muscle", "needle", "insert") {
+    run.point(0.5, 0.5);
+    run.settle();
+    for (int notch = 0; notch < 200 && result().needle.layer < 3; ++notch) {
+      run.steering.wheel_turned(1.0, false);
+      run.settle();
+    }
+  }
+  [[nodiscard]] const contact::ToolResult& result() const { return run.shown.results[0]; }
+  /// Unit, from the hub to the tip.
+  [[nodiscard]] Vec3 axis() const { return run.shown.tools[0].pose_W.rotation * Vec3::UnitZ(); }
+
+  SteeredRun run;
+};
+
+TEST(Steering, ANotchMovesANeedleTheLessTheMoreForceItMeetsButOutwardsAlwaysAsFar) {
+  SteeredRun free("box", "skin-fat-muscle", "needle", "insert");
+  free.point(0.5, 0.5);
+  free.settle();
+  const double above = free.steering.set_depth();
+  free.steering.wheel_turned(1.0, false);
+  EXPECT_NEAR(free.steering.set_depth() - above, 1e-3, 1e-12) << "in the air a whole millimetre";
+
+  InsertedNeedle needle;
+  ASSERT_EQ(needle.result().needle.layer, 3U);
+  const double force = -needle.result().force_W.dot(needle.axis());
+  ASSERT_GT(force, 1.0);
+  double before = needle.run.steering.set_depth();
+  needle.run.steering.wheel_turned(1.0, false);
+  EXPECT_NEAR(needle.run.steering.set_depth() - before, 1e-3 * 3.0 / (3.0 + force), 1e-8);
+  before = needle.run.steering.set_depth();
+  needle.run.steering.wheel_turned(-1.0, false);
+  EXPECT_NEAR(before - needle.run.steering.set_depth(), 1e-3, 1e-12);
+}
+
+TEST(Steering, ANeedleInTheTissueKeepsToItsAxisWhereverThePointerIs) {
+  InsertedNeedle needle;
+  const Vec3 axis = needle.axis();
+  const Vec3 start = needle.run.tool();
+  const double inside = needle.result().needle.length;
+  for (const double x : {0.6, 0.3, 0.02}) {  // the last is beside the organ
+    needle.run.point(x, 0.4);
+    needle.run.steering.wheel_turned(4.0, false);
+    needle.run.settle();
+    const Vec3 moved = needle.run.tool() - start;
+    EXPECT_LT((moved - moved.dot(axis) * axis).norm(), 1e-5) << x;
+    EXPECT_LT(needle.axis().cross(axis).norm(), 1e-5) << x;
+  }
+  EXPECT_GT(needle.result().needle.length, inside + 3e-3);
+  needle.run.steering.wheel_turned(-200.0, false);
+  needle.run.point(0.5, 0.45);
+  needle.run.settle();
+  EXPECT_EQ(needle.result().phase, contact::Phase::kApproach);
+  EXPECT_EQ(needle.result().needle.length, 0.0);
+}
+
+TEST(Steering, ANeedleGoesInByMoreThanATool) {
+  SteeredRun run("box", "skin-fat-muscle", "needle", "insert");
+  run.steering.wheel_turned(1000.0, false);
+  EXPECT_NEAR(run.steering.set_depth(), 90e-3, 1e-9) << "its length";
+}
+
 TEST(Steering, AClickThatEndsWithinOnePictureStillCounts) {
   SteeredRun run("ball", "liver", "sphere:5", "press");
   run.steering.grip(true);

@@ -312,6 +312,48 @@ TEST_F(WindowTest, ASearchMarksPlacesSlowsTheMouseOverAStoneAndEndsWithAScore) {
   close_and_expect_order(driven);
 }
 
+TEST_F(WindowTest, TheWheelInsertsANeedleAndTheEndShowsWhatWasHiddenAndTheScore) {
+  if (!display_is_there()) return;
+  scene::Overrides request;
+  request.scene_text = {
+      "[scene]\ntask = \"insert\"\n[organ]\nmesh = \"box\"\n[search]\ndepth_mm = 17\n[tool]\nmesh = "
+      "\"needle\"\n",
+      {}};
+  request.device = "mouse";
+  DrivenWindow driven(request, small());
+  const Window& window = driven.window();
+  ASSERT_TRUE(driven.until([&] { return window.snapshot().hands == 1; }));
+  const auto place = window.in_window(window.snapshot().results[0].nearest_W);
+  ASSERT_TRUE(place.has_value());
+  driven.move(static_cast<int>(place->first), static_cast<int>(place->second));
+  ASSERT_TRUE(driven.until([&] {
+    Driven::wheel(1);
+    return window.snapshot().results[0].needle.layer == 3;
+  }));
+  EXPECT_EQ(window.snapshot().results[0].phase, contact::Phase::kInsert);
+  ASSERT_TRUE(until_tool_rests(driven));
+  ASSERT_TRUE(driven.point_at({"left", "End the insertion"}));
+  driven.window().hold_full_quality();
+  driven.frames(2);
+  const std::vector<std::uint8_t> before = cut_out(window.picture(), window.layout().picture);
+  driven.click();
+  ASSERT_TRUE(driven.until([&] { return window.run().ended(); }));
+  driven.window().hold_full_quality();
+  driven.frames(2);
+  const std::vector<std::uint8_t> after = cut_out(window.picture(), window.layout().picture);
+  ASSERT_EQ(after.size(), before.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) different += std::abs(after[i] - before[i]) > 10 ? 1 : 0;
+  EXPECT_GT(different, 3 * 200U) << "the target in the tissue, which was not drawn before";
+  ASSERT_TRUE(driven.alive());
+  close_and_expect_order(driven);
+  const WindowOutcome outcome = driven.finish();
+  ASSERT_EQ(outcome.searches.size(), 1U);
+  const auto& score = std::get<palpation::InsertionScore>(outcome.searches[0].score);
+  EXPECT_EQ(score.attempts, 1U);
+  EXPECT_THAT(score.crossed, testing::ElementsAre("skin", "fat", "muscle"));
+}
+
 TEST_F(WindowTest, AMouseGraspsAndPulls) {
   if (!display_is_there()) return;
   scene::Overrides request;

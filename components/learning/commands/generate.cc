@@ -98,11 +98,13 @@ void add_generate(CLI::App& program, int& exit_code) {
   GenerateRequest& request = flags->request;
   learning::Settings& settings = request.settings;
   CLI::App* command = add_component_command(program, "generate");
-  command->add_option("SCENE", request.scene.scene,
-                      "scene file (.toml); default: a ball of 5 mm over the liver");
+  command->add_option(
+      "SCENE", request.scene.scene,
+      "scene file (.toml); default: a ball of 5 mm over the liver, in insert a needle over a vein");
   command->add_option(
       "--task", flags->task,
-      "press (reach a force), hold (on a moving organ) or search (a hidden lump); default press");
+      "press (reach a force), hold (on a moving organ), search (a hidden lump) or insert (a needle into a "
+      "layer); default press");
   command->add_option("--policy", flags->policy,
                       "scripted (a force controller; in a search a raster of presses and marks) or random (a "
                       "walk); default scripted");

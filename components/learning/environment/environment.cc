@@ -15,6 +15,7 @@
 #include "io/scene/search.h"
 #include "palpate/error.h"
 #include "palpate/tool_path.h"
+#include "palpate/units.h"
 
 namespace palpate::learning {
 namespace {
@@ -50,6 +51,10 @@ const Settings& checked(const Settings& settings) {
 
 /// The part of the scene that the task uses: it presses, and a search has one lump.
 scene::Scene adapted(scene::Scene scene, Task task) {
+  if (task == Task::kInsert) {
+    if (scene.task == scene::Task::kInsert && !scene.target.layer.empty()) return scene;
+    throw InputError("insert: the scene has no layer to reach, must have task insert and [target] layer");
+  }
   scene.task = scene::Task::kPress;
   if (task != Task::kSearch) return scene;
   if (scene.inclusions.empty()) {
@@ -103,18 +108,29 @@ std::vector<Vec3> lump_places_of(const scene::Scene& scene) {
 }  // namespace
 
 const char* to_string(Task task) noexcept {
-  return task == Task::kPress ? "press" : task == Task::kHold ? "hold" : "search";
+  return task == Task::kPress    ? "press"
+         : task == Task::kHold   ? "hold"
+         : task == Task::kSearch ? "search"
+                                 : "insert";
 }
 
 Task parse_task(const std::string& text) {
-  for (const Task task : {Task::kPress, Task::kHold, Task::kSearch}) {
+  for (const Task task : {Task::kPress, Task::kHold, Task::kSearch, Task::kInsert}) {
     if (text == to_string(task)) return task;
   }
-  throw InputError("task: " + one_line(text) + " is not press, hold or search");
+  throw InputError("task: " + one_line(text) + " is not press, hold, search or insert");
 }
 
 scene::Overrides with_defaults(Task task, scene::Overrides request) {
   if (request.scene || request.scene_text) return request;
+  if (task == Task::kInsert) {
+    request.scene_text = {
+        "[scene]\ntask = \"insert\"\n[organ]\nmesh = \"box\"\ntissue = \"vein\"\n[target]\nlayer = "
+        "\"lumen\"\n"
+        "forbidden = [\"far wall\"]\n[tool]\nmesh = \"needle\"\n",
+        {}};
+    return request;
+  }
   if (!request.organ) request.organ = "liver";
   if (request.tools.empty()) request.tools = {"sphere:5"};
   if (task == Task::kHold && request.organ_motion.empty()) request.organ_motion = {"breathing"};
@@ -162,6 +178,7 @@ void Environment::Common::list_channels() {
   const double most = scene.safety.max_force;
   for (const char* name : {"force_x", "force_y", "force_z"}) observed.push_back({name, "N", -most, most});
   observed.push_back({"target", "N", 0.0, most});
+  if (settings.task == Task::kInsert) observed.push_back({"inserted", "m", 0.0, kInfinite});
   for (std::uint64_t i = 0; i < settings.surface_points; ++i) {
     observed.push_back({"displacement_" + std::to_string(i), "m", 0.0, kInfinite});
   }
@@ -172,6 +189,7 @@ void Environment::Common::list_channels() {
   for (const char* name : {"start_x", "start_y"}) {
     drawn.push_back({name, "m", -settings.start_offset, settings.start_offset});
   }
+  if (settings.task == Task::kInsert) return;
   if (settings.task != Task::kSearch) {
     drawn.push_back({"target", "N", kTargets.low, kTargets.high});
     return;
@@ -218,14 +236,14 @@ StepResult Environment::reset(std::optional<std::uint64_t> seed) {
     lump_S_ = common_->lump_places_S[random_.below(common_->lump_places_S.size())];
     const Vec3 lump = common_->scene.organ_pose * lump_S_ - start();
     parameters_.insert(parameters_.end(), {lump.x(), lump.y(), lump.z()});
-  } else {
+  } else if (common_->settings.task != Task::kInsert) {
     target_ = draw(kTargets);
     parameters_.push_back(target_);
   }
   start_state(factor, noise);
   position_ = start() + moved;
-  tick_ = step_ = 0;
-  finished_ = false;
+  tick_ = step_ = layer_ = 0;
+  finished_ = in_target_ = in_forbidden_ = false;
   return move(Vec3::Zero());
 }
 
@@ -236,12 +254,14 @@ StepResult Environment::move(const Vec3& change) {
   for (std::uint64_t i = 1; i <= common_->settings.ticks; ++i) {
     samples_.front().position_D = position_ + (static_cast<double>(i) / ticks) * change;
     haptics::tick(common_->world, state_, tick_++, samples_, commands_, rows_);
+    if (common_->settings.task == Task::kInsert) watch_layers(rows_.front());
   }
   position_ += change;
   const haptics::TickRow& row = rows_.front();
   const Vec3 moved = position_ - start();
   observation_ = {moved.x(),    moved.y(),    moved.z(),    row.depth, row.distance,
                   row.force[0], row.force[1], row.force[2], target_};
+  if (common_->settings.task == Task::kInsert) observation_.push_back(row.inserted_mm * kMillimetre);
   if (deformer_) {
     const std::vector<Vec3>& rest = deformer_->rest().vertices;
     deformer_->deform(state_.reach, deform::indentations_of(state_.results), vertices_);
@@ -252,6 +272,18 @@ StepResult Environment::move(const Vec3& change) {
     }
   }
   return {0.0, false, false, row.tissue_force, row.tick, row.fault};
+}
+
+/// Also of layers that the tip crosses within a tick.
+void Environment::watch_layers(const haptics::TickRow& row) {
+  const std::vector<model::TissueLayer>& layers = common_->scene.tissue.layers;
+  const scene::TargetSetup& target = common_->scene.target;
+  for (std::uint64_t i = layer_; i < row.layer; ++i) {
+    in_forbidden_ = in_forbidden_ || std::find(target.forbidden.begin(), target.forbidden.end(),
+                                               layers[i].name) != target.forbidden.end();
+  }
+  layer_ = row.layer;
+  in_target_ = layer_ > 0 && layers[layer_ - 1].name == target.layer;
 }
 
 /// Reward of a mark at the tool.
@@ -276,7 +308,10 @@ StepResult Environment::step(std::span<const double> action) {
   Vec3 change(action[0], action[1], action[2]);
   if (const double length = change.norm(); length > common_->limit) change *= common_->limit / length;
   StepResult result = move(change);
-  if (common_->settings.task != Task::kSearch) {
+  if (common_->settings.task == Task::kInsert) {
+    result.terminated = in_forbidden_;
+    result.reward = in_forbidden_ ? -1.0 : in_target_ ? 1.0 : 0.0;
+  } else if (common_->settings.task != Task::kSearch) {
     result.reward = -std::abs(result.tissue_force - target_) / target_;
   } else if (action[3] > 0.5) {
     result.reward = judge_mark(result.terminated);

@@ -19,9 +19,10 @@ enum class Task : std::uint8_t {
   kPress,   // reach a force
   kHold,    // keep a force while the organ moves
   kSearch,  // find a hidden lump
+  kInsert,  // bring a needle's tip into a layer, and not into forbidden ones
 };
 
-/// [any] "press", "hold" or "search".
+/// [any] "press", "hold", "search" or "insert".
 [[nodiscard]] const char* to_string(Task task) noexcept;
 /// [setup] @throws InputError that names the text and the tasks
 [[nodiscard]] Task parse_task(const std::string& text);
@@ -55,7 +56,7 @@ struct Channel {
 /// Result of a step. The observation is Environment::observation().
 struct StepResult {
   double reward = 0.0;
-  bool terminated = false;    // the lump is found
+  bool terminated = false;    // the lump is found, or a forbidden layer entered
   bool truncated = false;     // the steps are used up
   double tissue_force = 0.0;  // N, norm
   std::uint64_t tick = 0;     // of the last row
@@ -63,7 +64,8 @@ struct StepResult {
 };
 
 /// [setup] The scene of a task: without a scene file, a ball of 5 mm over the liver, which breathes in kHold
-/// and has a nodule in kSearch. Values of the request are kept.
+/// and has a nodule in kSearch; in kInsert a needle over a block with the tissue vein, whose lumen is the
+/// target and whose far wall is forbidden. Values of the request are kept.
 [[nodiscard]] scene::Overrides with_defaults(Task task, scene::Overrides request);
 
 /// A task for reinforcement learning: one hand presses an organ. Observations, rewards and random numbers are
@@ -71,8 +73,10 @@ struct StepResult {
 ///
 /// Action: the change of the tool's position [m], world frame, at most 0.1 m/s; in kSearch then a mark, above
 /// 0.5 at the lump. Observation: position from the scene's start, depth, distance, force on the tool, target
-/// (0 in kSearch) and the displacements of surface points. Reward: -|F - target| / target; in kSearch 1 for a
-/// mark that finds the lump and -0.1 for another. Other hands of the scene stay where they start.
+/// (0 in kSearch and kInsert), in kInsert the length of the needle inside, and the displacements of surface
+/// points. Reward: -|F - target| / target; in kSearch 1 for a mark that finds the lump and -0.1 for another;
+/// in kInsert 1 for a step that ends with the tip in the target's layer and -1 for one in which it enters a
+/// forbidden layer, which ends the episode. Other hands of the scene stay where they start.
 class Environment final {
  public:
   /// [setup] @throws InputError, ParameterError that name the setting or the part of the scene
@@ -125,6 +129,7 @@ class Environment final {
   double draw(const Range& range) noexcept;
   StepResult move(const Vec3& change);
   [[nodiscard]] double judge_mark(bool& terminated) const;
+  void watch_layers(const haptics::TickRow& row);
 
   std::shared_ptr<const Common> common_;
   haptics::SimulationState state_;
@@ -137,7 +142,10 @@ class Environment final {
   Random random_;
   Vec3 position_ = Vec3::Zero();
   Vec3 lump_S_ = Vec3::Zero();
-  double target_ = 0.0;  // N
+  double target_ = 0.0;      // N
+  std::uint64_t layer_ = 0;  // of the tip, from 1
+  bool in_target_ = false;
+  bool in_forbidden_ = false;  // since the start of the episode
   std::vector<double> observation_, parameters_;
   std::uint64_t tick_ = 0;
   std::uint64_t step_ = 0;

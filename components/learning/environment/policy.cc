@@ -64,17 +64,21 @@ class RandomWalk final : public Policy {
   Vec3 change_ = Vec3::Zero();
 };
 
-/// Moves along the approach: in air with constant speed, in contact by the error of the force.
+/// Moves along the approach: in air with constant speed, in contact by the error of the force. A needle goes
+/// on slowly until it is in its target.
 class ForceController final : public Policy {
  public:
   explicit ForceController(const Environment& environment) : environment_(environment) {}
 
   void act(const StepResult& last, std::span<double> action) override {
-    constexpr double kGain = 2.0;      // of the largest change, per newton
-    constexpr double kApproach = 0.5;  // of the largest change
+    constexpr double kGain = 2.0;       // of the largest change, per newton
+    constexpr double kApproach = 0.5;   // of the largest change
+    constexpr double kInsertion = 0.1;  // of the largest change
     const double target = environment_.observation()[8];
     const double share =
-        last.tissue_force > 0.0 ? std::clamp(kGain * (target - last.tissue_force), -1.0, 1.0) : kApproach;
+        environment_.settings().task == Task::kInsert ? (last.reward > 0.0 ? 0.0 : kInsertion)
+        : last.tissue_force > 0.0 ? std::clamp(kGain * (target - last.tissue_force), -1.0, 1.0)
+                                  : kApproach;
     put_change(environment_, share * environment_.step_limit() * environment_.approach(), action);
   }
 

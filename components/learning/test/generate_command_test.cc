@@ -54,7 +54,7 @@ TEST(GenerateCommand, RefusesBadInputInOneLineAndWritesNothing) {
            {{"--out", "no/e.h5"}, "--out no/e.h5: "},
            {{"--out", "/proc/e"}, "/proc/e/episodes.h5: cannot be written: No such file or directory"},
            {{"--out", "runs", "--episodes", "0"}, "episodes = 0: must be 1 to 10000000"},
-           {{"--out", "e.h5", "--task", "pull"}, "task: pull is not press, hold or search"},
+           {{"--out", "e.h5", "--task", "pull"}, "task: pull is not press, hold, search or insert"},
            {{"--out", "e.h5", "--policy", "best"}, "policy: best is not random or scripted"},
            {{"--out", "e.h5", "--episodes", "0"}, "episodes = 0: must be 1 to 10000000"},
            {{"--out", "e.h5", "--ticks", "1001"}, "ticks = 1001: must be 1 to 1000"},

@@ -9,6 +9,7 @@
 //             else it rises to the viewer, from whom all visible places can be reached. Beside the organ it
 //             glides at the point of the line of sight that is nearest to the organ.
 //     drags   the tissue that its jaws hold, in a plane that faces the viewer.
+//     enters  with a needle: along its axis alone.
 //
 // It turns with the normal, by at most 45 degrees, because more would hide the contact. In the air it turns
 // about its tip, on the surface about its touching point, which keeps the depth.
@@ -115,6 +116,14 @@ SurfaceRider::SurfaceRider(const contact::OrganSurface& surface, const geometry:
   tip_S_ = start_S * tip_P_;
   touch_S_ = tip_S_ + tip_to_touch(gripper);
   reach_from_S_ = touch_S_;
+  if (tool.needle) max_depth_ = std::max(kMaxDepth, tool.needle->length);
+}
+
+void SurfaceRider::feel_needle(bool inside, const Vec3& force_W) noexcept {
+  if (!tool_.needle) return;
+  inside_ = inside;
+  const double resistance = -(organ_W_.rotation * orientation_S_ * tool_.needle->axis).dot(force_W);
+  pace_ = kHalfPace / (kHalfPace + std::max(0.0, resistance));
 }
 
 void SurfaceRider::point_at(const geometry::Ray& ray_W) {
@@ -126,7 +135,7 @@ void SurfaceRider::point_at(const geometry::Ray& ray_W) {
   if (entry) aim_ = {entry->point, entry->triangle};
 }
 
-double SurfaceRider::depth() const noexcept { return -std::clamp(height_ - deeper_, -kMaxDepth, kParked); }
+double SurfaceRider::depth() const noexcept { return -std::clamp(height_ - deeper_, -max_depth_, kParked); }
 
 void SurfaceRider::advance(double time, double gripper, bool dragging, double pace) {
   const double step = std::clamp(time, 0.0, kLongestStep);
@@ -136,13 +145,13 @@ void SurfaceRider::advance(double time, double gripper, bool dragging, double pa
   if (dragging) {
     if (goal_ != Goal::kNone) drag(way, deeper);
   } else {
-    height_ = std::clamp(height_ - deeper, -kMaxDepth, kParked);
+    height_ = std::clamp(height_ - deeper, -max_depth_, kParked);
     if (drag_offset_S_) riding_ = false;
     drag_offset_S_.reset();
     if (riding_) ride(way, pace * kPressSpeed * step, kPressSpeed * step);
     const bool flies = !riding_ && goal_ != Goal::kNone && !parked_;
     if (flies) fly(way);
-    turn(kTurnSpeed * step);
+    if (!inside_) turn(kTurnSpeed * step);
     // In the air the tool turns about its tip, on the surface about the point that touches.
     if (flies && !riding_) touch_S_ = before.tip_S + (touch_S_ - before.touch_S) + tip_to_touch(gripper);
   }
@@ -207,9 +216,14 @@ void SurfaceRider::keep_clear(const Stand& before, double way, double gripper) {
 ToolTarget SurfaceRider::target() const { return {organ_W_ * tip_S_, organ_W_.rotation * orientation_S_}; }
 
 void SurfaceRider::ride(double way, double down, double up) {
-  if (goal_ != Goal::kNone && !parked_) riding_ = goal_ == Goal::kSurface && walk(way);
+  if (goal_ != Goal::kNone && !parked_ && !inside_) riding_ = goal_ == Goal::kSurface && walk(way);
   if (!riding_) return;
-  over_ += std::clamp(wanted_height() - over_, -down, up);
+  const double rise = std::clamp(wanted_height() - over_, -down, up);
+  over_ += rise;
+  if (inside_) {
+    touch_S_ -= rise * (orientation_S_ * tool_.needle->axis);
+    return;
+  }
   normal_S_ = surface_.normal_at(place_);
   touch_S_ = place_.point + over_ * normal_S_;
 }

@@ -27,7 +27,8 @@ class SurfaceRider final {
   static constexpr double kHover = 5e-3;  // m, height over the surface before the first press and in the air
   static constexpr double kParked = 30e-3;     // m, height of a parked tool
   static constexpr double kHighest = 40e-3;    // m, height up to which it rises on its way around the organ
-  static constexpr double kMaxDepth = 30e-3;   // m, largest set depth
+  static constexpr double kMaxDepth = 30e-3;   // m, largest set depth; a needle's is its length
+  static constexpr double kHalfPace = 3.0;     // N, resistance at which press() moves a needle half as far
   static constexpr double kMaxSpeed = 0.08;    // m/s over the surface and in the air; a hand has 0.1 m/s
   static constexpr double kPressSpeed = 0.05;  // m/s along the normal
   static constexpr double kMaxTilt =
@@ -48,7 +49,11 @@ class SurfaceRider final {
   /// The pointer is elsewhere: the tool stays where it is, at its set depth.
   void freeze() noexcept { goal_ = Goal::kNone; }
   /// Changes the set depth [m]; in a drag it moves the tool along the surface's normal.
-  void press(double deeper) noexcept { deeper_ += deeper; }
+  void press(double deeper) noexcept { deeper_ += deeper > 0.0 ? pace_ * deeper : deeper; }
+  /// For a needle, once a picture. In the tissue it stays on the line of its axis, whatever the pointer does.
+  /// press() moves it inwards less far where it meets more resistance, because people take a slower tool for
+  /// a larger force (pseudo-haptics). @param inside the tissue @param force_W on the hand [N]
+  void feel_needle(bool inside, const Vec3& force_W) noexcept;
   /// Lifts the tool off the surface and leaves it there, or brings it back under the pointer.
   void park(bool parked) noexcept { parked_ = parked; }
   [[nodiscard]] bool parked() const noexcept { return parked_; }
@@ -121,6 +126,7 @@ class SurfaceRider final {
   double clear_ = -1.0;          // m, lower bound of the samples' distance from the organ
   Vec3 reach_from_S_;
   double reach_;
+  double max_depth_ = kMaxDepth;  // m
 
   // The pointer, organ frame.
   Goal goal_ = Goal::kNone;
@@ -129,6 +135,8 @@ class SurfaceRider final {
 
   double height_ = kHover;  // set by press()
   double deeper_ = 0.0;     // by press() since the last advance()
+  double pace_ = 1.0;       // of press() inwards
+  bool inside_ = false;     // a needle in the tissue
   bool parked_ = false;
 
   // The tool, organ frame.

@@ -54,6 +54,27 @@ StepResult press(Environment& environment, int steps) {
   return environment.step(std::vector<double>(3));
 }
 
+TEST(Environment, ThePolicyBringsANeedleIntoTheLumenAndNotThroughItsFarWall) {
+  Settings settings;
+  settings.task = Task::kInsert;
+  settings.steps = 600;
+  Environment environment = make(settings);
+  StepResult last = environment.reset(1);
+  const std::unique_ptr<Policy> policy = make_policy(PolicyKind::kScripted, environment, 1);
+  std::vector<double> action(3);
+  double sum = 0.0;
+  while (!last.truncated && !last.terminated) {
+    policy->act(last, action);
+    last = environment.step(action);
+    sum += last.reward;
+  }
+  EXPECT_TRUE(last.truncated);
+  EXPECT_EQ(last.reward, 1.0);
+  EXPECT_GT(sum, 100.0);
+  EXPECT_GT(seen(environment, "inserted"), 4.1e-3);
+  EXPECT_LT(seen(environment, "inserted"), 8.1e-3);
+}
+
 TEST(Environment, TheForceIsThatOfTheLawAtTheDepthOfTheTool) {
   Environment environment = make({});
   (void)environment.reset(1);

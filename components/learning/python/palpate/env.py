@@ -36,21 +36,23 @@ if TYPE_CHECKING:
 
 _calls.answer_class(_learning._Environment, 'Env')
 _calls.answer_class(_learning._VectorEnvironment, 'VectorEnv')
-TASKS = ('press', 'hold', 'search')
+TASKS = ('press', 'hold', 'search', 'insert')
 
 
 class Env:
-    """Tasks: 'press' reaches a force, 'hold' keeps it while the organ breathes, 'search' finds a hidden lump.
+    """Tasks: 'press' reaches a force, 'hold' keeps it while the organ breathes, 'search' finds a hidden lump,
+    'insert' brings a needle's tip into the scene's target layer ([target]) and keeps it there.
 
     Action: change of the tool's position [m] in the world frame (at most 0.1 m/s), in 'search' then `mark`: above 0.5 it
     marks the place under the tool. Observation: position from the start [m], depth and distance [m], force of the tissue on the
-    tool [N], target [N] (0 in 'search'), then the displacement [m] of `surface_points` points of the surface. Reward for each step: -|F -
-    target|/target, in 'search' 1 for a mark that finds the lump and -0.1 for another. A found lump ends the episode;
+    tool [N], target [N] (0 in 'search' and 'insert'), in 'insert' the length of the needle inside [m], then the displacement [m] of `surface_points` points of the surface. Reward for each step: -|F -
+    target|/target, in 'search' 1 for a mark that finds the lump and -0.1 for another, in 'insert' 1 while the tip is in the target and -1 when it
+    enters a forbidden layer. A found lump or a forbidden layer ends the episode;
     `seconds` of simulated time truncate it.
 
     Each episode draws from the ranges `stiffness_factor` (of the tissue's k1) and `noise_gain` [N m] (None: as the scene), and
     moves the start by at most `start_offset` [m] along x and y. Other arguments are those of TickedSimulation; without a scene,
-    a ball of 5 mm presses the liver. Raises InputError, ParameterError.
+    a ball of 5 mm presses the liver, and 'insert' brings a needle into a vein ('lumen'; 'far wall' is forbidden). Raises InputError, ParameterError.
     """
 
     def __init__(self, task: str = 'press', *, seconds: float = 5.0, ticks: int = 10, tolerance: float = 10e-3,

@@ -1,6 +1,7 @@
 """Environments for learning."""
 import inspect
 import json
+import pathlib
 import textwrap
 import types
 
@@ -47,6 +48,32 @@ def test_a_controller_reaches_the_force_and_is_rewarded():
     assert np.isclose(np.linalg.norm(seen[-1][5:8]), seen[-1][8], rtol=0.1)
 
 
+# The vein's lumen is from 4.1 to 8.1 mm below the surface, behind it is the far wall.
+def test_a_needle_is_rewarded_in_its_target_and_a_forbidden_layer_ends_the_episode():
+    env = palpate.Env('insert', seconds=8.0)
+    assert env.observation_space['names'][9] == 'inserted' and env.reset(seed=1)[0][9] == 0.0
+
+    def slowly(observation, info):  # until the resistance is lost in the lumen, 1.1 N at the wall and 0.3 N behind it
+        slowly.wall = slowly.wall or observation[9] > 3.4e-3
+        lost = slowly.wall and observation[9] > 4.1e-3
+        return [0.0, 0.0, 0.0 if lost else -1e-4]
+
+    slowly.wall = False
+    seen, rewards, terminated = episode(env, 1, slowly)
+    assert not terminated and set(rewards) == {0.0, 1.0} and rewards[-1] == 1.0
+    assert 4.1e-3 < seen[-1][9] < 8.1e-3
+
+    seen, rewards, terminated = episode(env, 1, lambda observation, info: [0.0, 0.0, -1e-3])
+    assert terminated and rewards[-1] == -1.0 and set(rewards[:-1]) == {0.0, 1.0}
+    assert seen[-2][9] <= 8.1e-3 + 1e-6 < seen[-1][9]
+
+
+def test_an_insertion_needs_a_layer_to_reach():
+    press = pathlib.Path(__file__).resolve().parents[4] / 'examples' / 'press.toml'
+    with pytest.raises(palpate.InputError, match='the scene has no layer to reach'):
+        palpate.Env('insert', scene=str(press))
+
+
 def test_a_mark_finds_the_hidden_lump_only_near_it():
     env = palpate.Env('search', organ='liver')
     start = env.reset(seed=2)[0]
@@ -84,7 +111,7 @@ def test_actions_are_limited_in_speed_and_refused_in_words():
     for action in ([0.0, 0.0], [0.0, np.nan, 0.0]):
         with pytest.raises(palpate.InputError, match='3 finite numbers: dx, dy, dz'):
             env.step(action)
-    with pytest.raises(palpate.InputError, match='press, hold or search'):
+    with pytest.raises(palpate.InputError, match='press, hold, search or insert'):
         palpate.Env('dance')
     with pytest.raises(palpate.InputError, match='ticks = 0: must be 1 to 1000'):
         palpate.Env(ticks=0)

@@ -12,7 +12,7 @@ def press(observation, force):
     return np.stack([0.0 * force, 0.0 * force, np.clip(2e-3 * (force - observation[..., 8]), -1e-3, 1e-3)], axis=-1)
 
 
-@pytest.mark.parametrize('task, jobs', [('press', 1), ('press', 3), ('hold', None), ('search', None)])
+@pytest.mark.parametrize('task, jobs', [('press', 1), ('press', 3), ('hold', None), ('search', None), ('insert', 2)])
 def test_every_environment_has_the_bits_of_one_alone(task, jobs):
     settings = {'seconds': 0.8, 'surface_points': 4, **RANGES}
     envs = palpate.VectorEnv(task, 3, jobs=jobs, **settings)
@@ -26,6 +26,8 @@ def test_every_environment_has_the_bits_of_one_alone(task, jobs):
         actions = press(seen, info['tissue_force'])
         if task == 'search':
             actions = np.concatenate([actions - [0.0, 0.0, 5e-4], np.zeros((3, 1))], axis=1)
+        if task == 'insert':
+            actions = actions - [0.0, 0.0, 1e-3]
         seen, rewards, terminated, truncated, info = envs.step(actions)
         alone = [env.step(action) for env, action in zip(single, actions)]
         assert list(rewards) == [one[1] for one in alone]
@@ -68,7 +70,7 @@ def test_actions_are_refused_in_words_before_any_environment_steps(actions, word
 
 def test_settings_are_refused_in_words():
     for settings, words in (({'num_envs': 0}, 'num_envs = 0: must be 1 to'), ({'jobs': 0}, 'jobs = 0: must be 1 to'),
-                            ({'task': 'dance'}, 'press, hold or search')):
+                            ({'task': 'dance'}, 'press, hold, search or insert')):
         with pytest.raises(palpate.InputError, match=words):
             palpate.VectorEnv(**settings)
     with pytest.raises(RuntimeError, match='reset'):
