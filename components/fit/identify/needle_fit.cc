@@ -33,19 +33,38 @@ struct Solved {
   NeedleProblem problem;
   NeedlePoint solution;
 
-  [[nodiscard]] double points() const {
-    double sum = 0.0;
-    for (std::size_t r = 0; r < problem.records(); ++r)
-      for (const double rows : problem.record(r).thinned.rows) sum += rows;
-    return sum;
-  }
-  [[nodiscard]] double nrmse() const { return std::sqrt(solution.squares / points()); }
   [[nodiscard]] double parameters() const {
     double sum = static_cast<double>(solution.shared.size());
     for (const Point& own : solution.own) sum += static_cast<double>(own.size());
     return sum;
   }
 };
+
+/// RMS error over the range of the force. @param force without the zero, one a row
+double error_of(const std::vector<double>& force, const NeedleRecord& rows, double zero, double range) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const double error = force[i] + zero - rows.force[i];
+    squares += error * error;
+  }
+  return std::sqrt(squares / static_cast<double>(force.size())) / range;
+}
+
+double own_error(const Solved& fit) {
+  const NeedleRecord& all = fit.problem.record(0).all;
+  const Point& own = fit.solution.own.front();
+  return error_of(fit.problem.run(all, 0, fit.solution.shared, own).force, all, fit.problem.zero(own),
+                  fit.problem.record(0).range);
+}
+
+/// The error of the force that a tissue's needle meets on a record's path, where it punctures by its force,
+/// with that record's first contact and zero.
+double free_error(const model::TissueParameters& tissue, const Solved& own) {
+  const NeedleRecord& all = own.problem.record(0).all;
+  const Point& mine = own.solution.own.front();
+  return error_of(run_needle(all, tissue, own.problem.contact(mine), {}, kFreeStep).force, all,
+                  own.problem.zero(mine), own.problem.record(0).range);
+}
 
 /// Fall of the Bayesian information criterion from the simple to the rich fit, with the effective number of
 /// rows of the rich one.
@@ -78,7 +97,7 @@ Solved with_terms(const Solved& from, std::size_t terms, const Settings& setting
   return made;
 }
 
-/// As many relaxation terms as the record supports.
+/// A relaxation term more where it is clearly better, or fewer where they are.
 Solved with_best_terms(Solved fit, const Settings& settings) {
   if (fit.problem.terms() < model::kMaxRelaxationTerms) {
     Solved more = with_terms(fit, fit.problem.terms() + 1, settings);
@@ -86,7 +105,7 @@ Solved with_best_terms(Solved fit, const Settings& settings) {
   }
   while (fit.problem.terms() > 0) {
     Solved fewer = with_terms(fit, fit.problem.terms() - 1, settings);
-    if (gain_of(fewer, fit) > kClearly) break;
+    if (gain_of(fewer, fit) > -kClearly) break;
     fit = std::move(fewer);
   }
   return fit;
@@ -100,10 +119,10 @@ struct OwnFit {
 
 OwnFit own_fit(const Insertion& record, const Settings& settings) {
   OwnFit fit{solved_from_data(record, settings, 1), {}};
-  fit.nrmse.push_back(fit.best.nrmse());
+  fit.nrmse.push_back(own_error(fit.best));
   for (std::size_t layers = 2; layers <= record.falls.size(); ++layers) {
     Solved more = solved_from_data(record, settings, layers);
-    fit.nrmse.push_back(more.nrmse());
+    fit.nrmse.push_back(own_error(more));
     if (gain_of(fit.best, more) < kClearly) break;
     fit.best = std::move(more);
   }
@@ -119,26 +138,6 @@ std::size_t most_frequent(const std::vector<OwnFit>& fits, const Of& of) {
   return std::max_element(counts.begin(), counts.end(),
                           [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
-}
-
-/// The force that a tissue's needle meets on a record, with that record's first contact and zero.
-std::vector<double> free_run(const model::TissueParameters& tissue, const Solved& own) {
-  const NeedleRecord& rows = own.problem.record(0).thinned;
-  const Point& mine = own.solution.own.front();
-  std::vector<double> force = run_needle(rows, tissue, own.problem.contact(mine), {}, kFreeStep).force;
-  for (double& one : force) one += own.problem.zero(mine);
-  return force;
-}
-
-double error_of(const std::vector<double>& force, const Insertion& record) {
-  double squares = 0.0;
-  double rows = 0.0;
-  for (std::size_t i = 0; i < force.size(); ++i) {
-    const double error = force[i] - record.thinned.force[i];
-    squares += record.thinned.rows[i] * error * error;
-    rows += record.thinned.rows[i];
-  }
-  return std::sqrt(squares / rows) / record.range;
 }
 
 /// The records' own fits with the same layers and terms.
@@ -168,7 +167,7 @@ Predictions predictions_of(const std::vector<Solved>& fits) {
     double sum = 0.0;
     for (std::size_t to = 0; to < fits.size(); ++to) {
       if (to == from) continue;
-      const double error = error_of(free_run(tissue, fits[to]), fits[to].problem.record(0));
+      const double error = free_error(tissue, fits[to]);
       made.nrmse[to] += error / static_cast<double>(fits.size() - 1);
       sum += error;
     }
@@ -238,15 +237,16 @@ void add_repeats(const std::vector<Solved>& each, const Predictions& predictions
     const Point& own = one.solution.own.front();
     NeedleRepeat made;
     made.name = record.all.name;
-    made.nrmse = one.nrmse();
+    made.nrmse = own_error(one);
     made.rms = made.nrmse * record.range;
     if (each.size() > 1) made.predicted_nrmse = predictions.nrmse[r];
     made.contact = one.problem.contact(own);
     made.zero = one.problem.zero(own);
     made.punctures = one.problem.at(0, one.solution.shared, own).run.punctures;
     made.record = record.thinned;
-    made.fitted = free_run(fit.tissue, one);
-    const double error = error_of(made.fitted, record);
+    made.fitted = run_needle(made.record, fit.tissue, made.contact, {}, kFreeStep).force;
+    for (double& force : made.fitted) force += made.zero;
+    const double error = free_error(fit.tissue, one);
     squares += error * error / static_cast<double>(each.size());
     fit.repeats.push_back(std::move(made));
   }

@@ -12,6 +12,7 @@
 #include "core/base/infinity.h"
 #include "core/base/portable_math.h"
 #include "palpate/error.h"
+#include "palpate/spring_law.h"
 
 #include "fit/identify/local_optima.h"
 
@@ -24,6 +25,7 @@ using portable::log;
 constexpr double kTimeUnit = 10e-3;     // s, of the times of punctures
 constexpr double kTimeReach = 6.0;      // of these units: how far a puncture may be from its fall's start
 constexpr double kLongestStep = 0.1;    // s, between ticks of a fit
+constexpr double kLeastForce = 1e-4;    // of the range: no force, with room for derivatives
 constexpr double kMostForce = 2.0;      // of the range
 constexpr double kThinnest = 0.005;     // layer, of the depth
 constexpr double kContactReach = 0.15;  // of the depth
@@ -82,7 +84,7 @@ NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const Settin
   bounds_ = shared_bounds(ranges, terms_);
   bounds_.low.push_back(bounds_.low[kLawParameters - 1]);
   bounds_.high.push_back(bounds_.high[kLawParameters - 1]);
-  bounds_.low.insert(bounds_.low.end(), 3 * layers_, 0.0);
+  bounds_.low.insert(bounds_.low.end(), 3 * layers_, kLeastForce);
   bounds_.high.insert(bounds_.high.end(), 3 * layers_, kMostForce);
   bounds_.low.insert(bounds_.low.end(), layers_ - 1, kThinnest);
   bounds_.high.insert(bounds_.high.end(), layers_ - 1, 1.0);
@@ -112,12 +114,17 @@ std::vector<double> NeedleProblem::times_of(std::size_t record, std::span<const 
   return times;
 }
 
+NeedleRun NeedleProblem::run(const NeedleRecord& rows, std::size_t record, std::span<const double> shared,
+                             std::span<const double> own) const {
+  return run_needle(rows, tissue(shared), contact(own), times_of(record, own), kLongestStep);
+}
+
 NeedleProblem::Result NeedleProblem::at(std::size_t record, std::span<const double> shared,
                                         std::span<const double> own) const {
   const NeedleRecord& rows = records_[record]->thinned;
   Result result;
   try {
-    result.run = run_needle(rows, tissue(shared), contact(own), times_of(record, own), kLongestStep);
+    result.run = run(rows, record, shared, own);
   } catch (const ParameterError&) {
     return result;
   }

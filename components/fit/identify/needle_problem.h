@@ -30,6 +30,9 @@ class NeedleProblem final {
     std::vector<double> residuals;  // in parts of the range, times the root of the number of rows
     NeedleRun run;
   };
+  /// [setup] A run on other rows of the same record.
+  [[nodiscard]] NeedleRun run(const NeedleRecord& rows, std::size_t record, std::span<const double> shared,
+                              std::span<const double> own) const;
   [[nodiscard]] Result at(std::size_t record, std::span<const double> shared,
                           std::span<const double> own) const;
 
