@@ -34,20 +34,18 @@ Figure draw_record(const identify::NeedleRepeat& repeat, const std::filesystem::
   double largest = 0.0;
   for (const std::vector<double>& row : data.rows) largest = std::max(largest, std::abs(row[3] - row[2]));
   const std::string upper = fmt::format(
-      R"(set xlabel 'depth of the tip, mm'; set ylabel 'force, N'
+      R"(set ylabel 'force, N'
 plot 'curve.dat' using 2:3 with points pt 7 ps 0.3 lc rgb '{}' title 'measured', \
   '' using 2:4 with lines lw 2 lc rgb '{}' title 'simulated needle', \
   'punctures.dat' using 1:2 with points pt 9 ps 1.3 lc rgb '#555555' title 'puncture')",
       kOrange, kBlue);
   const std::string lower = fmt::format(
-      R"(set nokey; set xlabel 'time, s'; set ylabel 'simulated - measured, N'; set ytics {}
-plot 'curve.dat' using 1:($4-$3) with impulses lw 1 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555')",
+      R"(set nokey; set xlabel 'depth of the tip, mm'; set ylabel 'simulated - measured, N'; set ytics {}
+plot 'curve.dat' using 2:($4-$3) with points pt 7 ps 0.3 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555')",
       shortest(tic_step(largest)), kOrange);
-  return drawn(
-      {file, "Force over depth of " + repeat.name + ", measured and simulated, and what is left",
-       "Force over the depth of the tip, measured and of the fitted tissue; below what is left, over "
-       "time."},
-      two_panes(680, kKeyLeft, 0.36, upper, lower), {std::move(data), std::move(punctures)});
+  return drawn({file, "Force over depth of " + repeat.name + ", measured and simulated, and what is left",
+                "Force over the depth of the tip: in, held, and out again. Below: what is left."},
+               two_panes(680, kKeyLeft, 0.36, upper, lower), {std::move(data), std::move(punctures)});
 }
 
 std::string in_unit(double value, const identify::NeedleValue& of) { return brief(value / of.unit); }
