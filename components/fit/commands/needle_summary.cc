@@ -1,3 +1,8 @@
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
@@ -68,21 +73,23 @@ std::string repeat_text(const NeedleRepeat& repeat) {
 
 std::string needle_json(const NeedleFit& fit) {
   Json json = {{"layers", fit.layers}, {"law", model::to_string(fit.tissue.law)}, {"nrmse", fit.nrmse}};
-  Json& parameters = json["parameters"] = Json::object();
-  json["relaxation"] = Json::array();
-  json["tissue_layers"] = Json::array();
+  Json parameters = Json::object();
+  Json relaxation = Json::array();
+  std::vector<Json> layers(fit.layers, Json::object());
   for (const NeedleValue& value : fit.values) {
     if (value.layer > 0) {
-      Json& layers = json["tissue_layers"];
-      while (layers.size() < static_cast<std::size_t>(value.layer)) layers.push_back(Json::object());
-      layers.back()[value.name] = value_json(value);
+      layers[static_cast<std::size_t>(value.layer - 1)][value.name] = value_json(value);
     } else if (value.name.starts_with("relaxation")) {
-      if (value.name.ends_with("share")) json["relaxation"].push_back(Json::object());
-      json["relaxation"].back()[value.name.ends_with("share") ? "share" : "time_s"] = value_json(value);
+      const bool is_share = value.name.ends_with("share");
+      if (is_share) relaxation.push_back(Json::object());
+      relaxation.back()[is_share ? "share" : "time_s"] = value_json(value);
     } else {
       parameters[value.name] = value_json(value);
     }
   }
+  json["parameters"] = std::move(parameters);
+  json["relaxation"] = std::move(relaxation);
+  json["tissue_layers"] = std::move(layers);
   json["evidence"] = Json::array();
   for (const LayerEvidence& one : fit.evidence) {
     json["evidence"].push_back(

@@ -15,14 +15,16 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 
+#include "fit/identify/intervals.h"
+#include "fit/identify/local_optima.h"
 #include "fit/identify/needle_intervals.h"
 #include "fit/identify/needle_problem.h"
 
 namespace palpate::identify {
 namespace {
 
-constexpr int kFirstIterations = 12;
-constexpr int kNeedleIterations = 60;
+constexpr int kFirstIterations = 10;
+constexpr int kNeedleIterations = 40;
 constexpr std::size_t kFirstTerms = 2;  // of relaxation, while layers are counted
 constexpr double kClearly = 6.0;        // fall of the Bayesian information criterion
 constexpr double kShortestHold = 1.0;   // s
@@ -33,10 +35,8 @@ struct Solved {
   NeedleProblem problem;
   NeedlePoint solution;
 
-  [[nodiscard]] double parameters() const {
-    double sum = static_cast<double>(solution.shared.size());
-    for (const Point& own : solution.own) sum += static_cast<double>(own.size());
-    return sum;
+  [[nodiscard]] std::size_t parameters() const {
+    return solution.shared.size() + solution.own.front().size();
   }
 };
 
@@ -69,9 +69,10 @@ double free_error(const model::TissueParameters& tissue, const Solved& own) {
 /// Fall of the Bayesian information criterion from the simple to the rich fit, with the effective number of
 /// rows of the rich one.
 double gain_of(const Solved& simple, const Solved& rich) {
-  const double rows = std::max(effective_rows(rich.problem, rich.solution), rich.parameters() + 1.0);
+  const double rows = limited_sample_size(effective_rows(rich.problem, rich.solution),
+                                          rich.problem.record(0).thinned.size(), rich.parameters());
   return rows * portable::log(simple.solution.squares / rich.solution.squares) -
-         (rich.parameters() - simple.parameters()) * portable::log(rows);
+         static_cast<double>(rich.parameters() - simple.parameters()) * portable::log(rows);
 }
 
 Solved solved_from_data(const Insertion& record, const Settings& settings, std::size_t layers) {
@@ -243,6 +244,7 @@ void add_repeats(const std::vector<Solved>& each, const Predictions& predictions
     made.contact = one.problem.contact(own);
     made.zero = one.problem.zero(own);
     made.punctures = one.problem.at(0, one.solution.shared, own).run.punctures;
+    for (Puncture& puncture : made.punctures) puncture.depth += made.contact;
     made.record = record.thinned;
     made.fitted = run_needle(made.record, fit.tissue, made.contact, {}, kFreeStep).force;
     for (double& force : made.fitted) force += made.zero;

@@ -28,9 +28,9 @@ struct NeedleRepeat {
                                           // contact and zero
   double contact = 0.0;                   // m, depth of first contact
   double zero = 0.0;                      // N, of the sensor
-  std::vector<Puncture> punctures;
-  NeedleRecord record;         // its rows, or means of them
-  std::vector<double> fitted;  // N, one a row
+  std::vector<Puncture> punctures;        // depths as in the record
+  NeedleRecord record;                    // its rows, or means of them
+  std::vector<double> fitted;             // N, one a row
 };
 
 /// The evidence for a number of layers.

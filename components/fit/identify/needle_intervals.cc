@@ -97,7 +97,7 @@ Sums sums_of(const NeedleProblem& problem, const NeedlePoint& solution,
   std::size_t begin = shared;  // of the record's own parameters
   for (std::size_t r = 0; r < problem.records(); ++r) {
     const std::size_t own = solution.own[r].size();
-    const auto rows = static_cast<Eigen::Index>(problem.record(r).thinned.size() + 1);
+    const auto rows = static_cast<Eigen::Index>(problem.record(r).thinned.size() + problem.priors());
     Eigen::MatrixXd jacobian(rows, static_cast<Eigen::Index>(shared + own));
     for (std::size_t i = 0; i < shared + own; ++i) {
       const auto run_at = [&](double step) {
@@ -194,7 +194,7 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
   double sum = 0.0;
   for (std::size_t r = 0; r < problem.records(); ++r) {
     std::vector<double> residuals = problem.at(r, solution.shared, solution.own[r]).residuals;
-    if (!residuals.empty()) residuals.pop_back();  // the prior
+    residuals.resize(problem.record(r).thinned.size());
     sum += effective_sample_size(residuals);
   }
   return sum;
@@ -234,6 +234,8 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
                                   ? 0.0
                                   : kNegligible * first.range / (per_length ? first.deepest : 1.0);
     set_interval(made.estimate, error, labels[v].by_logarithm, negligible);
+    if (made.name.ends_with("share"))
+      made.estimate.interval.high = std::min(1.0, made.estimate.interval.high);
     values.push_back(std::move(made));
   }
   return values;

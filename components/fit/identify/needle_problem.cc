@@ -30,7 +30,7 @@ constexpr double kMostForce = 2.0;      // of the range
 constexpr double kThinnest = 0.005;     // layer, of the depth
 constexpr double kContactReach = 0.15;  // of the depth
 constexpr double kZeroReach = 0.2;      // of the range
-constexpr double kPriorZero = 0.02;     // of the range: a sensor's usual zero error
+constexpr double kPriorLaw = 0.01;  // weight of usual values, which settles what compensates for each other
 constexpr std::size_t kPressStarts = 3;
 
 /// The press before the first fall, with contact near displacement 0.
@@ -82,6 +82,7 @@ NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const Settin
   ranges.force = range_;
   ranges.displacement = 0.5 * depth_;
   bounds_ = shared_bounds(ranges, terms_);
+  for (std::size_t i = 0; i < terms_; ++i) bounds_.high[kLawParameters + 2 * i + 1] = log(ranges.duration);
   bounds_.low.push_back(bounds_.low[kLawParameters - 1]);
   bounds_.high.push_back(bounds_.high[kLawParameters - 1]);
   bounds_.low.insert(bounds_.low.end(), 3 * layers_, kLeastForce);
@@ -133,6 +134,10 @@ NeedleProblem::Result NeedleProblem::at(std::size_t record, std::span<const doub
     result.residuals.push_back(error * std::sqrt(rows.rows[i]));
   }
   result.residuals.push_back(own[1]);
+  for (std::size_t i = 0; i < terms_; ++i)  // shares
+    result.residuals.push_back(kPriorLaw * (shared[kLawParameters + 2 * i] - log(0.2)));
+  result.residuals.push_back(kPriorLaw * (shared[1] - log(2.0)));  // beta
+  result.residuals.push_back(kPriorLaw * (shared[2] - log(0.7)));  // q
   return result;
 }
 
@@ -152,7 +157,7 @@ NeedlePoint NeedleProblem::solved(NeedlePoint from, int most_iterations) const {
     from.shared[i] = std::clamp(from.shared[i], bounds_.low[i], bounds_.high[i]);
   for (std::size_t r = 0; r < records_.size(); ++r) {
     problem.own.push_back(own_bounds_of(r));
-    problem.residuals.push_back(records_[r]->thinned.size() + 1);
+    problem.residuals.push_back(records_[r]->thinned.size() + priors());
     for (std::size_t i = 0; i < from.own[r].size(); ++i)
       from.own[r][i] = std::clamp(from.own[r][i], problem.own[r].low[i], problem.own[r].high[i]);
   }

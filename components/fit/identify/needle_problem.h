@@ -55,6 +55,8 @@ class NeedleProblem final {
   [[nodiscard]] std::size_t records() const noexcept { return records_.size(); }
   [[nodiscard]] std::size_t layers() const noexcept { return layers_; }
   [[nodiscard]] std::size_t terms() const noexcept { return terms_; }
+  /// Residuals after those of the rows, which are weak priors: of the zero, the law and the relaxation.
+  [[nodiscard]] std::size_t priors() const noexcept { return 3 + terms_; }
   [[nodiscard]] std::size_t first_of_layers() const noexcept { return shared_count(terms_) + 1; }
 
  private:

@@ -20,8 +20,8 @@ PlotData rows_of(const identify::NeedleRepeat& repeat) {
   PlotData data{"curve.dat", {}};
   const identify::NeedleRecord& record = repeat.record;
   for (std::size_t i = 0; i < record.size(); ++i) {
-    data.rows.push_back({record.time[i], (record.depth[i] - repeat.contact) / kMillimetre,
-                         record.force[i] - repeat.zero, repeat.fitted[i] - repeat.zero});
+    data.rows.push_back({record.time[i], record.depth[i] / kMillimetre, record.force[i] - repeat.zero,
+                         repeat.fitted[i] - repeat.zero});
   }
   return data;
 }

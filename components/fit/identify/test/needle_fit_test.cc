@@ -127,7 +127,8 @@ TEST(NeedleFit, TheFittedTissuePuncturesWhereTheRecordDoes) {
   const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.02)});
   const NeedleRun free = run_needle(needle_path(), fit.tissue, fit.repeats.front().contact, {}, 1e-3);
   ASSERT_EQ(free.punctures.size(), 1U);
-  EXPECT_NEAR(free.punctures[0].depth, fit.repeats.front().punctures[0].depth, 0.05e-3);
+  EXPECT_NEAR(free.punctures[0].depth + fit.repeats.front().contact, fit.repeats.front().punctures[0].depth,
+              0.05e-3);
 }
 
 TEST(NeedleFit, RepeatsPredictEachOtherToTheirNoise) {
