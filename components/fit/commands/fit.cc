@@ -32,8 +32,10 @@
 #include "fit/identify/map_choice.h"
 #include "fit/identify/map_fit.h"
 #include "fit/identify/map_tissue.h"
+#include "fit/identify/needle_fit.h"
 #include "fit/identify/sweep.h"
 #include "fit/report/fit_report.h"
+#include "fit/report/needle_report.h"
 
 namespace palpate::app {
 namespace {
@@ -55,6 +57,7 @@ struct FitFlags {
   std::string radius;
   std::string max_inclusions = "6";
   std::string stiffness_map;
+  bool is_needle = false;
   bool as_json = false;
 };
 
@@ -193,16 +196,49 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
 }
 
-/// Rejects flags that have no effect with, or without, --map.
-void require_flags_of(bool is_map, const CLI::App& command) {
+/// Rejects flags that have no effect with, or without, --map or --needle.
+void require_flags_of(const FitFlags& flags, const CLI::App& command) {
   const std::vector<std::string> for_map = {"--radius-mm", "--max-inclusions", "--stiffness-map"};
-  const std::vector<std::string> for_curves = {"--law",   "--direction", "--relaxation", "--rate-Hz",
-                                               "--t1-us", "--bootstrap", "--seed",       "--report",
-                                               "--sweep", "--sweep-csv"};
-  for (const std::string& name : is_map ? for_curves : for_map) {
-    if (command.count(name) == 0) continue;
-    throw InputError(name + (is_map ? ": has no effect with --map: leave it out" : ": needs --map"));
+  const std::vector<std::string> for_needles = {"--law", "--rate-Hz", "--t1-us", "--report"};
+  const std::vector<std::string> for_curves = {"--direction", "--relaxation", "--bootstrap",
+                                               "--seed",      "--sweep",      "--sweep-csv"};
+  if (flags.is_map && flags.is_needle) throw InputError("--map and --needle: leave one out");
+  const auto reject = [&command](const std::vector<std::string>& names, const std::string& why) {
+    for (const std::string& name : names) {
+      if (command.count(name) > 0) throw InputError(name + ": " + why);
+    }
+  };
+  const std::string unused =
+      std::string("has no effect with ") + (flags.is_map ? "--map" : "--needle") + ": leave it out";
+  if (!flags.is_map) reject(for_map, "needs --map");
+  if (flags.is_map) reject(for_needles, unused);
+  if (flags.is_map || flags.is_needle) reject(for_curves, unused);
+}
+
+void fit_needles(const FitFlags& flags, bool law_given, const std::string& command_line) {
+  identify::Settings settings = settings_of(flags);
+  if (!law_given) settings.law = model::LawKind::kSmooth;
+  check_fit_outputs(flags, "");
+  require_writable(flags);
+  std::vector<identify::Insertion> records;
+  for (const std::string& file : flags.files) {
+    for (identify::Insertion& one : identify::read_insertions(file)) records.push_back(std::move(one));
   }
+  identify::NeedleFit fit;
+  {
+    Progress bar("fit", WithoutTerminal::kLines);
+    fit = identify::fit_needle(records, settings,
+                               [&bar](double share, const std::string& what) { bar.update(share, what); });
+  }
+  if (!flags.out.empty() && !fit.poor.empty()) {
+    throw InputError("--out " + flags.out + ": not written: " + fit.poor +
+                     " (without --out you see the fit)");
+  }
+  if (!flags.out.empty()) write_tissue(flags.out, fit.tissue);
+  if (!flags.report.empty()) {
+    report_message("report: " + report::write_needle_report(fit, command_line, flags.report).string());
+  }
+  std::cout << (flags.as_json ? needle_json(fit) : needle_text(fit));
 }
 
 /// The files of a map beside --out.
@@ -339,6 +375,12 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "--stiffness-map", flags->stiffness_map,
       "with --map: CSV file of the tissue's stiffness at every probe, for [organ.stiffness] (default: "
       "beside --out)");
+  command->add_flag(
+      "--needle", flags->is_needle,
+      "DATA are records of a needle that goes into layers, rests and is drawn out, one or more of the same "
+      "kind: time_s, displacement_mm (depth of the tip), force_N (positive against the needle that goes in); "
+      "finds "
+      "punctures, layers, cutting, friction and relaxation (docs/needle.md); --law is smooth by default");
   add_jobs(*command);
   command->add_flag("--json", flags->as_json, "one JSON document");
   command->footer(
@@ -348,12 +390,15 @@ void add_fit(CLI::App& program, const std::string& command_line, int& exit_code)
       "  palpate fit liver-1.csv liver-2.csv --sweep q=0.5:0.9:41 --sweep-csv q.csv --report liver-fit\n"
       "  mpirun -n 8 palpate fit specimens/*.csv --bootstrap 200 --out liver.toml\n"
       "  palpate fit --map probes.csv --radius-mm 3.16 --out lumps.toml --stiffness-map stiffness.csv\n"
+      "  palpate fit --needle insertion-1.csv insertion-2.csv --out skin.toml --report skin-fit\n"
       "With --out the same command continues a fit that was interrupted.\n"
       "docs/fitting.md explains how to measure and how to read the intervals.");
   command->callback([flags, command_line, command, &exit_code] {
-    require_flags_of(flags->is_map, *command);
+    require_flags_of(*flags, *command);
     if (flags->is_map) {
       fit_one_map(*flags);
+    } else if (flags->is_needle) {
+      fit_needles(*flags, command->count("--law") > 0, command_line);
     } else {
       fit_all(*flags, command_line);
     }

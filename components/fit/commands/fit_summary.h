@@ -9,6 +9,7 @@
 
 #include "app/cli.h"
 #include "fit/identify/map_choice.h"
+#include "fit/identify/needle_fit.h"
 #include "fit/identify/sweep.h"
 #include "fit/imaging/compare.h"
 #include "fit/report/validation_report.h"
@@ -24,6 +25,12 @@ namespace palpate::app {
 /// Each block ends with its warnings.
 [[nodiscard]] std::string fit_text(const std::vector<identify::SpecimenFit>& fits,
                                    const identify::PooledFit& pooled);
+
+/// [setup] The fit of a needle's records as a readable summary.
+[[nodiscard]] std::string needle_text(const identify::NeedleFit& fit);
+
+/// [setup] The fit of a needle's records as one JSON document (docs/needle.md lists its fields).
+[[nodiscard]] std::string needle_json(const identify::NeedleFit& fit);
 
 /// [setup] The fit of a map as a readable summary.
 [[nodiscard]] std::string map_text(const identify::DescribedMap& map);

@@ -106,6 +106,23 @@ struct SmallProblem {
 /// @return half the remaining sum of squares; infinite when no step gave finite residuals
 double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
 
+/// A least-squares problem of several records with shared parameters and some of their own. A record's
+/// residuals depend on the shared parameters and its own.
+struct RecordsProblem {
+  Bounds shared;
+  std::vector<Bounds> own;             // one per record
+  std::vector<std::size_t> residuals;  // of each record
+  /// Maps the parameters of a record to its residuals; false: they are not valid.
+  std::function<bool(std::size_t record, std::span<const double> shared, std::span<const double> own,
+                     std::span<double> out)>
+      errors;
+};
+
+/// [setup] Minimises a RecordsProblem by the Levenberg-Marquardt method with central differences, from points
+/// within the bounds.
+/// @return the remaining sum of squares; infinite when no step gave valid residuals
+double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations);
+
 /// [setup] The points sorted by displacement, without times.
 [[nodiscard]] Specimen by_displacement(const Specimen& specimen);
 

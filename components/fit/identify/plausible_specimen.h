@@ -29,4 +29,7 @@ void check_specimen(Specimen& specimen, const std::string& where);
 /// [setup] The radius of an indenter must be possible. @param name of the flag or column @throws InputError
 void require_tip_radius(const std::string& name, double radius);
 
+/// [setup] read_specimens() without its checks of whole specimens.
+[[nodiscard]] std::vector<Specimen> read_rows(const std::filesystem::path& file);
+
 }  // namespace palpate::identify

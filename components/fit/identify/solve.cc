@@ -149,6 +149,48 @@ double minimise(const SmallProblem& problem, Point& point, int most_iterations, 
   return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
 
+double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations) {
+  const QuietLibrary quiet;
+  Point flat;  // one array: Ceres orders blocks by their address
+  for (const Point& one : own) flat.insert(flat.end(), one.begin(), one.end());
+  ceres::Problem all;
+  all.AddParameterBlock(shared.data(), static_cast<int>(shared.size()));
+  set_bounds(all, shared.data(), problem.shared);
+  double* block = flat.data();
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const auto errors = [&problem, i](double const* const* blocks, double* out) {
+      const std::span<double> values(out, problem.residuals[i]);
+      return problem.errors(i, {blocks[0], problem.shared.low.size()}, {blocks[1], problem.own[i].low.size()},
+                            values);
+    };
+    ceres::NumericDiffOptions steps;
+    steps.relative_step_size = 1e-5;
+    using Cost = ceres::DynamicNumericDiffCostFunction<decltype(errors), ceres::CENTRAL>;
+    auto cost = std::make_unique<Cost>(std::make_unique<decltype(errors)>(errors).release(),
+                                       ceres::TAKE_OWNERSHIP, steps);
+    cost->AddParameterBlock(static_cast<int>(shared.size()));
+    cost->AddParameterBlock(static_cast<int>(own[i].size()));
+    cost->SetNumResiduals(static_cast<int>(problem.residuals[i]));
+    all.AddResidualBlock(cost.release(), nullptr, shared.data(), block);  // the problem owns it
+    set_bounds(all, block, problem.own[i]);
+    block += own[i].size();
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = most_iterations;
+  use_few_jacobians(options);
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &all, &summary);
+  block = flat.data();
+  for (Point& one : own) {
+    std::copy_n(block, one.size(), one.begin());
+    block += one.size();
+  }
+  return summary.IsSolutionUsable() ? 2.0 * summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held,
                double tolerance) {
   const QuietLibrary quiet;

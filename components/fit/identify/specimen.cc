@@ -130,8 +130,7 @@ std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled) {
   return parts;
 }
 
-std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
-  const std::string name = file.string();
+std::vector<Specimen> read_rows(const std::filesystem::path& file) {
   const std::string stem = file.stem().string();
   CsvTable table(file, kColumns, kLargest);
   std::vector<Specimen> all;
@@ -151,6 +150,12 @@ std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
     }
     add_row(all[found->second], table);
   }
+  return all;
+}
+
+std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::vector<Specimen> all = read_rows(file);
   for (Specimen& specimen : all) {
     const std::string where = all.size() == 1 ? name : name + ": specimen " + specimen.name;
     check_specimen(specimen, where);

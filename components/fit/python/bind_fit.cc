@@ -13,6 +13,7 @@
 #include "palpate/units.h"
 
 #include "fit/identify/fit_fields.h"
+#include "fit/identify/needle_fit.h"
 #include "fit/python/docs.h"
 #include "fit/python/module.h"
 
@@ -142,6 +143,73 @@ py::dict fit_specimens(const std::vector<Specimen>& specimens, const std::string
   return result;
 }
 
+/// Adds (value, low, high) of each parameter, by its name in the unit that it states.
+void put_needle_values(const identify::NeedleFit& fit, py::dict& result) {
+  py::dict parameters;
+  std::vector<py::dict> layers(fit.layers);
+  for (const identify::NeedleValue& value : fit.values) {
+    const identify::Estimate& estimate = value.estimate;
+    py::dict& into = value.layer > 0 ? layers[static_cast<std::size_t>(value.layer - 1)] : parameters;
+    into[py::str(value.name)] = py::make_tuple(
+        estimate.value / value.unit, estimate.interval.low / value.unit, estimate.interval.high / value.unit);
+  }
+  result["parameters"] = parameters;
+  result["tissue_layers"] = layers;
+}
+
+py::dict repeat_of(const identify::NeedleRepeat& repeat) {
+  py::list punctures;
+  for (const identify::Puncture& one : repeat.punctures)
+    punctures.append(py::make_tuple(one.time, one.depth, one.force, one.tip));
+  py::dict result;
+  result["name"] = repeat.name;
+  result["nrmse"] = repeat.nrmse;
+  result["predicted_nrmse"] = repeat.predicted_nrmse;
+  result["punctures"] = punctures;
+  result["time"] = array_of(repeat.record.time);
+  result["displacement"] = array_of(repeat.record.depth);
+  result["measured"] = array_of(repeat.record.force);
+  result["fitted"] = array_of(repeat.fitted);
+  return result;
+}
+
+py::dict fit_records(const std::vector<Specimen>& records, const std::string& law, double loop_period,
+                     double t1) {
+  if (records.empty()) throw InputError("records: is empty, must have at least one");
+  identify::Settings settings;
+  settings.law = model::parse_law(law);
+  if (!(loop_period > 0.0)) throw ParameterError("loop_period", loop_period, "> 0 (s)");
+  if (!(t1 > 0.0)) throw ParameterError("t1", t1, "> 0 (s)");
+  settings.period = loop_period;
+  settings.t1 = t1;
+  identify::NeedleFit fit;
+  {
+    const py::gil_scoped_release others_may_run;
+    std::vector<identify::Insertion> insertions;
+    for (const Specimen& one : records) insertions.push_back(identify::insertion_of(one, one.name));
+    fit = identify::fit_needle(insertions, settings, [](double, const std::string&) {});
+  }
+  py::dict result;
+  result["layers"] = fit.layers;
+  result["nrmse"] = fit.nrmse;
+  put_needle_values(fit, result);
+  py::list repeats;
+  for (const identify::NeedleRepeat& one : fit.repeats) repeats.append(repeat_of(one));
+  result["repeats"] = repeats;
+  result["warnings"] = fit.warnings;
+  result["tissue"] = fit.poor.empty() ? py::cast(fit.tissue) : py::object(py::none());
+  return result;
+}
+
+std::vector<Specimen> read_records(const std::filesystem::path& file) {
+  std::vector<Specimen> all;
+  for (identify::Insertion& one : identify::read_insertions(file)) {
+    all.push_back(
+        {one.all.name, std::move(one.all.time), std::move(one.all.depth), std::move(one.all.force)});
+  }
+  return all;
+}
+
 }  // namespace
 
 void bind_fit(py::module_& module) {
@@ -172,6 +240,22 @@ void bind_fit(py::module_& module) {
       "warnings and the fitted curve in SI. `pooled` is the fit of all specimens; its `size_exponent` "
       "(value, low, high) comes from specimens with different tip_radius, else None; its `tissue` is "
       "named fitted, or None where the error is over 20 % of the force range. Raises InputError.");
+  module.def(
+      "read_insertions", [](const FilesArgument& file) { return read_all(file, &read_records); },
+      py::arg("file"),
+      "Reads records of needles from a CSV file with time_s, displacement_mm and force_N, for fit_needle(). "
+      "A "
+      "list of files gives the records of all. Raises InputError.");
+  module.def(
+      "fit_needle", &fit_records, py::arg("records"), py::kw_only(), py::arg("law") = "smooth",
+      py::arg("loop_period") = 1e-3, py::arg("t1") = 1e-6,
+      "Fits a tissue with layers to records of insertions, as `palpate fit --needle` does. `records` is a "
+      "list "
+      "of Specimen with times. Returns a dictionary: `layers`, `nrmse`, `parameters` of the tissue and a "
+      "list "
+      "`tissue_layers` (name to value, low and high end of the 95 % interval, in the unit of the name), "
+      "`repeats` with the punctures (time, depth, force, force on the tip) and the curves in SI, `warnings`, "
+      "and `tissue`, or None where the records allow none. Raises InputError.");
 }
 
 }  // namespace palpate::python

@@ -145,7 +145,7 @@ std::uint32_t update_tool(const World::Data& world, const ToolPoints& points, co
     if (had_pose) status |= kJump;
   }
   if (tool.insertion.is_inside()) {
-    tool.insertion.advance(world.surface, tissue, world.tissue.layers, *points.needle, tool.pose_S,
+    tool.insertion.advance(&world.surface, tissue, world.tissue.layers, *points.needle, tool.pose_S,
                            world.period);
     return status;
   }

@@ -105,7 +105,7 @@ struct Moments {
 }  // namespace
 
 struct NeedleInsertion::Tick {
-  const OrganSurface& surface;
+  const OrganSurface* surface;  // null: flat, at z = 0
   const ToolTissue& tissue;
   const std::vector<model::TissueLayer>& layers;
   const geometry::Needle& needle;
@@ -183,9 +183,12 @@ void NeedleInsertion::enter(const Tick& tick, int layer, bool punctured) noexcep
 /// Cuts on by `way`, or up to the next membrane. @return the way cut [m]
 double NeedleInsertion::cut(const Tick& tick, double way) noexcept {
   const Vec3 end = tick.material(displacement_ - way, direction_);
-  const geometry::NearestPoint nearest = tick.surface.nearest(end, guess_);
-  guess_ = nearest.triangle;
-  const double depth = -nearest.distance;
+  double depth = -end.z();
+  if (tick.surface != nullptr) {
+    const geometry::NearestPoint nearest = tick.surface->nearest(end, guess_);
+    guess_ = nearest.triangle;
+    depth = -nearest.distance;
+  }
   const int layer = pieces_[piece_count_ - 1].layer;
   const DepthRange range = range_of(tick.layers, layer);
   if (depth <= range.high + kPastBoundary && depth >= range.low - kPastBoundary) {
@@ -357,7 +360,19 @@ bool NeedleInsertion::try_puncture(const OrganSurface& surface, const ToolTissue
   return true;
 }
 
-void NeedleInsertion::advance(const OrganSurface& surface, const ToolTissue& tissue,
+void NeedleInsertion::puncture_flat(const std::vector<model::TissueLayer>& layers, double depth, double force,
+                                    const model::RelaxationState& memory) noexcept {
+  *this = {};
+  inside_ = true;
+  direction_ = -Vec3::UnitZ();
+  displacement_ = depth;
+  memory_ = memory;
+  pieces_[piece_count_++] = {};
+  surplus_ = std::max(0.0, force - layers.front().cutting_force);
+  state_.punctured = true;
+}
+
+void NeedleInsertion::advance(const OrganSurface* surface, const ToolTissue& tissue,
                               const std::vector<model::TissueLayer>& layers, const geometry::Needle& needle,
                               const Pose& tool_S, double period) noexcept {
   const Vec3 axis = tool_S.rotation * needle.axis;

@@ -44,8 +44,14 @@ class NeedleInsertion final {
                     const std::vector<model::TissueLayer>& layers, const geometry::Needle& needle,
                     const Pose& tool_S, std::span<PartState> parts) noexcept;
 
-  /// [rt] One tick inside. @param tool_S pose of the handle @param period T [s]
-  void advance(const OrganSurface& surface, const ToolTissue& tissue,
+  /// [any] Punctures a flat surface at z = 0 of a tissue below it, straight down, for fits to records along
+  /// one line. @param depth of the press there [m] @param memory of its force
+  void puncture_flat(const std::vector<model::TissueLayer>& layers, double depth, double force,
+                     const model::RelaxationState& memory) noexcept;
+
+  /// [rt] One tick inside. @param surface null after puncture_flat() @param tool_S pose of the handle
+  /// @param period T [s]
+  void advance(const OrganSurface* surface, const ToolTissue& tissue,
                const std::vector<model::TissueLayer>& layers, const geometry::Needle& needle,
                const Pose& tool_S, double period) noexcept;
 

@@ -1,0 +1,302 @@
+// `palpate fit --needle`: how many layers each record shows, one tissue for all of them, and how well each
+// record predicts the others.
+#include "fit/identify/needle_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "core/base/infinity.h"
+#include "core/base/portable_math.h"
+#include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+#include "fit/identify/intervals.h"
+#include "fit/identify/local_optima.h"
+#include "fit/identify/needle_intervals.h"
+#include "fit/identify/needle_problem.h"
+
+namespace palpate::identify {
+namespace {
+
+constexpr int kFirstIterations = 10;
+constexpr int kNeedleIterations = 40;
+constexpr std::size_t kFirstTerms = 2;  // of relaxation, while layers are counted
+constexpr double kClearly = 6.0;        // fall of the Bayesian information criterion
+constexpr double kShortestHold = 1.0;   // s
+constexpr double kFreeStep = 2e-3;      // s, between ticks where the needle punctures by its force
+
+/// A solution with the problem that it solves.
+struct Solved {
+  NeedleProblem problem;
+  NeedlePoint solution;
+
+  [[nodiscard]] std::size_t parameters() const {
+    return solution.shared.size() + solution.own.front().size();
+  }
+};
+
+/// RMS error over the range of the force. @param force without the zero, one a row
+double error_of(const std::vector<double>& force, const NeedleRecord& rows, double zero, double range) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const double error = force[i] + zero - rows.force[i];
+    squares += error * error;
+  }
+  return std::sqrt(squares / static_cast<double>(force.size())) / range;
+}
+
+double own_error(const Solved& fit) {
+  const NeedleRecord& all = fit.problem.record(0).all;
+  const Point& own = fit.solution.own.front();
+  return error_of(fit.problem.run(all, 0, fit.solution.shared, own).force, all, fit.problem.zero(own),
+                  fit.problem.record(0).range);
+}
+
+/// The error of the force that a tissue's needle meets on a record's path, where it punctures by its force,
+/// with that record's first contact and zero.
+double free_error(const model::TissueParameters& tissue, const Solved& own) {
+  const NeedleRecord& all = own.problem.record(0).all;
+  const Point& mine = own.solution.own.front();
+  return error_of(run_needle(all, tissue, own.problem.contact(mine), {}, kFreeStep).force, all,
+                  own.problem.zero(mine), own.problem.record(0).range);
+}
+
+/// Fall of the Bayesian information criterion from the simple to the rich fit, with the effective number of
+/// rows of the rich one.
+double gain_of(const Solved& simple, const Solved& rich) {
+  const double rows = limited_sample_size(effective_rows(rich.problem, rich.solution),
+                                          rich.problem.record(0).thinned.size(), rich.parameters());
+  return rows * portable::log(simple.solution.squares / rich.solution.squares) -
+         static_cast<double>(rich.parameters() - simple.parameters()) * portable::log(rows);
+}
+
+Solved solved_from_data(const Insertion& record, const Settings& settings, std::size_t layers) {
+  Solved best{NeedleProblem({&record}, settings, layers, kFirstTerms), {}};
+  best.solution.squares = kInfinity;
+  for (const NeedlePoint& start : best.problem.starts()) {
+    NeedlePoint one = best.problem.solved(start, kFirstIterations);
+    if (one.squares < best.solution.squares) best.solution = std::move(one);
+  }
+  if (!std::isfinite(best.solution.squares)) {
+    throw InputError(record.all.name + ": no tissue with layers follows this record");
+  }
+  best.solution = best.problem.solved(best.solution, kNeedleIterations);
+  return best;
+}
+
+Solved with_terms(const Solved& from, std::size_t terms, const Settings& settings) {
+  std::vector<const Insertion*> records;
+  for (std::size_t r = 0; r < from.problem.records(); ++r) records.push_back(&from.problem.record(r));
+  Solved made{NeedleProblem(records, settings, from.problem.layers(), terms), {}};
+  made.solution =
+      made.problem.solved(made.problem.with_terms(from.solution, from.problem.terms()), kNeedleIterations);
+  return made;
+}
+
+/// A relaxation term more where it is clearly better, or fewer where they are.
+Solved with_best_terms(Solved fit, const Settings& settings) {
+  if (fit.problem.terms() < model::kMaxRelaxationTerms) {
+    Solved more = with_terms(fit, fit.problem.terms() + 1, settings);
+    if (gain_of(fit, more) > kClearly) return more;
+  }
+  while (fit.problem.terms() > 0) {
+    Solved fewer = with_terms(fit, fit.problem.terms() - 1, settings);
+    if (gain_of(fewer, fit) > -kClearly) break;
+    fit = std::move(fewer);
+  }
+  return fit;
+}
+
+/// A record's own fit, and the error with each number of layers that was tried.
+struct OwnFit {
+  Solved best;
+  std::vector<double> nrmse;
+};
+
+OwnFit own_fit(const Insertion& record, const Settings& settings) {
+  OwnFit fit{solved_from_data(record, settings, 1), {}};
+  fit.nrmse.push_back(own_error(fit.best));
+  for (std::size_t layers = 2; layers <= record.falls.size(); ++layers) {
+    Solved more = solved_from_data(record, settings, layers);
+    fit.nrmse.push_back(own_error(more));
+    if (gain_of(fit.best, more) < kClearly) break;
+    fit.best = std::move(more);
+  }
+  fit.best = with_best_terms(std::move(fit.best), settings);
+  return fit;
+}
+
+/// The most frequent value; the smaller of two equally frequent ones.
+template <typename Of>
+std::size_t most_frequent(const std::vector<OwnFit>& fits, const Of& of) {
+  std::map<std::size_t, std::size_t> counts;
+  for (const OwnFit& fit : fits) ++counts[of(fit)];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+/// The records' own fits with the same layers and terms.
+std::vector<Solved> alike(const std::vector<const Insertion*>& records, std::vector<OwnFit>& fits,
+                          std::size_t layers, std::size_t terms, const Settings& settings) {
+  std::vector<Solved> all;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    Solved& best = fits[r].best;
+    Solved one =
+        best.problem.layers() == layers ? std::move(best) : solved_from_data(*records[r], settings, layers);
+    all.push_back(one.problem.terms() == terms ? std::move(one) : with_terms(one, terms, settings));
+  }
+  return all;
+}
+
+/// Mean error of each record as the others' fits predict it, and the fit that predicts best.
+struct Predictions {
+  std::vector<double> nrmse;
+  std::size_t best = 0;
+};
+
+Predictions predictions_of(const std::vector<Solved>& fits) {
+  Predictions made{std::vector<double>(fits.size(), 0.0)};
+  double least = kInfinity;
+  for (std::size_t from = 0; from < fits.size(); ++from) {
+    const model::TissueParameters tissue = needle_tissue(fits[from].problem, fits[from].solution);
+    double sum = 0.0;
+    for (std::size_t to = 0; to < fits.size(); ++to) {
+      if (to == from) continue;
+      const double error = free_error(tissue, fits[to]);
+      made.nrmse[to] += error / static_cast<double>(fits.size() - 1);
+      sum += error;
+    }
+    if (sum < least) made.best = from;
+    least = std::min(least, sum);
+  }
+  return made;
+}
+
+Solved pooled_of(const std::vector<Solved>& each, std::size_t best, const Settings& settings) {
+  std::vector<const Insertion*> records;
+  NeedlePoint start;
+  start.shared = each[best].solution.shared;
+  const NeedleProblem& one = each[best].problem;
+  for (const Solved& fit : each) {
+    records.push_back(&fit.problem.record(0));
+    start.own.push_back(fit.solution.own.front());
+  }
+  Solved pooled{NeedleProblem(records, settings, one.layers(), one.terms()), {}};
+  if (each.size() == 1) return each.front();
+  // A single record's forces and lengths are in parts of its own ranges.
+  const double force = one.record(0).range / pooled.problem.range();
+  const double length = one.record(0).deepest / pooled.problem.depth();
+  const std::size_t layers = one.first_of_layers();
+  for (std::size_t i = layers; i < start.shared.size(); ++i) {
+    const bool is_thickness = i >= layers + 3 * one.layers();
+    const bool per_length = !is_thickness && (i - layers) % 3 == 2;
+    start.shared[i] *= is_thickness ? length : per_length ? force / length : force;
+  }
+  for (std::size_t r = 0; r < each.size(); ++r) {
+    start.own[r][0] *= records[r]->deepest / pooled.problem.depth();
+    start.own[r][1] *= records[r]->range / pooled.problem.range();
+  }
+  pooled.solution = pooled.problem.solved(std::move(start), kNeedleIterations);
+  return pooled;
+}
+
+void add_warnings(const std::vector<Solved>& each, NeedleFit& fit) {
+  constexpr double kPoor = kPoorFit;
+  for (const Solved& one : each) {
+    const Insertion& record = one.problem.record(0);
+    fit.warnings.insert(fit.warnings.end(), record.notes.begin(), record.notes.end());
+    if (record.hold < kShortestHold) {
+      fit.warnings.push_back(fmt::format(
+          "{}: the needle rests at its depth for {} s: the relaxation shows only in the motion, rest for 5 s",
+          record.all.name, brief(record.hold, 2)));
+    }
+    if (!record.withdrawn && fit.poor.empty()) {
+      fit.poor =
+          record.all.name +
+          ": the needle is not drawn out by a quarter of its depth: cutting force and friction are not "
+          "determined apart";
+    }
+  }
+  if (fit.nrmse > kPoor && fit.poor.empty()) {
+    fit.poor = fmt::format("the error is {} of the range of force, must be at most {}", percent(fit.nrmse, 0),
+                           percent(kPoor, 0));
+  }
+  if (!fit.poor.empty()) fit.warnings.push_back(fit.poor);
+}
+
+void add_repeats(const std::vector<Solved>& each, const Predictions& predictions, NeedleFit& fit) {
+  double squares = 0.0;
+  for (std::size_t r = 0; r < each.size(); ++r) {
+    const Solved& one = each[r];
+    const Insertion& record = one.problem.record(0);
+    const Point& own = one.solution.own.front();
+    NeedleRepeat made;
+    made.name = record.all.name;
+    made.nrmse = own_error(one);
+    made.rms = made.nrmse * record.range;
+    if (each.size() > 1) made.predicted_nrmse = predictions.nrmse[r];
+    made.contact = one.problem.contact(own);
+    made.zero = one.problem.zero(own);
+    made.punctures = one.problem.at(0, one.solution.shared, own).run.punctures;
+    for (Puncture& puncture : made.punctures) puncture.depth += made.contact;
+    made.record = record.thinned;
+    made.fitted = run_needle(made.record, fit.tissue, made.contact, {}, kFreeStep).force;
+    for (double& force : made.fitted) force += made.zero;
+    const double error = free_error(fit.tissue, one);
+    squares += error * error / static_cast<double>(each.size());
+    fit.repeats.push_back(std::move(made));
+  }
+  fit.nrmse = std::sqrt(squares);
+}
+
+}  // namespace
+
+NeedleFit fit_needle(const std::vector<Insertion>& records, const Settings& settings,
+                     const Progress& progress) {
+  NeedleFit fit;
+  std::vector<OwnFit> own;
+  for (const Insertion& record : records) {
+    progress(static_cast<double>(own.size()) / static_cast<double>(records.size() + 1), record.all.name);
+    own.push_back(own_fit(record, settings));
+    for (std::size_t n = 1; n <= own.back().nrmse.size(); ++n) {
+      if (fit.evidence.size() < n) fit.evidence.push_back({n, 0, 0.0, 0});
+      fit.evidence[n - 1].nrmse += own.back().nrmse[n - 1];
+      ++fit.evidence[n - 1].records;
+    }
+    ++fit.evidence[own.back().best.problem.layers() - 1].votes;
+  }
+  for (LayerEvidence& one : fit.evidence) one.nrmse /= static_cast<double>(one.records);
+  fit.layers = most_frequent(own, [](const OwnFit& one) { return one.best.problem.layers(); });
+  fit.terms = most_frequent(own, [](const OwnFit& one) { return one.best.problem.terms(); });
+  std::vector<const Insertion*> used;
+  std::vector<OwnFit> used_fits;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (records[r].falls.size() < fit.layers) {
+      fit.warnings.push_back(fmt::format("{}: left out: it shows {}, the others {}", records[r].all.name,
+                                         counted(records[r].falls.size(), "puncture", "punctures"),
+                                         fit.layers));
+      continue;
+    }
+    used.push_back(&records[r]);
+    used_fits.push_back(std::move(own[r]));
+  }
+  const std::vector<Solved> each = alike(used, used_fits, fit.layers, fit.terms, settings);
+  const Predictions predictions = predictions_of(each);
+  progress(static_cast<double>(records.size()) / static_cast<double>(records.size() + 1), "all records");
+  const Solved pooled = pooled_of(each, predictions.best, settings);
+  fit.tissue = needle_tissue(pooled.problem, pooled.solution);
+  std::vector<std::vector<double>> numbers;
+  for (const Solved& one : each) numbers.push_back(needle_numbers(one.problem, one.solution));
+  fit.values = needle_values(pooled.problem, pooled.solution, numbers);
+  add_repeats(each, predictions, fit);
+  add_warnings(each, fit);
+  return fit;
+}
+
+}  // namespace palpate::identify

@@ -1,0 +1,198 @@
+// Records of needles: what is checked before a fit, and where the force falls.
+#include "fit/identify/needle_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "core/base/statistics.h"
+#include "core/base/text.h"
+#include "palpate/error.h"
+#include "palpate/units.h"
+
+#include "fit/identify/plausible_specimen.h"
+
+namespace palpate::identify {
+namespace {
+
+constexpr std::size_t kFewestNeedleRows = 100;
+constexpr double kSlowestRows = 0.1;  // s, between rows: a puncture takes 0.04 s
+constexpr double kBefore = 15e-3;     // s, whose mean is the force before a fall, and after it
+constexpr double kFallen = 50e-3;     // s, in which most of a fall is over
+constexpr double kApart = 120e-3;     // s, between falls
+constexpr std::size_t kMostFalls = 5;
+constexpr double kLeastFall = 0.03;    // of the range of force
+constexpr double kFallErrors = 4.0;    // standard errors of the noise
+constexpr double kTurned = 0.01;       // of the depth, that still counts as the largest
+constexpr double kWithdrawn = 0.25;    // of the depth
+constexpr double kFineStep = 2e-3;     // s, around a fall
+constexpr double kCoarseRows = 900.0;  // of a thinned record
+constexpr double kFineBefore = 30e-3;  // s
+constexpr double kFineAfter = 150e-3;  // s
+
+void require_not_saturated(const NeedleRecord& record, const std::string& where) {
+  constexpr std::size_t kMost = 8;  // equal rows
+  const double most = *std::max_element(record.force.begin(), record.force.end());
+  std::size_t equal = 0;
+  for (std::size_t i = 0; i < record.size(); ++i) {
+    equal = record.force[i] == most && i > 0 && record.depth[i] != record.depth[i - 1] ? equal + 1 : 0;
+    if (equal < kMost) continue;
+    throw InputError(fmt::format(
+        "{}: force_N is at most {} N, in {} rows one after another while the needle moves: is that the "
+        "sensor's limit? The puncture's force is not in the record then",
+        where, brief(most), kMost));
+  }
+}
+
+/// Standard deviation of the noise of the force, from second differences.
+double noise_of(const std::vector<double>& force) {
+  std::vector<double> differences;
+  for (std::size_t i = 1; i + 1 < force.size(); ++i)
+    differences.push_back(force[i - 1] - 2.0 * force[i] + force[i + 1]);
+  return normalized_mad(std::move(differences)) / std::sqrt(6.0);
+}
+
+/// The falls of the force until the turn, the largest first.
+std::vector<Fall> falls_of(const NeedleRecord& record, std::size_t turn, double range) {
+  const double noise = noise_of(record.force);
+  std::vector<double> sums = {0.0};
+  for (const double force : record.force) sums.push_back(sums.back() + force);
+  const auto row_at = [&record](double time) {
+    return static_cast<std::size_t>(std::lower_bound(record.time.begin(), record.time.end(), time) -
+                                    record.time.begin());
+  };
+  const auto mean_of = [&sums](std::size_t from, std::size_t to) {
+    return (sums[to] - sums[from]) / static_cast<double>(to - from);
+  };
+  std::vector<Fall> found;
+  for (std::size_t i = 1; i < turn; ++i) {
+    const std::size_t first = std::min(i, row_at(record.time[i] - kBefore));
+    const std::size_t after = std::max(i + 1, row_at(record.time[i] + kFallen));
+    const std::size_t end = std::max(after + 1, row_at(record.time[i] + kFallen + kBefore));
+    if (end > turn) break;
+    const double fall = mean_of(first, i + 1) - mean_of(after, end);
+    const double error =
+        noise * std::sqrt(1.0 / static_cast<double>(i + 1 - first) + 1.0 / static_cast<double>(end - after));
+    if (fall > std::max(kFallErrors * error, kLeastFall * range)) found.push_back({record.time[i], fall});
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Fall& a, const Fall& b) { return a.force > b.force; });
+  std::vector<Fall> falls;
+  for (const Fall& one : found) {
+    const bool near = std::any_of(falls.begin(), falls.end(), [&one](const Fall& other) {
+      return std::abs(one.time - other.time) < kApart;
+    });
+    if (!near && falls.size() < kMostFalls) falls.push_back(one);
+  }
+  return falls;
+}
+
+/// Means of neighbouring rows: few, but those around a fall.
+NeedleRecord thinned_around(const NeedleRecord& record, const std::vector<Fall>& falls) {
+  const double coarse = std::max(kFineStep, (record.time.back() - record.time.front()) / kCoarseRows);
+  const auto step_at = [&](double time) {
+    const bool fine = std::any_of(falls.begin(), falls.end(), [time](const Fall& fall) {
+      return time > fall.time - kFineBefore && time < fall.time + kFineAfter;
+    });
+    return fine ? kFineStep : coarse;
+  };
+  NeedleRecord few;
+  few.name = record.name;
+  for (std::size_t i = 0; i < record.size();) {
+    double time = 0.0;
+    double depth = 0.0;
+    double force = 0.0;
+    const std::size_t from = i;
+    const double end = record.time[from] + 0.999 * step_at(record.time[from]);
+    for (; i < record.size() && (i == from || record.time[i] < end); ++i) {
+      time += record.time[i];
+      depth += record.depth[i];
+      force += record.force[i];
+    }
+    const auto rows = static_cast<double>(i - from);
+    few.time.push_back(time / rows);
+    few.depth.push_back(depth / rows);
+    few.force.push_back(force / rows);
+    few.rows.push_back(rows);
+  }
+  return few;
+}
+
+/// The parts of a record: in, hold, out.
+void find_phases(Insertion& insertion) {
+  const NeedleRecord& all = insertion.all;
+  const auto [low, high] = std::minmax_element(all.depth.begin(), all.depth.end());
+  insertion.deepest = *high - *low;
+  const double held = *high - kTurned * insertion.deepest;
+  const auto first = std::find_if(all.depth.begin(), all.depth.end(), [=](double z) { return z >= held; });
+  const auto last = std::find_if(all.depth.rbegin(), all.depth.rend(), [=](double z) { return z >= held; });
+  insertion.turn = static_cast<std::size_t>(first - all.depth.begin());
+  const auto left = static_cast<std::size_t>(all.depth.rend() - last) - 1;
+  insertion.hold = all.time[left] - all.time[insertion.turn];
+  const double end =
+      *std::min_element(all.depth.begin() + static_cast<std::ptrdiff_t>(left), all.depth.end());
+  insertion.withdrawn = *high - end > kWithdrawn * insertion.deepest;
+}
+
+}  // namespace
+
+Insertion insertion_of(Specimen specimen, const std::string& where) {
+  if (specimen.time.empty()) {
+    throw InputError(where + ": time_s: missing, a needle's record needs it: a puncture is a matter of time");
+  }
+  if (specimen.size() < kFewestNeedleRows) {
+    throw InputError(
+        fmt::format("{}: has {} rows, must have at least {}", where, specimen.size(), kFewestNeedleRows));
+  }
+  (void)ranges_of(specimen);  // both must change
+  require_plausible(specimen, where);
+  Insertion made;
+  for (const std::string& question : unit_questions(specimen)) made.notes.push_back(where + ": " + question);
+  made.all = {specimen.name,
+              std::move(specimen.time),
+              std::move(specimen.displacement),
+              std::move(specimen.force),
+              {}};
+  const NeedleRecord& all = made.all;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < all.size(); ++i) steps.push_back(all.time[i] - all.time[i - 1]);
+  if (const double step = median(steps); step > kSlowestRows) {
+    throw InputError(
+        fmt::format("{}: time_s: the rows are {} s apart, must be at most {} s: a puncture takes "
+                    "about 0.04 s",
+                    where, brief(step, 3), kSlowestRows));
+  }
+  require_not_saturated(all, where);
+  const auto [weak, strong] = std::minmax_element(all.force.begin(), all.force.end());
+  made.range = *strong - *weak;
+  find_phases(made);
+  const double in = mean(std::span(all.force).first(std::max<std::size_t>(1, made.turn)));
+  if (made.turn < 10 || !(*strong > 0.0) || in < 0.0) {
+    throw InputError(where + (made.turn < 10 ? ": displacement_mm begins at its largest: must rise while the "
+                                               "needle goes in"
+                                             : ": force_N must be positive where the needle goes in"));
+  }
+  made.falls = falls_of(all, made.turn, made.range);
+  if (made.falls.empty()) {
+    throw InputError(fmt::format(
+        "{}: force_N falls nowhere by {} of its range within {} s while the needle goes in: it has punctured "
+        "nothing, or the noise hides it. Fit a press without --needle",
+        where, percent(kLeastFall, 0), kFallen));
+  }
+  made.thinned = thinned_around(all, made.falls);
+  return made;
+}
+
+std::vector<Insertion> read_insertions(const std::filesystem::path& file) {
+  std::vector<Insertion> all;
+  std::vector<Specimen> rows = read_rows(file);
+  for (Specimen& specimen : rows) {
+    const std::string where = rows.size() == 1 ? file.string() : file.string() + ": " + specimen.name;
+    all.push_back(insertion_of(std::move(specimen), where));
+  }
+  return all;
+}
+
+}  // namespace palpate::identify

@@ -1,0 +1,197 @@
+// Fits of a needle's records. The records are those of the simulated needle itself, with noise of known seed;
+// what it does is tested in core/contact/test/needle_test.cc.
+#include "fit/identify/needle_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "io/system/test/temporary_folder.h"
+#include "palpate/error.h"
+
+namespace palpate::identify {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNeedleSpeed = 2e-3;  // m/s
+constexpr double kSampling = 5e-3;     // s
+
+model::TissueParameters needle_truth(std::size_t layers) {
+  model::TissueParameters tissue;
+  tissue.name = "truth";
+  tissue.law = model::LawKind::kSmooth;
+  tissue.k1 = 100.0;
+  tissue.beta = 2.0;
+  tissue.q = 0.7;
+  tissue.rest_length = 12e-3;
+  tissue.max_length = 18e-3;
+  tissue.min_length = 6e-3;
+  tissue.t1 = 1e-6;
+  tissue.relaxation = {{0.2, 0.3}, {0.15, 4.0}};
+  const double punctures[] = {3.0, 2.2};
+  for (std::size_t k = 0; k < layers; ++k) {
+    model::TissueLayer layer;
+    layer.name = "layer " + std::to_string(k + 1);
+    if (k + 1 < layers) layer.thickness = 6e-3;
+    layer.puncture_force = punctures[k];
+    layer.cutting_force = k == 0 ? 0.9 : 0.6;
+    layer.friction = 0.15;
+    layer.friction_per_length = k == 0 ? 60.0 : 40.0;
+    tissue.layers.push_back(layer);
+  }
+  return tissue;
+}
+
+/// Depths from 1 mm above the surface to 30 mm below it, 5 s there, and out again.
+NeedleRecord needle_path() {
+  NeedleRecord record;
+  record.name = "path";
+  const auto add = [&record](double depth) {
+    record.time.push_back(kSampling * static_cast<double>(record.size()));
+    record.depth.push_back(depth);
+  };
+  const int way = static_cast<int>(31e-3 / kNeedleSpeed / kSampling);
+  for (int i = 0; i <= way; ++i) add(-1e-3 + 31e-3 * i / way);
+  for (int i = 0; i < static_cast<int>(5.0 / kSampling); ++i) add(30e-3);
+  for (int i = way; i >= 0; --i) add(-1e-3 + 31e-3 * i / way);
+  return record;
+}
+
+Specimen needle_record(const model::TissueParameters& truth, double noise, std::uint64_t seed = 1) {
+  const NeedleRecord path = needle_path();
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0.0, noise);
+  Specimen record;
+  record.name = "record " + std::to_string(seed);
+  record.time = path.time;
+  record.displacement = path.depth;
+  for (const double force : run_needle(path, truth, 0.0, {}, 1e-3).force)
+    record.force.push_back(force + 0.02 + normal(random));
+  return record;
+}
+
+NeedleFit needle_fit_of(const std::vector<Specimen>& records) {
+  std::vector<Insertion> insertions;
+  for (const Specimen& one : records) insertions.push_back(insertion_of(one, one.name));
+  Settings settings;
+  settings.law = model::LawKind::kSmooth;
+  return fit_needle(insertions, settings, [](double, const std::string&) {});
+}
+
+const NeedleValue& needle_value(const NeedleFit& fit, int layer, const std::string& name) {
+  return *std::find_if(fit.values.begin(), fit.values.end(),
+                       [&](const NeedleValue& value) { return value.layer == layer && value.name == name; });
+}
+
+std::string needle_refusal(const Specimen& record) {
+  try {
+    (void)insertion_of(record, "file.csv");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(NeedleFit, OneLayerIsFoundWithItsForcesWithinFivePercent) {
+  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.05)});
+  ASSERT_EQ(fit.layers, 1U);
+  EXPECT_EQ(fit.poor, "");
+  EXPECT_NEAR(needle_value(fit, 1, "puncture_force_N").estimate.value, 3.0, 0.15);
+  EXPECT_NEAR(needle_value(fit, 1, "cutting_force_N").estimate.value, 0.9, 0.045);
+  EXPECT_NEAR(needle_value(fit, 1, "friction_N").estimate.value, 0.15, 0.02);
+  EXPECT_NEAR(needle_value(fit, 1, "friction_N_per_mm").estimate.value, 60.0, 3.0);
+  EXPECT_LT(fit.nrmse, 0.02);  // noise is 1.1 % of the range
+  EXPECT_NEAR(fit.repeats.front().zero, 0.02, 0.01);
+}
+
+TEST(NeedleFit, TwoLayersAreFoundByEvidenceWithTheirBoundaryAndPunctures) {
+  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(2), 0.05)});
+  ASSERT_EQ(fit.layers, 2U);
+  EXPECT_NEAR(needle_value(fit, 1, "thickness_mm").estimate.value, 6e-3, 0.2e-3);
+  EXPECT_NEAR(needle_value(fit, 2, "puncture_force_N").estimate.value, 2.2, 0.11);
+  const NeedleRun truth = run_needle(needle_path(), needle_truth(2), 0.0, {}, 1e-3);
+  ASSERT_EQ(fit.repeats.front().punctures.size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_NEAR(fit.repeats.front().punctures[k].depth, truth.punctures[k].depth, 0.3e-3) << k;
+  EXPECT_GT(fit.evidence[0].nrmse, 1.2 * fit.evidence[1].nrmse);
+}
+
+TEST(NeedleFit, TheFittedTissuePuncturesWhereTheRecordDoes) {
+  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.02)});
+  const NeedleRun free = run_needle(needle_path(), fit.tissue, fit.repeats.front().contact, {}, 1e-3);
+  ASSERT_EQ(free.punctures.size(), 1U);
+  EXPECT_NEAR(free.punctures[0].depth + fit.repeats.front().contact, fit.repeats.front().punctures[0].depth,
+              0.05e-3);
+}
+
+TEST(NeedleFit, RepeatsPredictEachOtherToTheirNoise) {
+  const model::TissueParameters truth = needle_truth(1);
+  const NeedleFit fit = needle_fit_of({needle_record(truth, 0.05, 1), needle_record(truth, 0.05, 2)});
+  ASSERT_EQ(fit.repeats.size(), 2U);
+  for (const NeedleRepeat& repeat : fit.repeats) EXPECT_LT(*repeat.predicted_nrmse, 0.04);
+}
+
+TEST(NeedleFit, WithoutAWithdrawalNoTissueComesFromIt) {
+  Specimen record = needle_record(needle_truth(1), 0.05);
+  const auto deepest = std::max_element(record.displacement.begin(), record.displacement.end());
+  const auto rows = static_cast<std::size_t>(deepest - record.displacement.begin()) + 900;
+  record.time.resize(rows);
+  record.displacement.resize(rows);
+  record.force.resize(rows);
+  EXPECT_THAT(needle_fit_of({record}).poor, HasSubstr("cutting force and friction are not determined apart"));
+}
+
+TEST(NeedleRecords, WhatIsNoRecordOfANeedleIsRefusedInWords) {
+  const Specimen good = needle_record(needle_truth(1), 0.05);
+  EXPECT_EQ(needle_refusal(good), "");
+  Specimen untimed = good;
+  untimed.time.clear();
+  EXPECT_THAT(needle_refusal(untimed), HasSubstr("file.csv: time_s: missing"));
+  Specimen few = good;
+  few.time.resize(60);
+  few.displacement.resize(60);
+  few.force.resize(60);
+  EXPECT_THAT(needle_refusal(few), HasSubstr("has 60 rows, must have at least 100"));
+  Specimen saturated = good;
+  for (double& force : saturated.force) force = std::min(force, 2.0);
+  EXPECT_THAT(needle_refusal(saturated), HasSubstr("sensor's limit"));
+  Specimen negative = good;
+  for (double& force : negative.force) force = -force;
+  EXPECT_THAT(needle_refusal(negative), HasSubstr("must be positive where the needle goes in"));
+  Specimen pressed = good;
+  for (std::size_t i = 0; i < pressed.size(); ++i)
+    pressed.force[i] = 50.0 * std::max(0.0, pressed.displacement[i]);
+  EXPECT_THAT(needle_refusal(pressed), HasSubstr("it has punctured nothing"));
+  Specimen slow = good;
+  for (double& time : slow.time) time *= 30.0;
+  EXPECT_THAT(needle_refusal(slow), HasSubstr("s apart, must be at most 0.1 s"));
+}
+
+TEST(NeedleRecords, ColumnsAndRepeatsAreReadAsOtherFitsReadThem) {
+  const palpate::test::TemporaryFolder folder;
+  std::ostringstream out;
+  out << "time_s,displacement_mm,force_N,specimen\n";
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const Specimen record = needle_record(needle_truth(1), 0.05, seed);
+    for (std::size_t i = 0; i < record.size(); ++i) {
+      out << record.time[i] << ',' << 1e3 * record.displacement[i] << ',' << record.force[i] << ",run "
+          << seed << '\n';
+    }
+  }
+  const std::vector<Insertion> all = read_insertions(folder.write("needles.csv", out.str()));
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[1].all.name, "run 2");
+  EXPECT_NEAR(all[0].hold, 5.2, 0.3);
+  EXPECT_TRUE(all[0].withdrawn);
+  EXPECT_NEAR(all[0].falls.front().force, 1.6, 0.4);
+}
+
+}  // namespace
+}  // namespace palpate::identify
