@@ -19,6 +19,7 @@
 #include "app/messages.h"
 #include "app/output.h"
 #include "app/session.h"
+#include "app/streams.h"
 
 namespace palpate::app {
 namespace {
@@ -184,6 +185,15 @@ int run_program(int argc, char** argv, const AddCommands& add_commands) {
   if (failure.empty()) return exit_code;
   report_error("standard output: " + failure + (exit_code == kDone ? "; everything else is done" : ""));
   return exit_code == kDone ? kBadInput : exit_code;
+}
+
+int run_component_program(int argc, char** argv, const AddCommands& add_commands) {
+  prepare_streams();
+  std::vector<std::string> arguments = utf8_arguments(argc, argv);
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  return run_program(argc, words.data(), add_commands);
 }
 
 }  // namespace palpate::app

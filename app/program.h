@@ -10,9 +10,13 @@ namespace palpate::app {
 /// as the user typed it; reports show it.
 using AddCommands = std::function<void(CLI::App& program, const std::string& command_line, int& exit_code)>;
 
-/// [setup] Runs the program palpate, or a component's program that replaced it, with the command in the
-/// arguments. Bad usage and bad input end with exit code 2 and one line that describes the error. main()
-/// calls it once. @return the exit code
+/// [setup] Runs the program palpate with the command in the arguments, which are UTF-8. Bad usage and bad
+/// input end with exit code 2 and one line that describes the error. main() calls it once. @return the exit
+/// code
 [[nodiscard]] int run_program(int argc, char** argv, const AddCommands& add_commands);
+
+/// [setup] The same for a component's program that replaced it. It prepares the standard streams, too.
+/// @param argc, argv of main()
+[[nodiscard]] int run_component_program(int argc, char** argv, const AddCommands& add_commands);
 
 }  // namespace palpate::app

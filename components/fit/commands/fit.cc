@@ -90,7 +90,7 @@ identify::Settings settings_of(const FitFlags& flags) {
 std::vector<identify::Specimen> read_all(const std::vector<std::string>& files, bool timed) {
   std::vector<identify::Specimen> all;
   for (const std::string& file : files) {
-    for (identify::Specimen& specimen : identify::read_specimens(file)) {
+    for (identify::Specimen& specimen : identify::read_specimens(to_path(file))) {
       if (timed && specimen.time.empty()) {
         throw InputError(file + ":1: time_s: missing, --relaxation needs the column");
       }
@@ -107,9 +107,9 @@ std::vector<identify::Specimen> read_all(const std::vector<std::string>& files, 
 }
 
 void require_writable(const FitFlags& flags) {
-  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
-  if (!flags.sweep_csv.empty()) require_writable_file(flags.sweep_csv, "--sweep-csv");
-  if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
+  if (!flags.out.empty()) require_writable_file(to_path(flags.out), "--out");
+  if (!flags.sweep_csv.empty()) require_writable_file(to_path(flags.sweep_csv), "--sweep-csv");
+  if (!flags.report.empty()) require_writable_folder(to_path(flags.report), "--report");
 }
 
 /// Reads all specimens on rank 0; the other ranks get an empty list. When rank 0 fails, every rank throws the
@@ -136,16 +136,17 @@ std::vector<identify::ParameterSweep> requests_of(const FitFlags& flags) {
 }
 
 void write_tissue(const std::string& file, model::TissueParameters tissue) {
-  tissue.name = std::filesystem::path(file).stem().string();
-  write_output(file, scene::to_toml(tissue), "--out");
+  tissue.name = to_text(to_path(file).stem());
+  write_output(to_path(file), scene::to_toml(tissue), "--out");
 }
 
 void check_fit_outputs(const FitFlags& flags, const std::string& results) {
-  std::vector<NamedFile> outputs = {
-      {"--out", flags.out}, {"beside --out", results}, {"--sweep-csv", flags.sweep_csv}};
-  if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
+  std::vector<NamedFile> outputs = {{"--out", to_path(flags.out)},
+                                    {"beside --out", to_path(results)},
+                                    {"--sweep-csv", to_path(flags.sweep_csv)}};
+  if (!flags.report.empty()) outputs.push_back({"--report", to_path(flags.report) / "report.html"});
   std::vector<NamedFile> inputs;
-  for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
+  for (const std::string& file : flags.files) inputs.push_back({"the measurements", to_path(file)});
   require_no_overwrite(outputs, inputs);
 }
 
@@ -153,7 +154,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   const identify::Settings settings = settings_of(flags);
   const std::vector<identify::ParameterSweep> requests = requests_of(flags);
   const std::string results =
-      flags.out.empty() || !may_have_files_beside(flags.out) ? "" : flags.out + ".fits.jsonl";
+      flags.out.empty() || !may_have_files_beside(to_path(flags.out)) ? "" : flags.out + ".fits.jsonl";
   check_fit_outputs(flags, results);
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
   std::vector<identify::Specimen> specimens = read_for(*ranks, flags);
@@ -173,7 +174,7 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
   std::error_code ignored;
   const std::string poor = flags.out.empty() ? "" : identify::poor_fit(many.specimens, many.pooled);
   if (!poor.empty()) {
-    if (!results.empty()) std::filesystem::remove(results, ignored);  // it would be read again
+    if (!results.empty()) std::filesystem::remove(to_path(results), ignored);  // it would be read again
     throw InputError("--out " + flags.out + ": not written: " + poor + " (without --out you see the fit)");
   }
   if (many.resumed > 0) {
@@ -184,16 +185,16 @@ void fit_all(const FitFlags& flags, const std::string& command_line) {
     report_message(fmt::format("{} parts of sweeps were finished in an earlier run: read from {}",
                                sweeps.resumed, results));
   }
-  if (!flags.sweep_csv.empty()) write_output(flags.sweep_csv, sweeps_csv(sweeps.all), "--sweep-csv");
+  if (!flags.sweep_csv.empty()) write_output(to_path(flags.sweep_csv), sweeps_csv(sweeps.all), "--sweep-csv");
   if (!flags.out.empty()) write_tissue(flags.out, many.pooled.tissue);
   if (!flags.report.empty()) {
     const auto page = report::write_fit_report(many.specimens, many.pooled, sweeps.all, settings,
-                                               command_line, flags.report);
-    report_message("report: " + page.string());
+                                               command_line, to_path(flags.report));
+    report_message("report: " + to_text(page));
   }
   std::cout << (flags.as_json ? fit_json(many.specimens, many.pooled, sweeps.all)
                               : fit_text(many.specimens, many.pooled) + sweeps_text(sweeps.all));
-  if (!results.empty()) std::filesystem::remove(results, ignored);  // the outputs contain all of it
+  if (!results.empty()) std::filesystem::remove(to_path(results), ignored);  // the outputs contain all of it
 }
 
 /// Rejects flags that have no effect with, or without, --map or --needle.
@@ -277,12 +278,13 @@ MapOutputs map_outputs_of(const FitFlags& flags) {
     files.tissue = beside("-tissue.toml");
     if (!files.stiffness_by_flag) files.stiffness = beside("-stiffness.csv");
   }
-  const std::vector<NamedFile> outputs = {
-      {"--out", flags.out}, {"beside --out", files.tissue}, {files.stiffness_flag(), files.stiffness}};
-  require_no_overwrite(outputs, std::vector<NamedFile>{{"the measurements", flags.files.front()}});
-  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
-  if (!files.tissue.empty()) require_writable_file(files.tissue, "beside --out");
-  if (!files.stiffness.empty()) require_writable_file(files.stiffness, files.stiffness_flag());
+  const std::vector<NamedFile> outputs = {{"--out", files.scene},
+                                          {"beside --out", to_path(files.tissue)},
+                                          {files.stiffness_flag(), to_path(files.stiffness)}};
+  require_no_overwrite(outputs, std::vector<NamedFile>{{"the measurements", to_path(flags.files.front())}});
+  if (!flags.out.empty()) require_writable_file(to_path(flags.out), "--out");
+  if (!files.tissue.empty()) require_writable_file(to_path(files.tissue), "beside --out");
+  if (!files.stiffness.empty()) require_writable_file(to_path(files.stiffness), files.stiffness_flag());
   return files;
 }
 
@@ -307,7 +309,7 @@ void fit_one_map(const FitFlags& flags) {
         fmt::format("--max-inclusions {}: must be at most {}", flags.max_inclusions, model::kMaxInclusions));
   }
   const MapOutputs files = map_outputs_of(flags);
-  std::vector<identify::MapRow> rows = identify::read_map(flags.files.front());
+  std::vector<identify::MapRow> rows = identify::read_map(to_path(flags.files.front()));
   identify::DescribedMap map;
   std::optional<identify::MapTissue> tissue;
   try {
@@ -327,10 +329,11 @@ void fit_one_map(const FitFlags& flags) {
                     flags.out, percent(tissue->error, 0), percent(kPoorTissue, 0)));
   }
   if (!flags.out.empty()) {
-    write_output(flags.out, map_toml(map, files.named_in_scene()), "--out");
-    if (tissue) write_output(files.tissue, scene::to_toml(tissue->tissue), "beside --out");
+    write_output(files.scene, map_toml(map, files.named_in_scene()), "--out");
+    if (tissue) write_output(to_path(files.tissue), scene::to_toml(tissue->tissue), "beside --out");
   }
-  if (!files.stiffness.empty()) write_output(files.stiffness, map_csv(map.fit), files.stiffness_flag());
+  if (!files.stiffness.empty())
+    write_output(to_path(files.stiffness), map_csv(map.fit), files.stiffness_flag());
   std::cout << (flags.as_json ? map_json(map) : map_text(map));
 }
 

@@ -4,9 +4,10 @@
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
-  return run_program(argc, argv, [](CLI::App& program, const std::string& command_line, int& exit_code) {
-    add_fit(program, command_line, exit_code);
-    add_sweep(program, exit_code);
-    add_validate(program, command_line, exit_code);
-  });
+  return run_component_program(argc, argv,
+                               [](CLI::App& program, const std::string& command_line, int& exit_code) {
+                                 add_fit(program, command_line, exit_code);
+                                 add_sweep(program, exit_code);
+                                 add_validate(program, command_line, exit_code);
+                               });
 }

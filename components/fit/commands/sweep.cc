@@ -16,6 +16,7 @@
 #include "core/base/text.h"
 #include "io/scene/scene_keys.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/organ_cache.h"
 #include "run/tasks/communicator.h"
@@ -76,11 +77,11 @@ void refuse_overridden(const std::vector<sweep::Axis>& axes, const CLI::App& com
 
 void check_files_and_duration(const SweepFlags& flags) {
   const sweep::SweepRequest& request = flags.request;
-  require_writable_folder(flags.out, "--out");
+  require_writable_folder(to_path(flags.out), "--out");
   const scene::Scene scene = scene::load(request.scene);
   if (request.duration_s) (void)session::ticks_in(*request.duration_s, scene.rate_Hz, "--duration-s");
   std::vector<NamedFile> outputs;
-  for (const char* name : kFiles) outputs.push_back({"--out", fs::path(flags.out) / name});
+  for (const char* name : kFiles) outputs.push_back({"--out", to_path(flags.out) / name});
   std::vector<NamedFile> inputs = sources_of(scene);
   for (const sweep::Axis& axis : request.axes) {
     for (const std::string& value : axis.values) {
@@ -113,7 +114,7 @@ std::string sweep_text(const sweep::SweepResult& sweep, const std::string& out) 
     const auto [least, most] = span_of(sweep, i);
     text += fmt::format("  {:<34} {} to {}\n", kRunQuantities[i].label, brief(least), brief(most));
   }
-  return text + "Table: " + (fs::path(out) / kFiles[0]).string() + " and " + kFiles[1] + '\n';
+  return text + "Table: " + to_text(to_path(out) / kFiles[0]) + " and " + kFiles[1] + '\n';
 }
 
 nlohmann::ordered_json json_of(const sweep::Column& column, const std::string& text) {
@@ -180,7 +181,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
     }
   }
   refuse_overridden(request.axes, command);
-  const fs::path folder = flags.out;
+  const fs::path folder = to_path(flags.out);
   request.record = folder / kFiles[3];
   if (!flags.no_cache) scene::use_organ_cache(request.preparation);
   const std::unique_ptr<tasks::Communicator> ranks = tasks::make_communicator();
@@ -197,7 +198,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
     sweep::write_sweep_hdf5(result, folder / kFiles[1]);
     const std::string missing = report::draw_sweep(result, folder / kFiles[2]);
     if (!missing.empty()) report_message(std::string(kFiles[2]) + " was not written: " + missing);
-    report_findings(result, request.record.string());
+    report_findings(result, to_text(request.record));
     std::cout << (flags.as_json ? json_text(sweep_json(result, flags.out)) + '\n'
                                 : sweep_text(result, flags.out));
   }

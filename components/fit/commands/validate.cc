@@ -13,6 +13,7 @@
 
 #include "core/base/text.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/units.h"
@@ -81,7 +82,8 @@ std::optional<std::vector<double>> positive_list(const char* name, const std::st
 std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
   std::vector<identify::Specimen> all;
   for (const std::string& file : flags.files) {
-    for (identify::Specimen& specimen : identify::read_specimens(file)) all.push_back(std::move(specimen));
+    for (identify::Specimen& specimen : identify::read_specimens(to_path(file)))
+      all.push_back(std::move(specimen));
   }
   return all;
 }
@@ -89,7 +91,7 @@ std::vector<identify::Specimen> read_forces(const ValidateFlags& flags) {
 std::vector<validate::Deformation> read_profiles(const ValidateFlags& flags) {
   std::vector<validate::Deformation> all;
   for (const std::string& file : flags.profiles) {
-    for (validate::Deformation& profile : validate::read_deformations(file))
+    for (validate::Deformation& profile : validate::read_deformations(to_path(file)))
       all.push_back(std::move(profile));
   }
   return all;
@@ -150,20 +152,20 @@ imaging::Request request_of(const ValidateFlags& flags) {
 }
 
 void check_validate_outputs(const ValidateFlags& flags) {
-  std::vector<NamedFile> outputs = {{"--out", flags.out}};
-  if (!flags.report.empty()) outputs.push_back({"--report", flags.report + "/report.html"});
-  std::vector<NamedFile> inputs = {{"--tissue", flags.law.tissue}};
-  for (const std::string& file : flags.files) inputs.push_back({"the measurements", file});
-  for (const std::string& file : flags.profiles) inputs.push_back({"--profile", file});
-  for (const std::string& file : flags.image.files) inputs.push_back({"--image", file});
+  std::vector<NamedFile> outputs = {{"--out", to_path(flags.out)}};
+  if (!flags.report.empty()) outputs.push_back({"--report", to_path(flags.report) / "report.html"});
+  std::vector<NamedFile> inputs = {{"--tissue", to_path(flags.law.tissue)}};
+  for (const std::string& file : flags.files) inputs.push_back({"the measurements", to_path(file)});
+  for (const std::string& file : flags.profiles) inputs.push_back({"--profile", to_path(file)});
+  for (const std::string& file : flags.image.files) inputs.push_back({"--image", to_path(file)});
   require_no_overwrite(outputs, inputs);
-  if (!flags.out.empty()) require_writable_file(flags.out, "--out");
-  if (!flags.report.empty()) require_writable_folder(flags.report, "--report");
+  if (!flags.out.empty()) require_writable_file(to_path(flags.out), "--out");
+  if (!flags.report.empty()) require_writable_folder(to_path(flags.report), "--report");
 }
 
 /// Writes the tissue file of --out with the fitted falloff ratios.
 void write_compared_tissue(const std::string& file, const model::TissueParameters& tissue) {
-  write_output(file, scene::to_toml(tissue), "--out");
+  write_output(to_path(file), scene::to_toml(tissue), "--out");
 }
 
 void add_goals(CLI::App& command, ValidateFlags& flags) {
@@ -297,8 +299,8 @@ void add_validate(CLI::App& program, const std::string& command_line, int& exit_
     hold_goals(*flags, validation);
     if (!flags->out.empty()) write_compared_tissue(flags->out, validation.law.tissue);
     if (!flags->report.empty()) {
-      report_message("report: " +
-                     report::write_validation_report(validation, command_line, flags->report).string());
+      report_message("report: " + to_text(report::write_validation_report(validation, command_line,
+                                                                          to_path(flags->report))));
     }
     std::cout << (flags->as_json ? validation_json(validation) : validation_text(validation));
     exit_code = validation.missed.empty() ? kDone : kGoalMissed;

@@ -12,6 +12,7 @@
 #include "io/scene/scene_file.h"
 #include "io/scene/stiffness_map_reader.h"
 #include "io/scene/toml_reader.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
@@ -36,7 +37,7 @@ struct WrittenMap {
 
 /// @throws InputError for a scene without tissue, ball or first contact
 WrittenMap read_written_map(const std::string& file) {
-  const scene::SceneFile scene = scene::read_scene_file(file);
+  const scene::SceneFile scene = scene::read_scene_file(to_path(file));
   const auto needed = [&file](const std::string& what) -> InputError {
     return InputError(file + ": " + what +
                       ": missing, must be a scene that palpate fit --map wrote with --out");
@@ -44,7 +45,7 @@ WrittenMap read_written_map(const std::string& file) {
   if (!scene.tissue) throw needed("organ.tissue");
   if (!scene.stiffness_map) throw needed("organ.stiffness.map");
   if (scene.tools.empty() || !scene.tools.front().tip_radius) throw needed("tool.tip_radius_mm");
-  const scene::TomlFile toml = scene::read_toml(file);
+  const scene::TomlFile toml = scene::read_toml(to_path(file));
   const auto probes = scene::TomlTable(toml).table("probes");
   if (!probes) throw needed("probes.first_contact_mm");
   WrittenMap written;
@@ -83,7 +84,7 @@ double distance_to(const std::vector<model::StiffnessPoint>& points, const Vec3&
 
 MapValidation validate_map(const std::string& data, const std::string& scene_file) {
   const WrittenMap written = read_written_map(scene_file);
-  std::vector<MapRow> rows = identify::read_map(data);
+  std::vector<MapRow> rows = identify::read_map(to_path(data));
   MapValidation made;
   try {
     made.warnings = identify::check_map(rows, written.map.tip_radius);

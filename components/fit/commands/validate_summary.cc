@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -168,7 +169,8 @@ void add_image_flags(CLI::App& command, ImageFlags& flags) {
 std::optional<imaging::Photographs> photographs_of(const ImageFlags& flags) {
   if (flags.files.empty()) return std::nullopt;
   if (flags.pixel == 0.0) throw InputError("--scale-mm-per-px: missing, --image needs it");
-  return imaging::Photographs{flags.files[0], flags.files[1], flags.pixel, flags.fixed_camera};
+  return imaging::Photographs{to_path(flags.files[0]), to_path(flags.files[1]), flags.pixel,
+                              flags.fixed_camera};
 }
 
 }  // namespace palpate::app

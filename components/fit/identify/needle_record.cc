@@ -9,6 +9,7 @@
 
 #include "core/base/statistics.h"
 #include "core/base/text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
 
@@ -189,7 +190,7 @@ std::vector<Insertion> read_insertions(const std::filesystem::path& file) {
   std::vector<Insertion> all;
   std::vector<Specimen> rows = read_rows(file);
   for (Specimen& specimen : rows) {
-    const std::string where = rows.size() == 1 ? file.string() : file.string() + ": " + specimen.name;
+    const std::string where = rows.size() == 1 ? to_text(file) : to_text(file) + ": " + specimen.name;
     all.push_back(insertion_of(std::move(specimen), where));
   }
   return all;

@@ -3,13 +3,12 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include "fit/identify/least_squares.h"
+#include "fit/identify/quiet_library.h"
 
 namespace palpate::identify {
 namespace {
@@ -79,29 +78,6 @@ std::shared_ptr<ceres::ParameterBlockOrdering> own_before_shared(std::vector<dou
   ordering->AddElementToGroup(shared, 1);
   return ordering;
 }
-
-/// Silences Ceres's messages about steps without a finite result, which cost_of() reports as well. The log
-/// level belongs to the whole process, so the last of the threads that solve restores it.
-class QuietLibrary final {
- public:
-  QuietLibrary() {
-    const std::lock_guard lock(mutex_);
-    if (users_++ > 0) return;
-    before_ = FLAGS_minloglevel;
-    FLAGS_minloglevel = google::GLOG_FATAL;
-  }
-  ~QuietLibrary() {
-    const std::lock_guard lock(mutex_);
-    if (--users_ == 0) FLAGS_minloglevel = before_;
-  }
-  QuietLibrary(const QuietLibrary&) = delete;
-  QuietLibrary& operator=(const QuietLibrary&) = delete;
-
- private:
-  inline static std::mutex mutex_;
-  inline static int users_ = 0;
-  inline static int before_ = 0;
-};
 
 /// A step that bounds cut short is shortened by values of the cost alone: Ceres's default takes a whole
 /// Jacobian at every step that it tries, also at the full step, which is nearly always right.

@@ -10,6 +10,7 @@
 #include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"
@@ -131,7 +132,7 @@ std::vector<Part> pooled_parts(const std::vector<Specimen>& pooled) {
 }
 
 std::vector<Specimen> read_rows(const std::filesystem::path& file) {
-  const std::string stem = file.stem().string();
+  const std::string stem = to_text(file.stem());
   CsvTable table(file, kColumns, kLargest);
   std::vector<Specimen> all;
   std::map<std::pair<std::string, double>, std::size_t> indices;  // by name and indenter
@@ -154,7 +155,7 @@ std::vector<Specimen> read_rows(const std::filesystem::path& file) {
 }
 
 std::vector<Specimen> read_specimens(const std::filesystem::path& file) {
-  const std::string name = file.string();
+  const std::string name = to_text(file);
   std::vector<Specimen> all = read_rows(file);
   for (Specimen& specimen : all) {
     const std::string where = all.size() == 1 ? name : name + ": specimen " + specimen.name;

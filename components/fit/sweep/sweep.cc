@@ -20,6 +20,7 @@
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/json_text.h"
+#include "io/system/path_text.h"
 #include "io/system/whole_json.h"
 #include "palpate/error.h"
 #include "palpate/session.h"
@@ -165,9 +166,9 @@ SweepRow run_one(const SweepRequest& request, std::size_t run) {
 
 /// @throws InputError when the record contains runs of another sweep
 void check_record(const std::filesystem::path& file, const std::string& fingerprint) {
-  for (const auto& [key, line] : tasks::read_record(file, [](const std::string&) {})) {
+  for (const auto& [key, line] : tasks::read_record(to_text(file), [](const std::string&) {})) {
     if (key.starts_with(fingerprint)) continue;
-    throw InputError(file.string() +
+    throw InputError(to_text(file) +
                      ": holds runs of another sweep: the scene, a file that it names, a flag or the version "
                      "of palpate was different; give another --out, or delete this file to start again");
   }
@@ -227,7 +228,7 @@ std::size_t SweepResult::with_fault() const {
 
 std::vector<std::filesystem::path> files_of(const SweepRequest& request, const Axis& axis,
                                             const std::string& value) {
-  const std::filesystem::path file = request.scene.scene->parent_path() / value;
+  const std::filesystem::path file = request.scene.scene->parent_path() / to_path(value);
   if (axis.type != scene::KeyType::kText || !regular_file_exists(file)) return {};
   std::vector<std::filesystem::path> files = {file};
   try {
@@ -259,7 +260,7 @@ SweepResult run_sweep(const SweepRequest& request, tasks::Communicator& ranks, c
                fmt::format("{} of {} runs", done, runs));
   };
   const auto run = [&](std::size_t i) { return line_of(key(i), request.axes, run_one(request, i)); };
-  tasks::Record record(request.record, ranks, [&request](const std::string& line) {
+  tasks::Record record(to_text(request.record), ranks, [&request](const std::string& line) {
     if (row_of(line, request.axes).failed()) throw InputError("is run again");
   });
   auto [lines, resumed] = tasks::for_each_task(&ranks, {runs, run, key, arrived, true}, &record);

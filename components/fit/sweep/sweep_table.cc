@@ -6,6 +6,7 @@
 #include "io/record/hdf5_handle.h"
 #include "io/scene/scene_keys.h"
 #include "io/system/csv_table.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/version.h"
 
@@ -109,13 +110,14 @@ std::string sweep_csv(const SweepResult& sweep) {
 void write_sweep_hdf5(const SweepResult& sweep, const std::filesystem::path& file) {
   const hdf5::SilenceErrors quiet;
   try {
-    hdf5::Handle opened(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), "the file");
+    hdf5::Handle opened(H5Fcreate(to_text(file).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                        "the file");
     hdf5::write_attribute(opened.id(), "scene", sweep.scene);
     hdf5::write_attribute(opened.id(), "palpate_version", std::string(kVersion));
     for (const Column& column : columns_of(sweep)) write_column(opened.id(), column);
     if (!opened.close()) throw hdf5::Error("the file");
   } catch (const hdf5::Error& error) {
-    throw InputError(file.string() + ": cannot be written: " + error.what());
+    throw InputError(to_text(file) + ": cannot be written: " + error.what());
   }
 }
 

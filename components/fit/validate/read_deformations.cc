@@ -9,6 +9,7 @@
 #include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
+#include "io/system/path_text.h"
 #include "io/system/plausible.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -90,7 +91,7 @@ Deformation thinned(const Deformation& deformation, std::size_t most) {
 }
 
 std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
-  const std::string name = file.string();
+  const std::string name = to_text(file);
   CsvTable table(file, kDeformationColumns, kLargestDeformation);
   std::vector<Deformation> all;
   std::map<double, std::size_t> indices;  // by depth in mm
@@ -103,7 +104,7 @@ std::vector<Deformation> read_deformations(const std::filesystem::path& file) {
         table.fail(kDepth, fmt::format("more than {} depths, is this the right column?", kMaxDepths));
       }
       Deformation& made = all.emplace_back();
-      made.name = file.stem().string() + (table.has(kDepth) ? " at " + shortest(depth_mm) + " mm" : "");
+      made.name = to_text(file.stem()) + (table.has(kDepth) ? " at " + shortest(depth_mm) + " mm" : "");
       made.depth = depth_mm * kMillimetre;
     }
     Deformation& deformation = all[entry->second];

@@ -183,7 +183,8 @@ void add_ros(CLI::App& program, int& exit_code) {
 
 int main(int argc, char** argv) {
   using namespace palpate::app;
-  return run_program(argc, argv, [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
-    add_ros(program, exit_code);
-  });
+  return run_component_program(argc, argv,
+                               [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
+                                 add_ros(program, exit_code);
+                               });
 }

@@ -9,6 +9,7 @@
 #include "io/system/file_exists.h"
 #include "io/system/files.h"
 #include "io/system/output_file.h"
+#include "io/system/path_text.h"
 #include "io/system/shared_library.h"
 #include "palpate/error.h"
 #include "run/devices/vendor_library.h"
@@ -48,7 +49,7 @@ DhdLibrary::DhdLibrary(const std::string& path) {
 DhdLibrary::~DhdLibrary() { close_library(handle_); }
 
 void DhdLibrary::open_file(const std::filesystem::path& file) {
-  name_ = file.string();
+  name_ = to_text(file);
   if (is_special_file(file)) {  // the loader would block on a FIFO
     throw InputError(in_front(name_) + "is no regular file, must be the vendor's " + kNames[1] +
                      " for this computer");
@@ -62,14 +63,14 @@ void DhdLibrary::open_file(const std::filesystem::path& file) {
 
 void DhdLibrary::open(const std::string& path) {
   if (!path.empty()) {
-    if (std::filesystem::path(path).is_absolute()) return open_file(path);
+    if (to_path(path).is_absolute()) return open_file(to_path(path));
     throw InputError(in_front(path) + "must be an absolute path, such as " + kAbsoluteExample);
   }
   const std::filesystem::path folder = user_config_folder();
   for (const char* name : kNames) {
     if (!folder.empty() && file_exists(folder / name)) {
       const std::string doubt = distrust_reason(folder);
-      if (!doubt.empty()) throw InputError(in_front((folder / name).string()) + "is not loaded: " + doubt);
+      if (!doubt.empty()) throw InputError(in_front(to_text(folder / name)) + "is not loaded: " + doubt);
       return open_file(folder / name);
     }
     name_ = name;

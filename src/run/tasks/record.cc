@@ -13,14 +13,15 @@
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/json_text.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::tasks {
 
 std::map<std::string, std::string> read_record(const std::string& file, const CheckLine& check) {
   std::map<std::string, std::string> lines;
-  if (!file_exists(file)) return lines;
-  std::istringstream in(InputFile(file, kTaskRecordInput).read_rest());
+  if (!file_exists(to_path(file))) return lines;
+  std::istringstream in(InputFile(to_path(file), kTaskRecordInput).read_rest());
   for (std::string line; std::getline(in, line);) {
     try {
       std::string key = parse_json(line).at("key").get<std::string>();
@@ -38,7 +39,7 @@ Record::Record(std::string file, Communicator& ranks, const CheckLine& check) : 
   on_rank_zero(ranks, [&] {
     if (file_.empty()) return;
     lines_ = read_record(file_, check);
-    out_.open(file_, std::ios::binary | std::ios::app);
+    out_.open(to_path(file_), std::ios::binary | std::ios::app);
     out_ << '\n' << std::flush;  // terminates a line that was truncated
     if (!out_) throw InputError(file_ + ": cannot be written");
     for (const auto& [key, line] : lines_) text += key + '\n' + line + '\n';

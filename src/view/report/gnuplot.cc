@@ -1,22 +1,20 @@
 #include "view/report/gnuplot.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include "core/base/text.h"
-#include "io/system/child_process.h"
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/output_file.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
+#include "view/report/run_script.h"
 
 namespace palpate::report {
 namespace {
@@ -40,21 +38,6 @@ std::string table_text(const PlotData& data) {
 std::string read_text(const std::filesystem::path& file) {
   constexpr InputKind kMessages{"the messages of gnuplot", std::uint64_t{1} << 20};
   return InputFile(file, kMessages).read_rest();
-}
-
-/// Runs `program figure.gp` in `folder`, with its messages in errors.txt there. @return exit status.
-int run_in(const std::filesystem::path& folder, const std::string& program) {
-  std::error_code error;
-  const int child = start_process(
-      {.arguments = {program, "figure.gp"}, .folder = folder, .messages = folder / "errors.txt"}, error);
-  if (error == std::errc::no_such_file_or_directory) {
-    throw FigureError("gnuplot was not found: install the Debian package gnuplot-nox");
-  }
-  if (error) throw FigureError("gnuplot could not be started: " + error.message());
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
 }  // namespace
@@ -122,7 +105,7 @@ void run_gnuplot(const std::string& script, const std::vector<PlotData>& data,
   if (folder.path().empty()) throw FigureError("figure: no temporary folder can be made");
   for (const PlotData& table : data) write_text(folder.path() / table.name, table_text(table));
   write_text(folder.path() / "figure.gp", script);
-  const int status = run_in(folder.path(), program);
+  const int status = run_script(folder.path(), program);
   const std::filesystem::path drawn = folder.path() / "figure.svg";
   if (status != 0 || !file_exists(drawn)) {
     throw FigureError(
