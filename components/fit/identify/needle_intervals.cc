@@ -211,8 +211,9 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
   for (std::size_t r = 0; r < problem.records(); ++r)
     points += static_cast<double>(problem.record(r).thinned.size());
   const auto parameters = static_cast<double>(sums.normal.rows());
-  const double effective = limited_sample_size(effective_rows(problem, solution),
-                                               static_cast<std::size_t>(points), sums.normal.rows());
+  const double effective =
+      limited_sample_size(effective_rows(problem, solution), static_cast<std::size_t>(points),
+                          static_cast<std::size_t>(sums.normal.rows()));
   const double variance = solution.squares / std::max(1.0, points - parameters) * points / effective;
   const double quantile = student_t_quantile(effective - parameters);
   const Insertion& first = problem.record(0);

@@ -55,7 +55,7 @@ TEST(FitNeedle, PrintsLayersWritesATissueThatInsertTakesAndTheReport) {
   ASSERT_EQ(tissue.layers.size(), 1U);
   EXPECT_NEAR(tissue.layers[0].puncture_force, 1.0, 0.1);
   EXPECT_THAT(text_of(folder / "page/report.html"), HasSubstr("Force over depth of in"));
-  const Outcome inserted = run(folder, {"run", "--task", "insert", "--organ", "block", "--tissue", "t.toml",
+  const Outcome inserted = run(folder, {"run", "--task", "insert", "--organ", "box", "--tissue", "t.toml",
                                         "--tool", "needle", "--offline", "--duration-s", "0.1"});
   EXPECT_EQ(inserted.exit_code, 0) << inserted.err;
 }

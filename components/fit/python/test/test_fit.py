@@ -111,3 +111,33 @@ def test_fit_writes_the_programs_tissue(command, program, tmp_path):
     assert (done.returncode, done.stderr) == (0, '')
     assert 'pooled' in done.stdout
     assert (tmp_path / 'mine.toml').read_text() == wanted
+
+
+def test_fit_needle_is_the_programs(program, tmp_path):
+    rng = np.random.default_rng(1)
+    depth = np.concatenate([np.arange(-1.0, 25.0, 0.02), np.full(500, 25.0), np.arange(25.0, -1.0, -0.02)])
+    into = np.arange(depth.size) < 1300
+    out = np.arange(depth.size) >= 1800
+    force = np.where(depth < 10.0, 0.01 * np.maximum(depth, 0.0) ** 2,
+                     0.4 + 0.02 * (depth - 4.0) + 0.6 * np.exp(-np.maximum(depth - 10.0, 0.0) / 0.04))
+    force[~into & ~out] = 0.5 + 0.3 * np.exp(-np.arange(500) / 100.0)
+    turned = 0.5 - 0.9 * np.minimum(1.0, (25.0 - depth) / 8.0)
+    force[out] = (turned * np.clip((depth + 1.0) / 15.0, 0.0, 1.0))[out]
+    force += rng.normal(0.0, 2e-3, force.size)
+    file = tmp_path / 'in.csv'
+    write_columns(file, ('time_s', 'displacement_mm', 'force_N'), 0.01 * np.arange(depth.size), depth, force)
+    toml = tmp_path / 'fitted.toml'
+    said = program.json('fit', '--needle', file, '--out', toml)
+    records = palpate.read_insertions(file)
+    found = palpate.fit_needle(records)
+    assert found['layers'] == said['layers'] == 1
+    assert found['nrmse'] == said['nrmse'] < 0.06
+    value, low, high = found['tissue_layers'][0]['puncture_force_N']
+    theirs = said['tissue_layers'][0]['puncture_force_N']
+    assert (value, [low, high]) == (theirs['value'], theirs['interval_95'])
+    assert found['tissue'].to_toml() == toml.read_text()
+    assert found['repeats'][0]['punctures'][0][1] == pytest.approx(10e-3, abs=0.3e-3)
+    with pytest.raises(palpate.InputError, match='time_s: missing'):
+        palpate.fit_needle([palpate.Specimen('press', np.linspace(0, 1e-2, 200), np.linspace(0, 1, 200))])
+    with pytest.raises(palpate.InputError, match='at least one'):
+        palpate.fit_needle([])
