@@ -297,6 +297,10 @@ const hear = {
     if (message.pace) controls.pace(message.pace, SLOW_SHARE);
     if (state.recording && message.result.time > LONGEST_RECORDING) record();
   },
+  jaws({closed}) {
+    state.closed = closed;
+    controls.jaws(closed);
+  },
   hand({hand, closed}) {
     history.clear();
     state.closed = closed;

@@ -76,7 +76,10 @@ const handlers = {
     if (on) hands[hand].least = CLICK;
     hands[hand].held = on;
   },
-  latch({on}) { hands[hand].latched = on; },
+  latch({on}) {
+    hands[hand].latched = on;
+    postMessage({is: 'jaws', closed: on});  // after what taking the tool has said
+  },
   rest() { hands[hand].rest = 1 - hands[hand].rest; },
   mark() { marking = CLICK; },
   hand({which}) {

@@ -342,6 +342,16 @@ test('the button of the jaws says what the jaws of the chosen hand do', async co
   await closed(false);
 });
 
+test('on a phone the buttons of two hands lie beside each other', async context => {
+  const page = await opened(context, {width: 390, height: 844, touch: true, search: '?scene=bimanual'});
+  const boxes = await page.locator('#actions button:visible').evaluateAll(all => all.map(one => {
+    const {left, right, top} = one.getBoundingClientRect();
+    return {left, right, top, cut: one.scrollWidth > one.clientWidth};
+  }));
+  assert.equal(boxes.length, 5);
+  for (const {left, right, cut} of boxes) assert.ok(left >= 0 && right <= 390 && !cut, JSON.stringify(boxes));
+});
+
 test('the switch spreads a drape under the organ', async context => {
   const page = await opened(context);
   // Red over blue in the lower left corner.
