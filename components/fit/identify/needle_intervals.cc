@@ -138,18 +138,19 @@ Sums sums_of(const NeedleProblem& problem, const NeedlePoint& solution,
   return sums;
 }
 
-/// Inverse of the normal matrix. Directions that the residuals do not depend on get a large variance.
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal) {
+/// Standard deviation of each value for residuals of variance 1. Directions that the residuals do not depend
+/// on get a large variance.
+Eigen::VectorXd spreads_of(const Sums& sums) {
   constexpr double kFlat = 1e-10;  // of the largest, with each parameter's diagonal at 1
   const Eigen::VectorXd scale =
-      normal.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+      sums.normal.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.normal * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
   const double least = kFlat * solver.eigenvalues().maxCoeff();
-  const Eigen::VectorXd values = solver.eigenvalues().cwiseMax(least).cwiseInverse();
-  const Eigen::MatrixXd inverse =
-      solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  const Eigen::VectorXd lengths = solver.eigenvalues().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  // By rows of half the product: the product itself may be negative by rounding, or infinity times zero.
+  const Eigen::MatrixXd slopes = sums.slopes * scale.asDiagonal();
+  return (slopes * solver.eigenvectors() * lengths.asDiagonal()).rowwise().norm();
 }
 
 /// Sets the interval, and whether the value is determined: to half of itself, or a force to 2 % of the range.
@@ -203,10 +204,14 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
 std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const NeedlePoint& solution,
                                        const std::vector<std::vector<double>>& each) {
   constexpr double kNegligible = 0.02;  // of the range of force
+  // Least squares knows one optimum; a needle's fit has others beside it, as numbers of the law compensate
+  // for one another. With this factor the intervals hold the truth about as often as they say
+  // (docs/needle.md).
+  constexpr double kOtherOptima = 2.3;
   const std::vector<NeedleLabel> labels = needle_labels(problem);
   const std::vector<double> numbers = needle_numbers(problem, solution);
   const Sums sums = sums_of(problem, solution, labels);
-  const Eigen::MatrixXd covariance = sums.slopes * inverse_of(sums.normal) * sums.slopes.transpose();
+  const Eigen::VectorXd spreads = spreads_of(sums);
   double points = 0.0;
   for (std::size_t r = 0; r < problem.records(); ++r)
     points += static_cast<double>(problem.record(r).thinned.size());
@@ -221,8 +226,7 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
   for (std::size_t v = 0; v < labels.size(); ++v) {
     NeedleValue made = labels[v].value;
     made.estimate.value = numbers[v];
-    double error = quantile * std::sqrt(variance * covariance(static_cast<Eigen::Index>(v),
-                                                              static_cast<Eigen::Index>(v)));
+    double error = kOtherOptima * quantile * std::sqrt(variance) * spreads(static_cast<Eigen::Index>(v));
     std::vector<double> others;
     for (const std::vector<double>& one : each) others.push_back(one[v]);
     if (others.size() > 1) {
