@@ -155,8 +155,7 @@ std::string marks_text(const palpate::app::MarkShapes& shapes) {
   text += "],\"words\":[";
   comma = "";
   for (const auto& [at, colour, words] : shapes.words) {
-    text += fmt::format("{}[{},{},{},{}]", comma, at.x, at.y, static_cast<int>(colour),
-                        in_json(words));
+    text += fmt::format("{}[{},{},{},{}]", comma, at.x, at.y, static_cast<int>(colour), in_json(words));
     comma = ",";
   }
   return text + "]}";
@@ -324,11 +323,11 @@ const char* palpate_web_view_marks(palpate_web_view* view, double width, double 
                                    uint32_t which) {
   static std::string text;
   const palpate::app::PictureMarks marks{(which & 1U) != 0, (which & 2U) != 0, (which & 4U) != 0,
-                                           (which & 8U) != 0, (which & 16U) != 0};
+                                         (which & 8U) != 0, (which & 16U) != 0};
   const palpate::app::PictureSize size{static_cast<float>(width), static_cast<float>(height),
                                        static_cast<float>(letters)};
   text = marks_text(palpate::app::shapes_of(marks, size, view->camera, view->shown,
-                                              view->needle ? &*view->needle : nullptr));
+                                            view->needle ? &*view->needle : nullptr));
   return text.c_str();
 }
 

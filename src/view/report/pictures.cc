@@ -103,8 +103,8 @@ std::string caption_of(std::string text, const haptics::TickRow& row, double org
   constexpr double kMoved = 0.05e-3;  // m: smallest displacement in a caption
   if (organ_moved > kMoved) text += ", organ " + fixed(organ_moved * kMilli, 1) + " mm from rest";
   if (row.phase == 0) return fmt::format("{}, {} mm away", text, fixed(row.distance * kMilli, 1));
-  return fmt::format("{}, depth {} mm, tissue force {} N", text, fixed(std::max(row.depth, -row.distance) * kMilli, 2),
-                     fixed(row.tissue_force, 3));
+  return fmt::format("{}, depth {} mm, tissue force {} N", text,
+                     fixed(std::max(row.depth, -row.distance) * kMilli, 2), fixed(row.tissue_force, 3));
 }
 
 Figure written(const render::Image& image, Figure figure) {
