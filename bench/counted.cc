@@ -79,8 +79,28 @@ bool go_to(bench::OneHand& hand, haptics::Device& device, contact::Phase wanted,
   return false;
 }
 
-/// Counts ticks shortly before and after first contact. @return false when the path has none
-/// @param inclusions their number, under the place of the press
+/// Counts ticks in two phases of the scene's path. @return false when the path does not have them
+template <typename First, typename Second>
+bool count_phases(const scene::Scene& scene, contact::Phase first, First dump_first, contact::Phase second,
+                  Second dump_second) {
+  const haptics::SimulationWorld world = scene::make_world(scene);
+  devices::ScriptedDevice device(bench::hand_path(scene));
+  const std::uint64_t last = device.last_tick(world.rate_Hz);
+  bench::OneHand hand(world);
+  std::uint64_t next = 0;
+  if (!go_to(hand, device, first, next, last)) return false;
+  count_ticks(hand, device, next);
+  dump_first();
+  CALLGRIND_STOP_INSTRUMENTATION;
+  if (!go_to(hand, device, second, next, last)) return false;
+  count_ticks(hand, device, next);
+  dump_second();
+  CALLGRIND_STOP_INSTRUMENTATION;
+  return true;
+}
+
+/// Counts ticks shortly before and after first contact. @param inclusions their number, under the place of
+/// the press
 template <typename Approach, typename Contact>
 bool count_tick(std::size_t tool_triangles, std::size_t inclusions, Approach dump_approach,
                 Contact dump_contact) {
@@ -91,40 +111,7 @@ bool count_tick(std::size_t tool_triangles, std::size_t inclusions, Approach dum
     scene.inclusions.back().inclusion.centre_S = scene.organ_pose.inverse() * scene::default_touch(scene, 0) -
                                                  Vec3(0.0, 0.0, 5e-3 + 0.5e-3 * static_cast<double>(i));
   }
-  const haptics::SimulationWorld world = scene::make_world(scene);
-  devices::ScriptedDevice device(bench::hand_path(scene));
-  const std::uint64_t last = device.last_tick(world.rate_Hz);
-  bench::OneHand hand(world);
-  std::uint64_t next = 0;
-  if (!go_to(hand, device, contact::Phase::kApproach, next, last)) return false;
-  count_ticks(hand, device, next);
-  dump_approach();
-  CALLGRIND_STOP_INSTRUMENTATION;
-  if (!go_to(hand, device, contact::Phase::kPress, next, last)) return false;
-  count_ticks(hand, device, next);
-  dump_contact();
-  CALLGRIND_STOP_INSTRUMENTATION;
-  return true;
-}
-
-/// Counts ticks of a needle that presses, and shortly after it has punctured the surface. @return false when
-/// it never does
-bool count_needle() {
-  const scene::Scene scene = bench::bench_scene("insert", 0, 0);
-  const haptics::SimulationWorld world = scene::make_world(scene);
-  devices::ScriptedDevice device(bench::hand_path(scene));
-  const std::uint64_t last = device.last_tick(world.rate_Hz);
-  bench::OneHand hand(world);
-  std::uint64_t next = 0;
-  if (!go_to(hand, device, contact::Phase::kPress, next, last)) return false;
-  count_ticks(hand, device, next);
-  PALPATE_COUNTED("needle before the puncture", 200);
-  CALLGRIND_STOP_INSTRUMENTATION;
-  if (!go_to(hand, device, contact::Phase::kInsert, next, last)) return false;
-  count_ticks(hand, device, next);
-  PALPATE_COUNTED("needle inside", 200);
-  CALLGRIND_STOP_INSTRUMENTATION;
-  return true;
+  return count_phases(scene, contact::Phase::kApproach, dump_approach, contact::Phase::kPress, dump_contact);
 }
 
 }  // namespace
@@ -143,7 +130,10 @@ int main() {
                        count_tick(
                            97'000, 0, [] { PALPATE_COUNTED("dense tool in approach", 200); },
                            [] { PALPATE_COUNTED("dense tool in contact", 200); }) &&
-                       count_needle();
+                       count_phases(
+                           bench::bench_scene("insert", 0, 0), contact::Phase::kPress,
+                           [] { PALPATE_COUNTED("needle before the puncture", 200); },
+                           contact::Phase::kInsert, [] { PALPATE_COUNTED("needle inside", 200); });
   if (counted) return 0;
   std::fputs("palpate_counted: the path never came into contact\n", stderr);
   return 1;

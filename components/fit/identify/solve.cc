@@ -85,6 +85,19 @@ void use_few_jacobians(ceres::Solver::Options& options) {
   options.line_search_interpolation_type = ceres::QUADRATIC;
 }
 
+/// @return half the sum of squares; infinite if it fails
+double solve_dense(ceres::Problem& all, int most_iterations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.max_num_iterations = most_iterations;
+  use_few_jacobians(options);
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &all, &summary);
+  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
 /// Adapter of a SmallProblem for Ceres.
 class SmallErrors final {
  public:
@@ -114,15 +127,7 @@ double minimise(const SmallProblem& problem, Point& point, int most_iterations, 
   cost->AddParameterBlock(static_cast<int>(count));
   cost->SetNumResiduals(static_cast<int>(problem.residuals));
   all.AddResidualBlock(cost.release(), nullptr, point.data());  // the problem owns it
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.num_threads = 1;
-  options.max_num_iterations = most_iterations;
-  use_few_jacobians(options);
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &all, &summary);
-  return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
+  return solve_dense(all, most_iterations);
 }
 
 double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations) {
@@ -151,20 +156,13 @@ double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>
     set_bounds(all, block, problem.own[i]);
     block += own[i].size();
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.num_threads = 1;
-  options.max_num_iterations = most_iterations;
-  use_few_jacobians(options);
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &all, &summary);
+  const double cost = solve_dense(all, most_iterations);
   block = flat.data();
   for (Point& one : own) {
     std::copy_n(block, one.size(), one.begin());
     block += one.size();
   }
-  return summary.IsSolutionUsable() ? 2.0 * summary.final_cost : std::numeric_limits<double>::infinity();
+  return 2.0 * cost;
 }
 
 Solution solve(const Problem& problem, const Solution& start, int most_iterations, int held,
