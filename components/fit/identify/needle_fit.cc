@@ -1,5 +1,29 @@
 // `palpate fit --needle`: how many layers each record shows, one tissue for all of them, and how well each
 // record predicts the others.
+//
+//     force   |    /|           a record: press, puncture, press on the next membrane, puncture, hold,
+//             |   / |   /|      way out, with the shaft's friction alone
+//             |  /  |__/ |_____
+//             |_/              |___
+//            -+-----------------------> time
+//             |               \___/
+//
+// 1. Each record alone (own_fit). needle_record.cc finds the places where the force falls: candidates for
+//    punctures. The fit begins with one layer, from several starts (NeedleProblem::starts), and gets one more
+//    as long as the Bayesian information criterion falls by more than kClearly. Its number of rows is the
+//    effective one of correlated residuals; else noise in a row would buy layers. Then a relaxation term more
+//    or fewer is tried by the same rule.
+// 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
+//    left out with a warning; the others are fitted anew where their numbers differ (alike).
+// 3. Each record's tissue predicts the others, with their own first contact and zero, by the needle that
+//    punctures by its force, not at a given time (predictions_of).
+// 4. One tissue for all records, from the one that predicts best (pooled_of). The range of force and depth of
+//    a record, in which its parameters are, are scaled to those of all.
+// 5. Intervals are those of least squares, or of the scatter among the records where that is wider
+//    (needle_intervals.cc).
+//
+// While a fit runs, the times of the punctures are parameters and their forces results (needle_problem.cc):
+// as functions of the puncture forces the errors would jump.
 #include "fit/identify/needle_fit.h"
 
 #include <algorithm>
