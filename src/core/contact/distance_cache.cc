@@ -93,7 +93,10 @@ bool DistanceCache::place(const Pose& pose_S, double period) noexcept {
 bool DistanceCache::move(const Pose& pose_S, double period, std::span<const Vec3> contacts_S,
                          double reference_radius) noexcept {
   if (!place(pose_S, period)) return false;
-  if (!sides_known_) reset();
+  if (!sides_known_) {
+    reset();
+    return true;
+  }
   // In one tick a proxy moves by at most the tool's motion there plus the drift.
   find_crossings(contacts_S, reference_radius - 3.0 * motion_ - kContactDrift * period);
   return true;
