@@ -294,7 +294,7 @@ class InsertedNeedle {
   SteeredRun run;
 };
 
-TEST(Steering, ANotchMovesANeedleTheLessTheMoreForceItMeetsButOutwardsAlwaysAsFar) {
+TEST(Steering, ANotchInwardsMovesANeedleLessWhereItMeetsMoreForce) {
   SteeredRun free("box", "skin-fat-muscle", "needle", "insert");
   free.point(0.5, 0.5);
   free.settle();

@@ -14,7 +14,7 @@
 //    effective one of correlated residuals; else noise in a row would buy layers. Then a relaxation term more
 //    or fewer is tried by the same rule.
 // 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
-//    left out with a warning; the others are fitted anew where their numbers differ (alike).
+//    left out with a warning. A record whose own numbers differ is fitted again with the chosen ones (alike).
 // 3. Each record's tissue predicts the others, with their own first contact and zero, by the needle that
 //    punctures by its force, not at a given time (predictions_of).
 // 4. One tissue for all records, from the one that predicts best (pooled_of). The range of force and depth of

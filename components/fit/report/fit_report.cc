@@ -45,7 +45,7 @@ Figure draw_curve(const identify::SpecimenFit& fit, const std::filesystem::path&
   }
   if (!over_time) sort_by_x(rows);
   return drawn(
-      {file, "Measured and fitted force of " + fit.name + ", and what is left",
+      {file, "Measured and fitted force of " + fit.name + ", and the residuals",
        "Measured force, the fitted curve with the band of curves that the data allow at 95 %, and the "
        "residuals."},
       script(over_time, largest), {{"curve.dat", rows}});

@@ -43,9 +43,10 @@ plot 'curve.dat' using 2:3 with points pt 7 ps 0.3 lc rgb '{}' title 'measured',
       R"(set nokey; set xlabel 'depth of the tip, mm'; set ylabel 'simulated - measured, N'; set ytics {}
 plot 'curve.dat' using 2:($4-$3) with points pt 7 ps 0.3 lc rgb '{}', 0 with lines lw 1 lc rgb '#555555')",
       shortest(tic_step(largest)), kOrange);
-  return drawn({file, "Force over depth of " + repeat.name + ", measured and simulated, and what is left",
-                "Force over the depth of the tip: in, held, and out again. Below: what is left."},
-               two_panes(680, kKeyLeft, 0.36, upper, lower), {std::move(data), std::move(punctures)});
+  return drawn(
+      {file, "Force over depth of " + repeat.name + ", measured and simulated, and the residuals",
+       "Force over the depth of the tip during insertion, hold and withdrawal. Below: the residuals."},
+      two_panes(680, kKeyLeft, 0.36, upper, lower), {std::move(data), std::move(punctures)});
 }
 
 std::string in_unit(double value, const identify::NeedleValue& of) { return brief(value / of.unit); }

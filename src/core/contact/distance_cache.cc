@@ -72,7 +72,7 @@ double DistanceCache::largest_motion() const noexcept {
   return motion;
 }
 
-/// @return false when the part jumped; then all sides are found anew
+/// Moves the part. @return false when it jumped; then it has also found the sides of all points
 bool DistanceCache::place(const Pose& pose_S, double period) noexcept {
   previous_S_ = placed_S_;
   placed_S_ = {pose_S.rotation.toRotationMatrix(), pose_S.position};
