@@ -59,7 +59,7 @@ constexpr std::array kPresets{
            "5 to 95 % of the curves at 1 mm: 0.10 to 0.64 N pressed, 0.05 to 0.61 N pulled",
            5.3},
     Preset{"skin-fat-muscle", 95.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
-    Preset{"liver-capsule", 30.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
+    Preset{"liver-capsule", 80.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
     Preset{"vein", 80.0, 1.6, 0.7, 6.0, 6.0, 14.0, 1.0, 12.0, LawKind::kSmooth},
     Preset{"epidural", 120.0, 1.6, 0.7, 8.0, 8.0, 14.0, 1.0, 15.0, LawKind::kSmooth},
 };
@@ -98,6 +98,9 @@ constexpr std::array kPresetLayers{
     PresetLayer{"epidural", "dura", 0.4, 2.2, 0.6, 0.05, 0.02, 0.01},
     PresetLayer{"epidural", "spinal fluid", 0.0, 0.0, 0.02, 0.0, 0.0, 0.0},
 };
+
+constexpr double kPointedTip =
+    3.0;  // friction of tissues for needles, whose tip does not slide before it enters
 
 std::vector<TissueLayer> preset_layers(std::string_view tissue) {
   std::vector<TissueLayer> layers;
@@ -242,6 +245,7 @@ TissueParameters tissue_preset(const std::string& name) {
         tissue.source = SourceParameters{preset.indenter, preset.radius_mm * kMillimetre};
       }
       tissue.layers = preset_layers(preset.name);
+      if (!tissue.layers.empty()) tissue.contact.friction = kPointedTip;
       return tissue;
     }
     known += (known.empty() ? "" : ", ") + std::string(preset.name);

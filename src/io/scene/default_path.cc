@@ -146,11 +146,22 @@ std::string depth_warning(double depth) {
 /// How far a needle goes in straight down: kInsertion, or less in a thin organ, so that it stays inside.
 double insertion_depth(const Scene& scene, const geometry::SignedDistance& surface, const Vec3& touch) {
   constexpr double kShare = 0.7;  // of the organ's thickness there
+  constexpr double kStep = 1e-3;  // m
   const Pose to_organ = scene.organ_pose.inverse();
-  const Vec3 below = touch - kClearance * Vec3::UnitZ() - world_bounds(scene).size().z() * Vec3::UnitZ();
-  const auto exit = surface.first_entry(to_organ * below, to_organ * touch);
-  if (!exit) return kInsertion;
-  return std::min(kInsertion, kShare * (1.0 - exit->fraction) * (touch - below).norm());
+  double thickness = kStep;
+  const auto is_inside = [&](double depth) {
+    return surface.nearest(to_organ * Vec3(touch - depth * Vec3::UnitZ())).distance < 0.0;
+  };
+  while (kShare * thickness < kInsertion && is_inside(thickness)) thickness += kStep;
+  return std::min(kInsertion, kShare * thickness);
+}
+
+std::string insertion_warning(double depth) {
+  return fmt::format(
+      "the organ is so thin where the default path enters it that the needle goes only {:.2g} mm deep, and "
+      "the "
+      "surface may not give way: give a path",
+      depth / kMillimetre);
 }
 
 /// Way of a needle straight down to the scene's target.
@@ -207,7 +218,9 @@ PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip)
   const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
   PressPoint place{{touch, -Vec3::UnitZ()}};
   if (scene.task == Task::kInsert) {
+    constexpr double kShallow = 20e-3;  // m
     place.depth = insertion_depth(scene, surface, touch);
+    if (place.depth < kShallow) place.remark = insertion_warning(place.depth);
     return place;
   }
   if (scene.task == Task::kPull || scene.tools.size() > 1) return place;

@@ -44,22 +44,22 @@ struct MaybeLength {
 };
 
 std::vector<ScoreField> fields_of(const InsertionScore& score) {
-  const MaybeLength closest(score.closest, "no target");
-  const MaybeLength at_end(score.at_end, "no target");
+  const MaybeLength closest(score.closest, "");
+  const MaybeLength at_end(score.at_end, "");
   const MaybeLength overshoot(score.overshoot, "not reached");
   nlohmann::ordered_json angle;
   if (score.angle) angle = *score.angle * kDegrees;
+  const auto of_target = [&score](const char* name) { return score.targets == 0 ? nullptr : name; };
   return {
       {"targets", score.targets},
-      {"reached", score.reached, "target reached",
-       score.targets == 0   ? "no target"
-       : score.targets == 1 ? (score.reached > 0 ? "yes" : "no")
-                            : fmt::format("{} of {}", score.reached, score.targets),
+      {"reached", score.reached, of_target("target reached"),
+       score.targets == 1 ? (score.reached > 0 ? "yes" : "no")
+                          : fmt::format("{} of {}", score.reached, score.targets),
        "a tip was in the target: its layer, or its inclusion"},
-      {"closest_mm", closest.mm, "closest", closest.text,
+      {"closest_mm", closest.mm, of_target("closest"), closest.text,
        "smallest distance from a tip to the nearest target; 0 in it"},
-      {"end_mm", at_end.mm, "at the end", at_end.text, "that distance in the last tick"},
-      {"overshoot_mm", overshoot.mm, "overshoot", overshoot.text,
+      {"end_mm", at_end.mm, of_target("at the end"), at_end.text, "that distance in the last tick"},
+      {"overshoot_mm", overshoot.mm, of_target("overshoot"), overshoot.text,
        "way of the tip through the tissue beyond its first entry into a target, until it advances less than "
        "0.1 mm in 0.2 s"},
       {"crossed", score.crossed, "layers crossed", listed(score.crossed), "layers that a tip entered"},

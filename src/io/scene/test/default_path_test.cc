@@ -391,6 +391,34 @@ TEST(DefaultPath, TrianglesWithoutAreaHideNothingOfTheSurfaceBeyondThem) {
   EXPECT_EQ(default_path_remarks(press_of(with_flat_triangles(ball))), plain);
 }
 
+/// Two plates, one above the other with a gap of 20 mm: a needle stays in the upper one.
+TEST(DefaultPath, ANeedleStaysInTheFirstTissueBelowAndAShallowPathIsReported) {
+  for (const double thick : {40e-3, 10e-3}) {
+    Overrides request;
+    request.task = "insert";
+    Scene scene = load(request);
+    scene.organ = geometry::make_box({100e-3, 100e-3, thick}, 50e-3);
+    geometry::TriangleMesh lower = scene.organ;
+    const auto count = static_cast<std::int32_t>(scene.organ.vertices.size());
+    for (const Vec3& vertex : lower.vertices) {
+      scene.organ.vertices.emplace_back(vertex - (thick + 20e-3) * Vec3::UnitZ());
+    }
+    for (const geometry::Triangle& t : lower.triangles) {
+      scene.organ.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    }
+    const ToolPath path = default_path(scene, 0);
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const PathRow& row : path.rows()) lowest = std::min(lowest, hang(scene, 0, row, 0.0).lowest);
+    EXPECT_NEAR(0.5 * thick - lowest, 0.7 * thick, 1e-3);
+    const std::vector<std::string> remarks = default_path_remarks(scene);
+    if (thick < 20e-3) {
+      EXPECT_THAT(remarks, testing::ElementsAre(testing::HasSubstr("the needle goes only 7 mm deep")));
+    } else {
+      EXPECT_THAT(remarks, testing::IsEmpty());
+    }
+  }
+}
+
 TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsReported) {
   const scene::Scene scene = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(scene),
