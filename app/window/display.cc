@@ -70,6 +70,9 @@ Display::Display(const std::string& title, Size size) {
     throw NoWindow(std::string("no window can be opened: ") + SDL_GetError());
   }
   install_loss_handlers();
+  if (SDL_Rect usable; SDL_GetDisplayUsableBounds(0, &usable) == 0) {
+    size = {std::min(size.width, usable.w), std::min(size.height, usable.h)};
+  }
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);

@@ -151,7 +151,7 @@ std::string first_hint(const Gestures& gestures) {
   if (gestures.mouse) {
     if (gestures.jaws) third = "   Grip: hold left.";
     if (gestures.search) third = "   Mark: left button.";
-    return std::string("Move: mouse.   Press: wheel.") + third;
+    return std::string("Move: mouse.   Press: wheel forward.") + third;
   }
   if (!gestures.gamepad) return {};
   if (gestures.jaws) third = "   Grip: left trigger.";

@@ -79,11 +79,11 @@ TEST(PictureMarks, TheHintNamesOnlyWhatTheDeviceAndTheToolCanDo) {
   Gestures gestures;
   EXPECT_EQ(first_hint(gestures), "") << "a scripted device";
   gestures.mouse = true;
-  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel.");
+  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel forward.");
   gestures.jaws = true;
-  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel.   Grip: hold left.");
+  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel forward.   Grip: hold left.");
   gestures.search = true;
-  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel.   Mark: left button.");
+  EXPECT_EQ(first_hint(gestures), "Move: mouse.   Press: wheel forward.   Mark: left button.");
   gestures = {.gamepad = true, .jaws = true};
   EXPECT_EQ(first_hint(gestures), "Move: left stick.   Press: right trigger.   Grip: left trigger.");
 }

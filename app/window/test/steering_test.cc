@@ -146,6 +146,17 @@ TEST(Steering, WhereverThePointerJumpsTheToolTouchesNothingBeforeThePress) {
   EXPECT_LT(wander("gallbladder", "curved-forceps"), 0.1e-3);
 }
 
+TEST(Steering, AToolIsNeverSeenFromItsEndWhereItWouldHideTheContact) {
+  SteeredRun run("gallbladder", "gallbladder", "curved-forceps");
+  for (const auto& [x, y] : {std::pair{0.4, 0.55}, {0.45, 0.65}, {0.5, 0.7}, {0.55, 0.6}}) {
+    run.point(x, y);
+    run.settle();
+    const Vec3 handle = -(run.shown.tools[0].pose_W.rotation * Vec3::UnitZ());
+    const Vec3 to_viewer = ray_through(run.camera.camera(), kAspect, x, y).origin - run.tool();
+    EXPECT_LT(handle.dot(to_viewer.normalized()), std::cos(0.35)) << x << ", " << y;
+  }
+}
+
 TEST(Steering, ALineOfSightMeetsThePlaceThatItIsThrough) {
   const render::Camera camera{Vec3(0.1, -0.3, 0.2), Vec3(0.02, 0.01, 0.0), Vec3::UnitZ(), 28.0};
   const geometry::Ray ray = ray_through(camera, kAspect, 0.2, 0.7);

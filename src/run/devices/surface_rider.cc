@@ -11,8 +11,9 @@
 //     drags   the tissue that its jaws hold, in a plane that faces the viewer.
 //     enters  with a needle: along its axis alone.
 //
-// It turns with the normal, by at most 45 degrees, because more would hide the contact. In the air it turns
-// about its tip, on the surface about its touching point, which keeps the depth.
+// It turns with the normal, by at most 45 degrees, and only so far that its handle stays 35 degrees from the
+// line of sight: a tool seen from its end hides the contact. In the air it turns about its tip, on the
+// surface about its touching point, which keeps the depth.
 //
 // Only the touching point is led around the organ; a ball's side or a shaft may still meet it. So each step
 // before a press is tried: when it brings any sample of the tool's surface nearer than 2 mm, the step is
@@ -35,6 +36,8 @@ namespace {
 constexpr double kWalkStep = 1e-3;   // m
 constexpr double kFar = 5.0;         // m, longest line of sight
 constexpr double kTipRegion = 0.04;  // m from the tip; the tool touches with this part
+constexpr double kFromSight = 0.44;  // rad, 25 degrees, between the handle and the line of sight
+constexpr double kTiltStep = 0.01;   // rad
 
 /// Moves a point by at most `way` towards a goal.
 Vec3 towards(const Vec3& from, const Vec3& goal, double way) {
@@ -379,9 +382,17 @@ void SurfaceRider::turn(double angle) {
   const Vec3 axis = (start_S_ * Vec3::UnitZ()).cross(-normal_S_);
   const double wanted = std::atan2(axis.norm(), -(start_S_ * Vec3::UnitZ()).dot(normal_S_));
   const double certain = std::min(1.0, (std::numbers::pi - wanted) / (std::numbers::pi - kOpposite));
-  const double tilt = certain * std::min(kMaxTilt, wanted);
-  const Quat goal =
-      axis.norm() > 1e-9 ? (rotation_about(axis.normalized(), tilt) * start_S_).normalized() : start_S_;
+  const auto tilted = [&](double tilt) {
+    return axis.norm() > 1e-9 ? (rotation_about(axis.normalized(), tilt) * start_S_).normalized() : start_S_;
+  };
+  const Vec3 to_viewer = (ray_S_.origin - touch_S_).normalized();
+  const auto hides = [&](double tilt) {
+    return -(tilted(tilt) * Vec3::UnitZ()).dot(to_viewer) > std::cos(kFromSight);
+  };
+  const double furthest = certain * std::min(kMaxTilt, wanted);
+  double tilt = furthest;
+  while (tilt > 0.0 && hides(tilt)) tilt -= kTiltStep;
+  const Quat goal = tilted(tilt > 0.0 || !hides(0.0) ? std::max(tilt, 0.0) : furthest);
   const double left = orientation_S_.angularDistance(goal);
   orientation_S_ = left <= angle ? goal : slerp(orientation_S_, goal, angle / left);
 }

@@ -25,14 +25,13 @@ struct ToolTarget {
 class SurfaceRider final {
  public:
   static constexpr double kHover = 5e-3;  // m, height over the surface before the first press and in the air
-  static constexpr double kParked = 30e-3;     // m, height of a parked tool
-  static constexpr double kHighest = 40e-3;    // m, height up to which it rises on its way around the organ
-  static constexpr double kMaxDepth = 30e-3;   // m, largest set depth; a needle's is its length
-  static constexpr double kHalfPace = 3.0;     // N, resistance at which press() moves a needle half as far
-  static constexpr double kMaxSpeed = 0.08;    // m/s over the surface and in the air; a hand has 0.1 m/s
-  static constexpr double kPressSpeed = 0.05;  // m/s along the normal
-  static constexpr double kMaxTilt =
-      0.785;  // rad, from the start, 45 degrees: more would hide the contact behind the tool
+  static constexpr double kParked = 30e-3;       // m, height of a parked tool
+  static constexpr double kHighest = 40e-3;      // m, height up to which it rises on its way around the organ
+  static constexpr double kMaxDepth = 30e-3;     // m, largest set depth; a needle's is its length
+  static constexpr double kHalfPace = 3.0;       // N, resistance at which press() moves a needle half as far
+  static constexpr double kMaxSpeed = 0.08;      // m/s over the surface and in the air; a hand has 0.1 m/s
+  static constexpr double kPressSpeed = 0.05;    // m/s along the normal
+  static constexpr double kMaxTilt = 0.785;      // rad, 45 degrees from the start
   static constexpr double kTurnSpeed = 1.5;      // rad/s
   static constexpr double kLongestStep = 50e-3;  // s, of advance()
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <unordered_map>
 
 #include "core/base/index.h"
@@ -119,24 +120,16 @@ Vec3 curved_middle(const Vec3& a, const Vec3& b, const Vec3& normal_a, const Vec
   return 0.5 * (a + b) - 0.125 * (lift_a * normal_a + lift_b * normal_b);
 }
 
-bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
-  const Edges edges = find_edges(mesh, rule.crease_deg);
-  const std::vector<Vec3> normals = vertex_normals(mesh.vertices, mesh.triangles);
+// Splits each edge for which `point_on(its number)` gives a point; false: there is none.
+template <typename PointOn>
+bool split(TriangleMesh& mesh, const Edges& edges, const PointOn& point_on) {
   std::vector<std::int32_t> middle(edges.ends.size(), -1);
   bool any = false;
   for (std::size_t i = 0; i < edges.ends.size(); ++i) {
-    const auto [ia, ib] = edges.ends[i];
-    const Vec3 a = mesh.vertices[at(ia)];
-    const Vec3 b = mesh.vertices[at(ib)];
-    const bool straight_a = edges.sharp_vertex[at(ia)] != 0;
-    const bool straight_b = edges.sharp_vertex[at(ib)] != 0;
-    const Vec3& normal_a = normals[at(ia)];
-    const Vec3& normal_b = normals[at(ib)];
-    const double bend =
-        straight_a || straight_b ? 0.0 : std::acos(std::clamp(normal_a.dot(normal_b), -1.0, 1.0));
-    if (!rule.split(0.5 * (a + b), (b - a).norm(), bend)) continue;
+    const std::optional<Vec3> point = point_on(i);
+    if (!point) continue;
     middle[i] = static_cast<std::int32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(curved_middle(a, b, normal_a, normal_b, straight_a, straight_b));
+    mesh.vertices.push_back(*point);
     any = true;
   }
   if (!any) return false;
@@ -151,6 +144,24 @@ bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
   return true;
 }
 
+bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
+  const Edges edges = find_edges(mesh, rule.crease_deg);
+  const std::vector<Vec3> normals = vertex_normals(mesh.vertices, mesh.triangles);
+  return split(mesh, edges, [&](std::size_t i) -> std::optional<Vec3> {
+    const auto [ia, ib] = edges.ends[i];
+    const Vec3& a = mesh.vertices[at(ia)];
+    const Vec3& b = mesh.vertices[at(ib)];
+    const bool straight_a = edges.sharp_vertex[at(ia)] != 0;
+    const bool straight_b = edges.sharp_vertex[at(ib)] != 0;
+    const Vec3& normal_a = normals[at(ia)];
+    const Vec3& normal_b = normals[at(ib)];
+    const double bend =
+        straight_a || straight_b ? 0.0 : std::acos(std::clamp(normal_a.dot(normal_b), -1.0, 1.0));
+    if (!rule.split(0.5 * (a + b), (b - a).norm(), bend)) return std::nullopt;
+    return curved_middle(a, b, normal_a, normal_b, straight_a, straight_b);
+  });
+}
+
 }  // namespace
 
 TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
@@ -158,6 +169,28 @@ TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
   for (int round = 0; round < kMaxRounds && refine_once(fine, rule); ++round) {
   }
   return fine;
+}
+
+void narrow_creases(TriangleMesh& mesh, double crease_deg, double band) {
+  // Where sharp edges meet, an edge may lead from one to another.
+  const Edges before = find_edges(mesh, crease_deg);
+  split(mesh, before, [&](std::size_t i) -> std::optional<Vec3> {
+    const auto [a, b] = before.ends[i];
+    if (before.sharp[i] != 0 || before.sharp_vertex[at(a)] == 0 || before.sharp_vertex[at(b)] == 0)
+      return std::nullopt;
+    return Vec3(0.5 * (mesh.vertices[at(a)] + mesh.vertices[at(b)]));
+  });
+  const Edges edges = find_edges(mesh, crease_deg);
+  split(mesh, edges, [&](std::size_t i) -> std::optional<Vec3> {
+    const auto [a, b] = edges.ends[i];
+    const bool from_a = edges.sharp_vertex[at(a)] != 0;
+    if (from_a == (edges.sharp_vertex[at(b)] != 0)) return std::nullopt;
+    const Vec3& sharp = mesh.vertices[at(from_a ? a : b)];
+    const Vec3 way = mesh.vertices[at(from_a ? b : a)] - sharp;
+    const double length = way.norm();
+    if (length < 2.0 * band) return std::nullopt;
+    return Vec3(sharp + band / length * way);
+  });
 }
 
 void smooth_bumps(TriangleMesh& mesh, double limit, double crease_deg) {

@@ -25,6 +25,10 @@ struct RefineRule {
 /// edges with a dihedral angle above `crease_deg` stay.
 void smooth_bumps(geometry::TriangleMesh& mesh, double limit, double crease_deg);
 
+/// [setup] Splits the edges that lead from sharp edges into the surface at `band` [m] from them, so that
+/// normals interpolated over the triangles turn within the band.
+void narrow_creases(geometry::TriangleMesh& mesh, double crease_deg, double band);
+
 /// [setup] Unit vertex normals: means of the triangles' normals weighted by their angle at the vertex; zero
 /// for a vertex without triangles.
 [[nodiscard]] std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices,

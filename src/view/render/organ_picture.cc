@@ -18,6 +18,7 @@ namespace palpate::render {
 namespace {
 
 constexpr double kCreaseDeg = 50.0;
+constexpr double kEdgeBand = 0.08e-3;     // m beside a sharp edge, where normals turn; a pixel or less
 constexpr double kEdgesAcross = 120.0;    // edges per organ diagonal, before contact
 constexpr double kShortestEdge = 0.8e-3;  // m, before contact
 constexpr double kLongestEdge = 2.5e-3;   // m
@@ -91,7 +92,7 @@ constexpr std::launch kPrepares = std::launch::deferred;
 #else
 constexpr std::launch kPrepares = std::launch::async;
 #endif
-constexpr double kToolCreaseDeg = 40.0;
+constexpr double kToolCreaseDeg = 36.0;
 constexpr double kLargestBend = 8.0 * std::numbers::pi / 180.0;  // largest angle between the normals at the
                                                                  // ends of a displayed edge
 constexpr double kShortestToolEdge = 0.3e-3;                     // m: shorter edges are not split
@@ -128,6 +129,7 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Fall
 }
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
+  narrow_creases(rest, kCreaseDeg, kEdgeBand);
   sort_by_position(rest);
   surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
   surface_->set_response(response_);

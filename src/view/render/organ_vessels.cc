@@ -32,11 +32,12 @@ using Eigen::Vector3f;
 
 constexpr float kMillimetre = 1e-3F;  // m
 constexpr float kWidest = 3.0F;       // radii that a byte spans to each side
-constexpr float kUnder = 2.4e-3F;     // m: a line farther under the surface does not show on it
-constexpr float kAbove = 2.5e-3F;     // m: one farther above belongs to another surface
-constexpr float kTaper = 15e-3F;      // m before its end over which a vessel becomes thin
-constexpr float kRise = 4e-3F;  // m from its start over which a vessel appears, out of the one before it
-constexpr float kThin = 0.35F;  // of its radius, at the end
+// m: a line farther under the surface, or above it, belongs to another part of the organ; fades from half of
+// this
+constexpr float kFarOff = 3.2e-3F;
+constexpr float kTaper = 15e-3F;  // m before its end over which a vessel becomes thin
+constexpr float kRise = 4e-3F;    // m from its start over which a vessel appears, out of the one before it
+constexpr float kThin = 0.35F;    // of its radius, at the end
 
 float clamped_ramp(float from, float to, float x) {
   const float t = std::clamp((x - from) / (to - from), 0.0F, 1.0F);
@@ -125,16 +126,17 @@ struct Beside {
 
 Beside beside(const LinePlace& place, const Vector3f& normal) {
   const float high = place.offset.dot(normal);
-  if (high > kUnder || high < -kAbove) return {};
+  const float own = 1.0F - clamped_ramp(0.5F * kFarOff, kFarOff, std::abs(high));
   const Vector3f across = place.along.cross(normal);
   if (!(across.squaredNorm() > 1e-6F)) return {};
   const float thin = kThin + (1.0F - kThin) * clamped_ramp(0.0F, kTaper, place.left);
   const float side = place.offset.dot(across.normalized()) / (thin * place.radius);
-  const float faded = (1.0F - clamped_ramp(0.0F, 2e-3F, place.beyond)) * clamped_ramp(0.0F, kRise, place.run);
+  const float faded =
+      own * (1.0F - clamped_ramp(0.0F, 2e-3F, place.beyond)) * clamped_ramp(0.0F, kRise, place.run);
   const float wide = (place.offset - high * normal).norm();
   const float thick = clamped_ramp(0.7e-3F, 2.0e-3F, place.radius);
   return {side, faded * (1.0F - clamped_ramp(0.6F * kWidest, 0.9F * kWidest, std::abs(side))),
-          thick * (1.0F - clamped_ramp(1.5e-3F, 8e-3F, wide + place.beyond))};
+          own * thick * (1.0F - clamped_ramp(1.5e-3F, 8e-3F, wide + place.beyond))};
 }
 
 std::string_view without_detail(std::string_view organ_name) {
@@ -163,6 +165,7 @@ void paint_vessels(std::string_view organ_name, const geometry::TriangleMesh& re
   for (std::size_t v = 0; v < pattern.size(); ++v) {
     StaticVertex& vertex = pattern[v];
     Beside nearest;
+    float second = 0.0F;  // share of the next coronary vessel
     float fat = 0.0F;
     float other = 0.0F;  // share of great vessels
     for (const OrganVessel* vessel : own) {
@@ -173,8 +176,12 @@ void paint_vessels(std::string_view organ_name, const geometry::TriangleMesh& re
       }
       const Beside here = beside(place, normals[v].cast<float>());
       fat = std::max(fat, here.around);
+      second = std::max(second, std::min(here.share, nearest.share));
       if (here.share > nearest.share) nearest = here;
     }
+    // Between two vessels the sign jumps.
+    nearest.share *=
+        1.0F - clamped_ramp(0.0F, 0.3F, second) * clamped_ramp(1.0F, 1.3F, std::abs(nearest.side));
     const float patches = 0.75F + 0.5F * smooth_noise(vertex.rest * 160.0F).value;
     const float share = std::clamp(0.7F * fat * patches, 0.0F, 0.75F) * (1.0F - other);
     mix_colour(vertex, look.fat, share);

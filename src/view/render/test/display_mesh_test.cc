@@ -63,6 +63,24 @@ TEST(RefineSmoothly, StaysClosedWhereOnlyAPartIsDivided) {
   EXPECT_GT(fine.triangles.size(), 2000U);
 }
 
+TEST(NarrowCreases, NormalsOfABoxTurnWithinTheBandAlone) {
+  geometry::TriangleMesh box =
+      refine_smoothly(geometry::make_box(Vec3(0.04, 0.04, 0.04), 1.0), shorter_than(0.004));
+  narrow_creases(box, 50.0, 1e-4);
+  EXPECT_TRUE(closed(box));
+  EXPECT_NEAR(geometry::signed_volume(box), 0.04 * 0.04 * 0.04, 1e-12);
+  const std::vector<Vec3> normals = vertex_normals(box.vertices, box.triangles);
+  double turning = 0.0;  // m^2, area of the triangles whose corners' normals differ
+  for (const geometry::Triangle& t : box.triangles) {
+    const auto at = [&t](const auto& of, std::size_t k) { return of[static_cast<std::size_t>(t[k])]; };
+    if (at(normals, 0).dot(at(normals, 1)) > 0.999 && at(normals, 0).dot(at(normals, 2)) > 0.999) continue;
+    turning +=
+        0.5 *
+        (at(box.vertices, 1) - at(box.vertices, 0)).cross(at(box.vertices, 2) - at(box.vertices, 0)).norm();
+  }
+  EXPECT_LE(turning, 12 * 0.04 * 2 * 1e-4);  // twelve edges, a band on both sides
+}
+
 TEST(EvenOut, MovesNoVertexByMoreThanTheLimitAndNoSharpOne) {
   geometry::TriangleMesh box =
       refine_smoothly(geometry::make_box(Vec3(0.04, 0.04, 0.04), 1.0), shorter_than(0.004));
