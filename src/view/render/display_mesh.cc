@@ -171,6 +171,28 @@ TriangleMesh refine_smoothly(const TriangleMesh& mesh, const RefineRule& rule) {
   return fine;
 }
 
+bool has_clean_creases(const TriangleMesh& mesh, double crease_deg) {
+  constexpr double kLeastShare = 0.9;  // of the ends of sharp edges
+  const double straight = std::cos(radians(40.0));
+  const Edges edges = find_edges(mesh, crease_deg);
+  std::vector<std::vector<Vec3>> leaving(mesh.vertices.size());  // directions of the sharp edges at a vertex
+  for (std::size_t i = 0; i < edges.ends.size(); ++i) {
+    if (edges.sharp[i] == 0) continue;
+    const auto [a, b] = edges.ends[i];
+    const Vec3 way = (mesh.vertices[at(b)] - mesh.vertices[at(a)]).normalized();
+    leaving[at(a)].push_back(way);
+    leaving[at(b)].emplace_back(-way);
+  }
+  double ends = 0.0;
+  double clean = 0.0;  // at a corner, or followed by an edge in about the same direction
+  for (const std::vector<Vec3>& ways : leaving) {
+    ends += static_cast<double>(ways.size());
+    if (ways.size() > 2 || (ways.size() == 2 && -ways[0].dot(ways[1]) > straight))
+      clean += static_cast<double>(ways.size());
+  }
+  return clean > kLeastShare * ends;
+}
+
 void narrow_creases(TriangleMesh& mesh, double crease_deg, double band) {
   // Where sharp edges meet, an edge may lead from one to another.
   const Edges before = find_edges(mesh, crease_deg);

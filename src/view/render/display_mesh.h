@@ -25,6 +25,10 @@ struct RefineRule {
 /// edges with a dihedral angle above `crease_deg` stay.
 void smooth_bumps(geometry::TriangleMesh& mesh, double limit, double crease_deg);
 
+/// [setup] Whether the sharp edges form straight lines and smooth curves, as those of blocks and instruments
+/// do. Over a tight fold of a coarse organ they form a zigzag, which has to be smoothed away.
+[[nodiscard]] bool has_clean_creases(const geometry::TriangleMesh& mesh, double crease_deg);
+
 /// [setup] Splits the edges that lead from sharp edges into the surface at `band` [m] from them, so that
 /// normals interpolated over the triangles turn within the band.
 void narrow_creases(geometry::TriangleMesh& mesh, double crease_deg, double band);

@@ -129,7 +129,7 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Fall
 }
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
-  narrow_creases(rest, kCreaseDeg, kEdgeBand);
+  if (has_clean_creases(*organ_, kCreaseDeg)) narrow_creases(rest, kCreaseDeg, kEdgeBand);
   sort_by_position(rest);
   surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
   surface_->set_response(response_);

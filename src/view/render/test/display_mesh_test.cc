@@ -63,6 +63,12 @@ TEST(RefineSmoothly, StaysClosedWhereOnlyAPartIsDivided) {
   EXPECT_GT(fine.triangles.size(), 2000U);
 }
 
+TEST(CleanCreases, ThoseOfABoxAreCleanThoseOfACoarseLiverAreNot) {
+  EXPECT_TRUE(has_clean_creases(geometry::make_box(Vec3(0.04, 0.04, 0.04), 1.0), 50.0));
+  EXPECT_TRUE(has_clean_creases(geometry::make_box(Vec3(0.06, 0.05, 0.04), 0.005), 50.0));
+  EXPECT_FALSE(has_clean_creases(geometry::make_organ("liver"), 50.0));
+}
+
 TEST(NarrowCreases, NormalsOfABoxTurnWithinTheBandAlone) {
   geometry::TriangleMesh box =
       refine_smoothly(geometry::make_box(Vec3(0.04, 0.04, 0.04), 1.0), shorter_than(0.004));
