@@ -38,14 +38,17 @@ void begin_column(const char* name, const Rectangle& place) {
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground);
 }
 
-std::string moment_text(const haptics::TickRow& row, int decimals) {
+std::string moment_text(const haptics::TickRow& row, const model::TissueParameters& tissue, int decimals) {
   const auto mm = [decimals](double metres) { return fmt::format("{:.{}f} mm", 1e3 * metres, decimals); };
   if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPress))
     return "pressing, " + mm(row.depth) + " deep";
   if (row.phase == static_cast<std::uint32_t>(contact::Phase::kPull))
     return "pulling, stretched " + mm(row.depth);
-  if (row.phase == static_cast<std::uint32_t>(contact::Phase::kInsert))
-    return fmt::format("{:.{}f} mm inside, layer {}", row.inserted_mm, decimals, row.layer);
+  if (row.phase == static_cast<std::uint32_t>(contact::Phase::kInsert)) {
+    const std::size_t layer = std::min<std::size_t>(row.layer, tissue.layers.size());
+    return fmt::format("{:.{}f} mm inside, in {}", row.inserted_mm, decimals,
+                       layer == 0 ? "the organ" : tissue.layers[layer - 1].name);
+  }
   return mm(row.distance) + " from the tissue";
 }
 

@@ -181,7 +181,8 @@ void draw_help(PanelState& state, const Gestures& gestures);
 [[nodiscard]] Plotted plotted(const PanelModel& shown);
 
 /// [any] A hand's contact as text with this number of decimals: "pressing, 4.2 mm deep".
-[[nodiscard]] std::string moment_text(const haptics::TickRow& row, int decimals);
+[[nodiscard]] std::string moment_text(const haptics::TickRow& row, const model::TissueParameters& tissue,
+                                      int decimals);
 
 /// A key and its effect.
 struct KeyLine {

@@ -82,7 +82,7 @@ void moment_rows(const ViewerModel& seen, const ViewerState& state, ViewerComman
   }
   rows.text("Device", scene.devices[state.hand].kind);
   rows.text("Time", formatted("%.3f s, ", row.time) + formatted("tick %.0f", static_cast<double>(row.tick)));
-  rows.text("State", moment_text(row, 2));
+  rows.text("State", moment_text(row, scene.tissue, 2));
   rows.text("Force", formatted("%.3f N", device_force(row)), "what went to the hand, after the gate");
   rows.text("Tissue", formatted("%.3f N", row.tissue_force), "before the gate");
   rows.text("Noise", formatted("%+.1f mN", 1e3 * row.noise_force), "along the normal");

@@ -204,7 +204,9 @@ std::vector<HandStatus> Window::hand_texts() const {
     const haptics::TickRow& newest = traces_->newest(static_cast<std::uint32_t>(hand));
     HandStatus& status = all[hand];
     status.device = device.kind + (device.path.empty() ? "" : ": " + device.path);
-    status.state = run_->ended() ? "the run has ended" : snapshot_there_ ? moment_text(newest, 1) : "begins";
+    status.state = run_->ended()     ? "the run has ended"
+                   : snapshot_there_ ? moment_text(newest, now_.tissue, 1)
+                                     : "begins";
     if (!run_->ended() && (newest.status & contact::kExtrapolated) != 0) status.state += ", past its range";
     status.engagement = run_->ended() ? 0.0 : newest.engagement;
     status.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |

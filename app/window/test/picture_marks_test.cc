@@ -75,6 +75,18 @@ TEST(PictureMarks, TheSectionOfANeedleNamesTheLayersAndShowsWhichTheTipIsIn) {
   EXPECT_FALSE(NeedleMarks::of(scene::load(request), world.contact));
 }
 
+TEST(MomentText, NamesTheLayerOfANeedlesTip) {
+  model::TissueParameters tissue;
+  tissue.layers.resize(2);
+  tissue.layers[0].name = "skin";
+  tissue.layers[1].name = "fat";
+  haptics::TickRow row;
+  row.phase = static_cast<std::uint32_t>(contact::Phase::kInsert);
+  row.inserted_mm = 8.0;
+  row.layer = 2;
+  EXPECT_EQ(moment_text(row, tissue, 1), "8.0 mm inside, in fat");
+}
+
 TEST(PictureMarks, TheHintNamesOnlyWhatTheDeviceAndTheToolCanDo) {
   Gestures gestures;
   EXPECT_EQ(first_hint(gestures), "") << "a scripted device";
