@@ -32,6 +32,7 @@
 #include "app/pictures.h"
 #include "app/progress.h"
 #include "app/scene_flags.h"
+#include "app/serve.h"
 #include "app/session.h"
 #include "app/summary.h"
 #include "app/window/run_in_window.h"
@@ -103,6 +104,7 @@ struct RunFlags {
   scene::Overrides request;
   bool offline = false;
   bool headless = false;
+  bool page = false;
   bool json = false;
   bool no_cache = false;
   std::optional<double> duration_s;
@@ -269,11 +271,21 @@ void report_long_run(const Session& session, const RunFlags& flags) {
 }
 
 int run(const RunFlags& flags, const std::string& command_line) {
+  if (flags.request.scene) require_no_organ_name(*flags.request.scene);
+  if (flags.page) {
+    return serve_page({flags.request,
+                       {},
+                       flags.files.recording,
+                       flags.duration_s,
+                       flags.thread,
+                       flags.no_cache,
+                       true,
+                       flags.json});
+  }
   std::optional<StopOnSignal> signals(std::in_place);
   IgtlService igtl(flags.igtl);
   session::require_usable_core(flags.thread.core, "--core");
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
-  if (flags.request.scene) require_no_organ_name(*flags.request.scene);
   std::optional<report::ReferenceProfile> profile;
   if (!flags.profile.empty()) profile = report::read_measured_profile(flags.profile);
   scene::Scene scene = scene::load(flags.request);
@@ -365,6 +377,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       ->needs("--report");
   command.add_option("--screenshot", flags.files.screenshot, "write a PNG picture of the deepest contact");
   command.add_flag("--headless", flags.headless, "no window, even if there is a display");
+  command.add_flag("--page", flags.page,
+                   "a page in a browser of this computer in place of the window, also without a display");
   command.add_option("--ui-scale", flags.ui_scale,
                      "size of the window's text and panels, 0.5 to 4 (default: from the display)");
   command.add_option("--max-missed", flags.max_missed,
@@ -374,6 +388,9 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
   command.add_option("--igtl", flags.igtl, kIgtlHelp);
   command.add_flag("--no-cache", flags.no_cache, kNoCacheHelp);
   command.add_flag("--json", flags.json, "summary as one JSON document");
+  for (const char* const other :
+       {"--offline", "--headless", "--report", "--screenshot", "--igtl", "--max-missed", "--ui-scale"})
+    command.get_option("--page")->excludes(other);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // `palpate serve`: serves the live interface, by which other programs watch and control runs
-// (docs/live-interface.md).
+// (docs/live-interface.md). `palpate run --page`: the same for one browser on this computer.
+#include "app/serve.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -19,11 +21,13 @@
 #include "io/system/file_exists.h"
 #include "io/system/input_file.h"
 #include "io/system/path_text.h"
+#include "io/system/plugin.h"
 #include "net/live_access.h"
 #include "net/live_server.h"
 #include "palpate/error.h"
 #include "run/session/usable_core.h"
 
+#include "app/browser.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"
@@ -47,6 +51,7 @@ struct ServeFlags {
   fs::path page;
   bool new_token = false;
   bool wait = false;
+  bool browser = false;  // opens the page in a browser of this computer
 };
 
 // Media types by file name extension. Files with other extensions are not sent.
@@ -102,6 +107,19 @@ net::LiveOptions server_options(const ServeFlags& flags) {
   return options;
 }
 
+/// The folder of the page in a Windows zip, an installation or a build; a build without the page's own
+/// picture has its plain version. @throws InputError
+fs::path page_of_program() {
+  const fs::path program = folder_of_program();
+  for (const char* const place :
+       {"page", "../share/palpate/page", "../../page/live", "../../../examples/live"}) {
+    const fs::path folder = (program / place).lexically_normal();
+    if (!program.empty() && file_exists(folder / "index.html")) return folder;
+  }
+  throw InputError(
+      "--page: this installation has no page: palpate serve --page index.html serves one of your own");
+}
+
 void check_runs(const ServedOptions& options) {
   session::require_usable_core(options.thread.core, "--core");
   if (!options.recording.empty()) require_regular_file(options.recording, "--record");
@@ -115,8 +133,13 @@ void check_runs(const ServedOptions& options) {
 void report_place(const net::LiveServer& server, const ServeFlags& flags, const net::LiveOptions& options) {
   const std::string place = fmt::format("{}:{}", server.host(), server.port());
   report_message("serving ws://" + place + "/; Ctrl-C ends the server");
-  if (!options.page.empty()) report_message("the page for a browser is at http://" + place + "/");
-  if (flags.new_token) report_message("token for hello: " + options.token);
+  const std::string page = "http://" + place + "/" + (flags.browser ? "#" + options.token : "");
+  if (!options.page.empty()) report_message("the page for a browser is at " + page);
+  if (flags.browser && !open_in_browser(page)) {
+    report_message("open it in a browser of this computer; from another one: ssh -L " +
+                   fmt::format("{0}:127.0.0.1:{0} HOST, then there", server.port()));
+  }
+  if (flags.new_token && !flags.browser) report_message("token for hello: " + options.token);
   if (!flags.runs.json) return;
   nlohmann::ordered_json line{{"address", server.host()}, {"port", server.port()}};
   if (flags.new_token) line["token"] = options.token;
@@ -196,6 +219,16 @@ void add_serve_flags(CLI::App& command, ServeFlags& flags) {
 }
 
 }  // namespace
+
+int serve_page(ServedOptions runs) {
+  ServeFlags flags;
+  flags.runs = std::move(runs);
+  flags.runs.stop_when_alone = true;
+  flags.port = 0;
+  flags.page = page_of_program();
+  flags.new_token = flags.browser = flags.wait = true;  // a page that is open begins the run
+  return serve(flags);
+}
 
 void add_serve(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand(

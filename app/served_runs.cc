@@ -139,6 +139,7 @@ Json ServedRuns::about_run() {
   if (!accounted_) return about;
   if (const std::optional<RunResult> result = run_->result()) {
     about["ticks"] = result->loop.ticks;
+    about["missed_deadlines"] = result->loop.missed_deadlines;
     about["stopped_early"] = result->loop.stopped_early;
     about["fault"] = haptics::name_of(result->loop.fault);
   }
