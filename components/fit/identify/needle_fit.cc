@@ -267,6 +267,12 @@ void add_repeats(const std::vector<Solved>& each, const Predictions& predictions
 
 }  // namespace
 
+std::pair<std::string, std::string> shown(const NeedleValue& value) {
+  const Estimate& estimate = value.estimate;
+  return {estimate.determined ? brief(estimate.value / value.unit) : "not determined",
+          brief(estimate.interval.low / value.unit) + " to " + brief(estimate.interval.high / value.unit)};
+}
+
 NeedleFit fit_needle(const std::vector<Insertion>& records, const Settings& settings,
                      const Progress& progress) {
   NeedleFit fit;
