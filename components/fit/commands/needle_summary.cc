@@ -46,14 +46,6 @@ Json repeat_json(const NeedleRepeat& repeat) {
           {"punctures", std::move(punctures)}};
 }
 
-std::string value_line(const NeedleValue& value) {
-  const auto in_unit = [&value](double number) { return brief(number / value.unit); };
-  const identify::Interval& interval = value.estimate.interval;
-  return fmt::format("  {:24}{:12}{} to {}{}\n", value.name, in_unit(value.estimate.value),
-                     in_unit(interval.low), in_unit(interval.high),
-                     value.estimate.determined ? "" : ", not determined");
-}
-
 std::string repeat_text(const NeedleRepeat& repeat) {
   std::string text = fmt::format("{}: error {} of the force range ({} N)", repeat.name, percent(repeat.nrmse),
                                  brief(repeat.rms, 3));
@@ -114,7 +106,8 @@ std::string needle_text(const NeedleFit& fit) {
   for (const NeedleValue& value : fit.values) {
     if (value.layer != layer) text += fmt::format(" layer {}\n", value.layer);
     layer = value.layer;
-    text += value_line(value);
+    const auto [best, interval] = shown(value);
+    text += fmt::format("  {:24}{:16}{}\n", value.name, best, interval);
   }
   for (const std::string& warning : fit.warnings) text += "  ! " + warning + '\n';
   return text;

@@ -93,21 +93,8 @@ void residuals(const Problem& problem, const Part& part, std::span<const double>
 [[nodiscard]] std::vector<double> jacobian(const Problem& problem, const Part& part,
                                            std::span<const double> shared, std::span<const double> own);
 
-/// A least-squares problem of few parameters; derivatives are central differences.
-struct SmallProblem {
-  Bounds bounds;
-  std::size_t residuals = 0;
-  std::function<void(std::span<const double>, std::span<double>)> errors;  // maps parameters to residuals
-};
-
-/// [setup] Minimises a SmallProblem by the Levenberg-Marquardt method from `point`, which must lie within the
-/// bounds.
-/// @param held index of a parameter that is held constant; negative: none
-/// @return half the remaining sum of squares; infinite when no step gave finite residuals
-double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held = -1);
-
 /// A least-squares problem of several records with shared parameters and some of their own. A record's
-/// residuals depend on the shared parameters and its own.
+/// residuals depend on the shared parameters and its own, if it has any.
 struct RecordsProblem {
   Bounds shared;
   std::vector<Bounds> own;             // one per record
@@ -120,8 +107,10 @@ struct RecordsProblem {
 
 /// [setup] Minimises a RecordsProblem by the Levenberg-Marquardt method with central differences, from points
 /// within the bounds.
+/// @param held index of a shared parameter that is held constant; negative: none
 /// @return the remaining sum of squares; infinite when no step gave valid residuals
-double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations);
+double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations,
+                int held = -1);
 
 /// [setup] The points sorted by displacement, without times.
 [[nodiscard]] Specimen by_displacement(const Specimen& specimen);

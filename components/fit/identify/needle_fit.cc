@@ -9,16 +9,15 @@
 //             |               \___/
 //
 // 1. Each record alone (own_fit). needle_record.cc finds the places where the force falls: candidates for
-//    punctures. The fit begins with one layer, from several starts (NeedleProblem::starts), and gets one more
-//    as long as the Bayesian information criterion falls by more than kClearly. Its number of rows is the
-//    effective one of correlated residuals; else noise in a row would buy layers. Then a relaxation term more
-//    or fewer is tried by the same rule.
+//    punctures. Each number of layers up to theirs is fitted from several starts (NeedleProblem::starts);
+//    a larger one must lower the Bayesian information criterion by more than kClearly. Its number of rows is
+//    the effective one of correlated residuals; else noise in a row would buy layers. Then a relaxation term
+//    more or fewer is tried by the same rule.
 // 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
 //    left out with a warning. A record whose own numbers differ is fitted again with the chosen ones (alike).
 // 3. Each record's tissue predicts the others, with their own first contact and zero, by the needle that
 //    punctures by its force, not at a given time (predictions_of).
-// 4. One tissue for all records, from the one that predicts best (pooled_of). The range of force and depth of
-//    a record, in which its parameters are, are scaled to those of all.
+// 4. One tissue for all records, from the one that predicts best (pooled_of).
 // 5. Intervals are those of least squares, or of the scatter among the records where that is wider
 //    (needle_intervals.cc).
 //
@@ -99,8 +98,8 @@ double gain_of(const Solved& simple, const Solved& rich) {
          static_cast<double>(rich.parameters() - simple.parameters()) * portable::log(rows);
 }
 
-Solved solved_from_data(const Insertion& record, const Settings& settings, std::size_t layers) {
-  Solved best{NeedleProblem({&record}, settings, layers, kFirstTerms), {}};
+Solved solved_from_data(const Insertion& record, const NeedleSetup& setup, std::size_t layers) {
+  Solved best{NeedleProblem({&record}, setup, layers, kFirstTerms), {}};
   best.solution.squares = kInfinity;
   for (const NeedlePoint& start : best.problem.starts()) {
     NeedlePoint one = best.problem.solved(start, kFirstIterations);
@@ -113,23 +112,23 @@ Solved solved_from_data(const Insertion& record, const Settings& settings, std::
   return best;
 }
 
-Solved with_terms(const Solved& from, std::size_t terms, const Settings& settings) {
+Solved with_terms(const Solved& from, std::size_t terms, const NeedleSetup& setup) {
   std::vector<const Insertion*> records;
   for (std::size_t r = 0; r < from.problem.records(); ++r) records.push_back(&from.problem.record(r));
-  Solved made{NeedleProblem(records, settings, from.problem.layers(), terms), {}};
+  Solved made{NeedleProblem(records, setup, from.problem.layers(), terms), {}};
   made.solution =
       made.problem.solved(made.problem.with_terms(from.solution, from.problem.terms()), kNeedleIterations);
   return made;
 }
 
 /// A relaxation term more where it is clearly better, or fewer where they are.
-Solved with_best_terms(Solved fit, const Settings& settings) {
+Solved with_best_terms(Solved fit, const NeedleSetup& setup) {
   if (fit.problem.terms() < model::kMaxRelaxationTerms) {
-    Solved more = with_terms(fit, fit.problem.terms() + 1, settings);
+    Solved more = with_terms(fit, fit.problem.terms() + 1, setup);
     if (gain_of(fit, more) > kClearly) return more;
   }
   while (fit.problem.terms() > 0) {
-    Solved fewer = with_terms(fit, fit.problem.terms() - 1, settings);
+    Solved fewer = with_terms(fit, fit.problem.terms() - 1, setup);
     if (gain_of(fewer, fit) > -kClearly) break;
     fit = std::move(fewer);
   }
@@ -142,16 +141,15 @@ struct OwnFit {
   std::vector<double> nrmse;
 };
 
-OwnFit own_fit(const Insertion& record, const Settings& settings) {
-  OwnFit fit{solved_from_data(record, settings, 1), {}};
+OwnFit own_fit(const Insertion& record, const NeedleSetup& setup) {
+  OwnFit fit{solved_from_data(record, setup, 1), {}};
   fit.nrmse.push_back(own_error(fit.best));
   for (std::size_t layers = 2; layers <= record.falls.size(); ++layers) {
-    Solved more = solved_from_data(record, settings, layers);
+    Solved more = solved_from_data(record, setup, layers);
     fit.nrmse.push_back(own_error(more));
-    if (gain_of(fit.best, more) < kClearly) break;
-    fit.best = std::move(more);
+    if (gain_of(fit.best, more) > kClearly) fit.best = std::move(more);
   }
-  fit.best = with_best_terms(std::move(fit.best), settings);
+  fit.best = with_best_terms(std::move(fit.best), setup);
   return fit;
 }
 
@@ -167,13 +165,13 @@ std::size_t most_frequent(const std::vector<OwnFit>& fits, const Of& of) {
 
 /// The records' own fits with the same layers and terms.
 std::vector<Solved> alike(const std::vector<const Insertion*>& records, std::vector<OwnFit>& fits,
-                          std::size_t layers, std::size_t terms, const Settings& settings) {
+                          std::size_t layers, std::size_t terms, const NeedleSetup& setup) {
   std::vector<Solved> all;
   for (std::size_t r = 0; r < records.size(); ++r) {
     Solved& best = fits[r].best;
     Solved one =
-        best.problem.layers() == layers ? std::move(best) : solved_from_data(*records[r], settings, layers);
-    all.push_back(one.problem.terms() == terms ? std::move(one) : with_terms(one, terms, settings));
+        best.problem.layers() == layers ? std::move(best) : solved_from_data(*records[r], setup, layers);
+    all.push_back(one.problem.terms() == terms ? std::move(one) : with_terms(one, terms, setup));
   }
   return all;
 }
@@ -184,15 +182,15 @@ struct Predictions {
   std::size_t best = 0;
 };
 
-Predictions predictions_of(const std::vector<Solved>& fits) {
+Predictions predictions_of(const std::vector<Solved>& fits,
+                           const std::vector<model::TissueParameters>& tissues) {
   Predictions made{std::vector<double>(fits.size(), 0.0)};
   double least = kInfinity;
   for (std::size_t from = 0; from < fits.size(); ++from) {
-    const model::TissueParameters tissue = needle_tissue(fits[from].problem, fits[from].solution);
     double sum = 0.0;
     for (std::size_t to = 0; to < fits.size(); ++to) {
       if (to == from) continue;
-      const double error = free_error(tissue, fits[to]);
+      const double error = free_error(tissues[from], fits[to]);
       made.nrmse[to] += error / static_cast<double>(fits.size() - 1);
       sum += error;
     }
@@ -202,30 +200,18 @@ Predictions predictions_of(const std::vector<Solved>& fits) {
   return made;
 }
 
-Solved pooled_of(const std::vector<Solved>& each, std::size_t best, const Settings& settings) {
+/// One tissue for all records, from the one that predicts best.
+Solved pooled_of(const std::vector<Solved>& each, std::size_t best, const NeedleSetup& setup) {
+  if (each.size() == 1) return each.front();
   std::vector<const Insertion*> records;
   NeedlePoint start;
   start.shared = each[best].solution.shared;
-  const NeedleProblem& one = each[best].problem;
   for (const Solved& fit : each) {
     records.push_back(&fit.problem.record(0));
     start.own.push_back(fit.solution.own.front());
   }
-  Solved pooled{NeedleProblem(records, settings, one.layers(), one.terms()), {}};
-  if (each.size() == 1) return each.front();
-  // A single record's forces and lengths are in parts of its own ranges.
-  const double force = one.record(0).range / pooled.problem.range();
-  const double length = one.record(0).deepest / pooled.problem.depth();
-  const std::size_t layers = one.first_of_layers();
-  for (std::size_t i = layers; i < start.shared.size(); ++i) {
-    const bool is_thickness = i >= layers + 3 * one.layers();
-    const bool per_length = !is_thickness && (i - layers) % 3 == 2;
-    start.shared[i] *= is_thickness ? length : per_length ? force / length : force;
-  }
-  for (std::size_t r = 0; r < each.size(); ++r) {
-    start.own[r][0] *= records[r]->deepest / pooled.problem.depth();
-    start.own[r][1] *= records[r]->range / pooled.problem.range();
-  }
+  const NeedleProblem& one = each[best].problem;
+  Solved pooled{NeedleProblem(records, setup, one.layers(), one.terms()), {}};
   pooled.solution = pooled.problem.solved(std::move(start), kNeedleIterations);
   return pooled;
 }
@@ -281,13 +267,24 @@ void add_repeats(const std::vector<Solved>& each, const Predictions& predictions
 
 }  // namespace
 
+std::pair<std::string, std::string> shown(const NeedleValue& value) {
+  const Estimate& estimate = value.estimate;
+  return {estimate.determined ? brief(estimate.value / value.unit) : "not determined",
+          brief(estimate.interval.low / value.unit) + " to " + brief(estimate.interval.high / value.unit)};
+}
+
 NeedleFit fit_needle(const std::vector<Insertion>& records, const Settings& settings,
                      const Progress& progress) {
   NeedleFit fit;
+  NeedleSetup setup{settings};
+  for (const Insertion& record : records) {
+    setup.range = std::max(setup.range, record.range);
+    setup.depth = std::max(setup.depth, record.deepest);
+  }
   std::vector<OwnFit> own;
   for (const Insertion& record : records) {
     progress(static_cast<double>(own.size()) / static_cast<double>(records.size() + 1), record.all.name);
-    own.push_back(own_fit(record, settings));
+    own.push_back(own_fit(record, setup));
     for (std::size_t n = 1; n <= own.back().nrmse.size(); ++n) {
       if (fit.evidence.size() < n) fit.evidence.push_back({n, 0, 0.0, 0});
       fit.evidence[n - 1].nrmse += own.back().nrmse[n - 1];
@@ -310,14 +307,14 @@ NeedleFit fit_needle(const std::vector<Insertion>& records, const Settings& sett
     used.push_back(&records[r]);
     used_fits.push_back(std::move(own[r]));
   }
-  const std::vector<Solved> each = alike(used, used_fits, fit.layers, fit.terms, settings);
-  const Predictions predictions = predictions_of(each);
+  const std::vector<Solved> each = alike(used, used_fits, fit.layers, fit.terms, setup);
+  std::vector<model::TissueParameters> tissues;
+  for (const Solved& one : each) tissues.push_back(needle_tissue(one.problem, one.solution));
+  const Predictions predictions = predictions_of(each, tissues);
   progress(static_cast<double>(records.size()) / static_cast<double>(records.size() + 1), "all records");
-  const Solved pooled = pooled_of(each, predictions.best, settings);
+  const Solved pooled = pooled_of(each, predictions.best, setup);
   fit.tissue = needle_tissue(pooled.problem, pooled.solution);
-  std::vector<std::vector<double>> numbers;
-  for (const Solved& one : each) numbers.push_back(needle_numbers(one.problem, one.solution));
-  fit.values = needle_values(pooled.problem, pooled.solution, numbers);
+  fit.values = needle_values(pooled.problem, pooled.solution, tissues);
   add_repeats(each, predictions, fit);
   add_warnings(each, fit);
   return fit;

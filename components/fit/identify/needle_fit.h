@@ -19,6 +19,10 @@ struct NeedleValue {
   Estimate estimate;  // in SI
 };
 
+/// [setup] A value and its interval for readers, in its unit. A value that the records do not determine has
+/// its interval alone.
+[[nodiscard]] std::pair<std::string, std::string> shown(const NeedleValue& value);
+
 /// What a fit shows of one record.
 struct NeedleRepeat {
   std::string name;

@@ -8,7 +8,6 @@
 
 #include <Eigen/Dense>
 
-#include "core/base/infinity.h"
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 #include "palpate/units.h"
@@ -20,175 +19,129 @@ namespace {
 
 constexpr double kNeedleStep = 1e-4;  // of a parameter in the solver's form, for derivatives
 
-/// Name, unit and layer of each value, and whether its interval is symmetric in the logarithm.
-struct NeedleLabel {
-  NeedleValue value;
-  bool by_logarithm = false;
-  bool is_puncture = false;
-};
-
-std::vector<NeedleLabel> needle_labels(const NeedleProblem& problem) {
-  std::vector<NeedleLabel> all;
-  for (const ParameterLabel& label : labels(problem.terms())) {
-    if (label.shared) all.push_back({{label.name, label.unit, 0, {}}, true});
-    if (label.name == "limit_mm") all.push_back({{"pull_limit_mm", kMillimetre, 0, {}}, true});
+/// The parameters of a tissue's law, relaxation and layers.
+std::vector<NeedleValue> tissue_values(const model::TissueParameters& tissue) {
+  std::vector<NeedleValue> all;
+  int layer = 0;
+  const auto add = [&](std::string name, double value, double unit = 1.0) {
+    all.push_back({std::move(name), unit, layer, {}});
+    all.back().estimate.value = value;
+  };
+  add("k1_N_per_m", tissue.k1);
+  add("beta", tissue.beta);
+  add("q", tissue.q);
+  add("limit_mm", tissue.first_limit(model::Direction::kPress), kMillimetre);
+  add("pull_limit_mm", tissue.first_limit(model::Direction::kPull), kMillimetre);
+  for (std::size_t i = 0; i < tissue.relaxation.size(); ++i) {
+    const std::string term = "relaxation " + std::to_string(i + 1);
+    add(term + " share", tissue.relaxation[i].g);
+    add(term + " time_s", tissue.relaxation[i].tau);
   }
-  for (std::size_t k = 0; k < problem.layers(); ++k) {
-    const int layer = static_cast<int>(k) + 1;
-    if (k + 1 < problem.layers()) all.push_back({{"thickness_mm", kMillimetre, layer, {}}, true});
-    all.push_back({{"puncture_force_N", 1.0, layer, {}}, false, true});
-    all.push_back({{"cutting_force_N", 1.0, layer, {}}});
-    all.push_back({{"friction_N", 1.0, layer, {}}});
-    all.push_back({{"friction_N_per_mm", 1.0 / kMillimetre, layer, {}}});
+  for (const model::TissueLayer& one : tissue.layers) {
+    ++layer;
+    if (&one != &tissue.layers.back()) add("thickness_mm", one.thickness, kMillimetre);
+    add("puncture_force_N", one.puncture_force);
+    add("cutting_force_N", one.cutting_force);
+    add("friction_N", one.friction);
+    add("friction_N_per_mm", one.friction_per_length, 1.0 / kMillimetre);
   }
   return all;
 }
 
-/// Values in the order of needle_labels(). @param punctures mean force of each layer
-std::vector<double> needle_values_at(const NeedleProblem& problem, const Point& shared,
-                                     const std::vector<double>& punctures) {
-  const model::TissueParameters tissue = problem.tissue(shared);
-  std::vector<double> values = {tissue.k1, tissue.beta, tissue.q,
-                                tissue.first_limit(model::Direction::kPress),
-                                tissue.first_limit(model::Direction::kPull)};
-  for (const model::RelaxationTerm& term : tissue.relaxation) values.insert(values.end(), {term.g, term.tau});
-  for (std::size_t k = 0; k < tissue.layers.size(); ++k) {
-    const model::TissueLayer& layer = tissue.layers[k];
-    if (k + 1 < tissue.layers.size()) values.push_back(layer.thickness);
-    values.insert(values.end(),
-                  {punctures[k], layer.cutting_force, layer.friction, layer.friction_per_length});
-  }
-  return values;
-}
+/// Whether a value's interval is symmetric in the logarithm.
+bool by_logarithm(const NeedleValue& value) { return value.layer == 0 || value.name == "thickness_mm"; }
 
-std::vector<double> punctures_of(const NeedleProblem& problem, const NeedleRun& run) {
-  std::vector<double> forces(problem.layers(), 0.0);
-  for (std::size_t k = 0; k < std::min(forces.size(), run.punctures.size()); ++k)
-    forces[k] = run.punctures[k].tip;
-  return forces;
-}
-
-/// Sums for the covariance: of the parameters' normal equations, and the derivatives of the values.
-struct Sums {
-  Eigen::MatrixXd normal;
-  Eigen::MatrixXd slopes;  // one row a value
+/// Residuals of all records, and the tissue with the mean of their puncture forces.
+struct Outcome {
+  std::vector<double> residuals;
+  model::TissueParameters tissue;
 };
 
-Sums sums_of(const NeedleProblem& problem, const NeedlePoint& solution,
-             const std::vector<NeedleLabel>& label) {
-  const std::size_t shared = solution.shared.size();
-  std::size_t all = shared;
-  for (const Point& own : solution.own) all += own.size();
-  const auto size = static_cast<Eigen::Index>(all);
-  Sums sums{Eigen::MatrixXd::Zero(size, size),
-            Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(label.size()), size)};
-  const std::vector<double> no_punctures(problem.layers(), 0.0);
-  for (std::size_t i = 0; i < shared; ++i) {
-    Point up = solution.shared;
-    Point down = solution.shared;
-    up[i] += kNeedleStep;
-    down[i] -= kNeedleStep;
-    const std::vector<double> high = needle_values_at(problem, up, no_punctures);
-    const std::vector<double> low = needle_values_at(problem, down, no_punctures);
-    for (std::size_t v = 0; v < label.size(); ++v)
-      sums.slopes(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(i)) =
-          (high[v] - low[v]) / (2 * kNeedleStep);
-  }
-  std::size_t begin = shared;  // of the record's own parameters
+Outcome outcome_at(const NeedleProblem& problem, const NeedlePoint& point) {
+  Outcome outcome{{}, problem.tissue(point.shared)};
   for (std::size_t r = 0; r < problem.records(); ++r) {
-    const std::size_t own = solution.own[r].size();
-    const auto rows = static_cast<Eigen::Index>(problem.record(r).thinned.size() + problem.priors());
-    Eigen::MatrixXd jacobian(rows, static_cast<Eigen::Index>(shared + own));
-    for (std::size_t i = 0; i < shared + own; ++i) {
-      const auto run_at = [&](double step) {
-        Point point = solution.shared;
-        Point mine = solution.own[r];
-        (i < shared ? point[i] : mine[i - shared]) += step;
-        return problem.at(r, point, mine);
-      };
-      const NeedleProblem::Result high = run_at(kNeedleStep);
-      const NeedleProblem::Result low = run_at(-kNeedleStep);
-      const auto column = static_cast<Eigen::Index>(i);
-      const auto place = static_cast<Eigen::Index>(i < shared ? i : begin + i - shared);
-      for (Eigen::Index row = 0; row < rows; ++row) {
-        const auto at = static_cast<std::size_t>(row);
-        const bool valid = high.residuals.size() == low.residuals.size() && at < high.residuals.size();
-        jacobian(row, column) = valid ? (high.residuals[at] - low.residuals[at]) / (2 * kNeedleStep) : 0.0;
-      }
-      const std::vector<double> more = punctures_of(problem, high.run);
-      const std::vector<double> less = punctures_of(problem, low.run);
-      std::size_t layer = 0;
-      for (std::size_t v = 0; v < label.size(); ++v) {
-        if (!label[v].is_puncture) continue;
-        sums.slopes(static_cast<Eigen::Index>(v), place) +=
-            (more[layer] - less[layer]) / (2 * kNeedleStep) / static_cast<double>(problem.records());
-        ++layer;
-      }
-    }
-    const Eigen::MatrixXd product = jacobian.transpose() * jacobian;
-    for (std::size_t i = 0; i < shared + own; ++i) {
-      for (std::size_t j = 0; j < shared + own; ++j) {
-        sums.normal(static_cast<Eigen::Index>(i < shared ? i : begin + i - shared),
-                    static_cast<Eigen::Index>(j < shared ? j : begin + j - shared)) +=
-            product(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      }
-    }
-    begin += own;
+    const NeedleProblem::Result one = problem.at(r, point.shared, point.own[r]);
+    outcome.residuals.insert(outcome.residuals.end(), one.residuals.begin(), one.residuals.end());
+    for (std::size_t k = 0; k < one.run.punctures.size(); ++k)
+      outcome.tissue.layers[k].puncture_force +=
+          one.run.punctures[k].tip / static_cast<double>(problem.records());
   }
-  return sums;
+  return outcome;
+}
+
+/// Derivatives by all parameters, shared ones first: of the residuals, and of the values.
+struct Slopes {
+  Eigen::MatrixXd residuals;
+  Eigen::MatrixXd values;
+};
+
+Slopes slopes_at(const NeedleProblem& problem, NeedlePoint point) {
+  std::vector<double*> parameters;
+  for (double& one : point.shared) parameters.push_back(&one);
+  for (Point& own : point.own) {
+    for (double& one : own) parameters.push_back(&one);
+  }
+  const Outcome middle = outcome_at(problem, point);
+  const auto columns = static_cast<Eigen::Index>(parameters.size());
+  const auto rows = static_cast<Eigen::Index>(middle.residuals.size());
+  const auto values = static_cast<Eigen::Index>(tissue_values(middle.tissue).size());
+  Slopes slopes{Eigen::MatrixXd::Zero(rows, columns), Eigen::MatrixXd::Zero(values, columns)};
+  for (Eigen::Index i = 0; i < columns; ++i) {
+    double& parameter = *parameters[static_cast<std::size_t>(i)];
+    const double here = parameter;
+    parameter = here + kNeedleStep;
+    const Outcome up = outcome_at(problem, point);
+    parameter = here - kNeedleStep;
+    const Outcome down = outcome_at(problem, point);
+    parameter = here;
+    const auto slope = [](double high, double low) { return (high - low) / (2 * kNeedleStep); };
+    const std::vector<NeedleValue> high = tissue_values(up.tissue);
+    const std::vector<NeedleValue> low = tissue_values(down.tissue);
+    for (std::size_t v = 0; v < high.size(); ++v)
+      slopes.values(static_cast<Eigen::Index>(v), i) = slope(high[v].estimate.value, low[v].estimate.value);
+    if (up.residuals.size() != down.residuals.size()) continue;  // no valid law
+    for (std::size_t row = 0; row < up.residuals.size(); ++row)
+      slopes.residuals(static_cast<Eigen::Index>(row), i) = slope(up.residuals[row], down.residuals[row]);
+  }
+  return slopes;
 }
 
 /// Standard deviation of each value for residuals of variance 1. Directions that the residuals do not depend
 /// on get a large variance.
-Eigen::VectorXd spreads_of(const Sums& sums) {
+Eigen::VectorXd spreads_of(const Slopes& slopes) {
   constexpr double kFlat = 1e-10;  // of the largest, with each parameter's diagonal at 1
+  const Eigen::MatrixXd normal = slopes.residuals.transpose() * slopes.residuals;
   const Eigen::VectorXd scale =
-      sums.normal.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.normal * scale.asDiagonal();
+      normal.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
   const double least = kFlat * solver.eigenvalues().maxCoeff();
   const Eigen::VectorXd lengths = solver.eigenvalues().cwiseMax(least).cwiseSqrt().cwiseInverse();
   // By rows of half the product: the product itself may be negative by rounding, or infinity times zero.
-  const Eigen::MatrixXd slopes = sums.slopes * scale.asDiagonal();
-  return (slopes * solver.eigenvectors() * lengths.asDiagonal()).rowwise().norm();
+  return (slopes.values * scale.asDiagonal() * solver.eigenvectors() * lengths.asDiagonal()).rowwise().norm();
 }
 
-/// Sets the interval, and whether the value is determined: to half of itself, or a force to 2 % of the range.
-void set_interval(Estimate& estimate, double error, bool by_logarithm, double negligible) {
+/// Sets the interval, and whether the value is determined: to half of itself, or a force to `negligible`.
+void set_interval(NeedleValue& value, double error, double negligible) {
   constexpr double kWidest = 0.5;      // half width of an interval, of its value
   constexpr double kLargestLog = 7.0;  // beyond a factor 1000 no interval says more
-  if (by_logarithm) {
+  Estimate& estimate = value.estimate;
+  if (by_logarithm(value)) {
     const double factor = portable::exp(std::min(kLargestLog, error / std::abs(estimate.value)));
     estimate.interval = {estimate.value / factor, estimate.value * factor};
+    negligible = 0.0;
   } else {
     estimate.interval = {std::max(0.0, estimate.value - error), estimate.value + error};
   }
+  if (value.name.ends_with("share")) estimate.interval.high = std::min(1.0, estimate.interval.high);
   const double half = 0.5 * (estimate.interval.high - estimate.interval.low);
   estimate.determined = half < std::max(kWidest * std::abs(estimate.value), negligible);
 }
 
 }  // namespace
 
-std::vector<double> needle_numbers(const NeedleProblem& problem, const NeedlePoint& solution) {
-  std::vector<double> punctures(problem.layers(), 0.0);
-  for (std::size_t r = 0; r < problem.records(); ++r) {
-    const std::vector<double> one =
-        punctures_of(problem, problem.at(r, solution.shared, solution.own[r]).run);
-    for (std::size_t k = 0; k < one.size(); ++k)
-      punctures[k] += one[k] / static_cast<double>(problem.records());
-  }
-  return needle_values_at(problem, solution.shared, punctures);
-}
-
 model::TissueParameters needle_tissue(const NeedleProblem& problem, const NeedlePoint& solution) {
-  model::TissueParameters tissue = problem.tissue(solution.shared);
-  const std::vector<double> numbers = needle_numbers(problem, solution);
-  const std::vector<NeedleLabel> labels = needle_labels(problem);
-  for (std::size_t v = 0; v < labels.size(); ++v) {
-    if (!labels[v].is_puncture) continue;
-    tissue.layers[static_cast<std::size_t>(labels[v].value.layer - 1)].puncture_force = numbers[v];
-  }
-  return tissue;
+  return outcome_at(problem, solution).tissue;
 }
 
 double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution) {
@@ -202,46 +155,32 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
 }
 
 std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const NeedlePoint& solution,
-                                       const std::vector<std::vector<double>>& each) {
+                                       const std::vector<model::TissueParameters>& each) {
   constexpr double kNegligible = 0.02;  // of the range of force
   // Least squares knows one optimum; a needle's fit has others beside it, as numbers of the law compensate
   // for one another. With this factor the intervals hold the truth about as often as they say
   // (docs/needle.md).
   constexpr double kOtherOptima = 2.3;
-  const std::vector<NeedleLabel> labels = needle_labels(problem);
-  const std::vector<double> numbers = needle_numbers(problem, solution);
-  const Sums sums = sums_of(problem, solution, labels);
-  const Eigen::VectorXd spreads = spreads_of(sums);
-  double points = 0.0;
-  for (std::size_t r = 0; r < problem.records(); ++r)
-    points += static_cast<double>(problem.record(r).thinned.size());
-  const auto parameters = static_cast<double>(sums.normal.rows());
-  const double effective =
-      limited_sample_size(effective_rows(problem, solution), static_cast<std::size_t>(points),
-                          static_cast<std::size_t>(sums.normal.rows()));
-  const double variance = solution.squares / std::max(1.0, points - parameters) * points / effective;
-  const double quantile = student_t_quantile(effective - parameters);
-  const Insertion& first = problem.record(0);
-  std::vector<NeedleValue> values;
-  for (std::size_t v = 0; v < labels.size(); ++v) {
-    NeedleValue made = labels[v].value;
-    made.estimate.value = numbers[v];
-    double error = kOtherOptima * quantile * std::sqrt(variance) * spreads(static_cast<Eigen::Index>(v));
+  const Slopes slopes = slopes_at(problem, solution);
+  const Eigen::VectorXd spreads = spreads_of(slopes);
+  std::size_t rows = 0;
+  for (std::size_t r = 0; r < problem.records(); ++r) rows += problem.record(r).thinned.size();
+  const auto parameters = static_cast<std::size_t>(slopes.residuals.cols());
+  const auto points = static_cast<double>(rows);
+  const auto count = static_cast<double>(parameters);
+  const double effective = limited_sample_size(effective_rows(problem, solution), rows, parameters);
+  const double variance = solution.squares / std::max(1.0, points - count) * points / effective;
+  const double factor = kOtherOptima * student_t_quantile(effective - count) * std::sqrt(variance);
+  std::vector<NeedleValue> values = tissue_values(needle_tissue(problem, solution));
+  const auto fits = static_cast<double>(each.size());
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    double error = factor * spreads(static_cast<Eigen::Index>(v));
     std::vector<double> others;
-    for (const std::vector<double>& one : each) others.push_back(one[v]);
-    if (others.size() > 1) {
-      const auto count = static_cast<double>(others.size());
-      error =
-          std::max(error, student_t_quantile(count - 1.0) * standard_deviation(others) / std::sqrt(count));
-    }
-    const bool per_length = made.name == "friction_N_per_mm";
-    const double negligible = made.layer == 0 || labels[v].by_logarithm
-                                  ? 0.0
-                                  : kNegligible * first.range / (per_length ? first.deepest : 1.0);
-    set_interval(made.estimate, error, labels[v].by_logarithm, negligible);
-    if (made.name.ends_with("share"))
-      made.estimate.interval.high = std::min(1.0, made.estimate.interval.high);
-    values.push_back(std::move(made));
+    for (const model::TissueParameters& one : each) others.push_back(tissue_values(one)[v].estimate.value);
+    if (others.size() > 1)
+      error = std::max(error, student_t_quantile(fits - 1.0) * standard_deviation(others) / std::sqrt(fits));
+    const double length = values[v].name == "friction_N_per_mm" ? problem.record(0).deepest : 1.0;
+    set_interval(values[v], error, kNegligible * problem.record(0).range / length);
   }
   return values;
 }

@@ -8,16 +8,13 @@ namespace palpate::identify {
 
 /// [setup] The parameters of a tissue's law, relaxation and layers at a solution, with 95 % intervals: by the
 /// covariance of the least-squares fit, whose residuals are taken as autocorrelated, or from how the records'
-/// own fits scatter where that is wider. @param each fits of the single records, with the same layers and
+/// own fits scatter where that is wider. @param each tissues of the single records, with the same layers and
 /// terms
 [[nodiscard]] std::vector<NeedleValue> needle_values(const NeedleProblem& problem,
                                                      const NeedlePoint& solution,
-                                                     const std::vector<std::vector<double>>& each);
+                                                     const std::vector<model::TissueParameters>& each);
 
-/// [setup] Values alone, in the order of needle_values(), SI. A puncture force is the mean of the records'.
-[[nodiscard]] std::vector<double> needle_numbers(const NeedleProblem& problem, const NeedlePoint& solution);
-
-/// [setup] The tissue with its puncture forces.
+/// [setup] The tissue. A puncture force is the mean of the records'.
 [[nodiscard]] model::TissueParameters needle_tissue(const NeedleProblem& problem,
                                                     const NeedlePoint& solution);
 

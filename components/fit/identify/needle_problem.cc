@@ -30,7 +30,8 @@ constexpr double kMostForce = 2.0;      // of the range
 constexpr double kThinnest = 0.005;     // layer, of the depth
 constexpr double kContactReach = 0.15;  // of the depth
 constexpr double kZeroReach = 0.2;      // of the range
-constexpr double kPriorLaw = 0.01;  // weight of usual values, which settles what compensates for each other
+constexpr double kPriorLaw = 0.01;   // weight of usual values, which settles what compensates for each other
+constexpr double kShallower = 0.85;  // of the length inside at a puncture
 constexpr std::size_t kPressStarts = 3;
 
 /// The press before the first fall, with contact near displacement 0.
@@ -65,14 +66,17 @@ double force_near(const NeedleRecord& record, double from, double to) {
 
 }  // namespace
 
-NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const Settings& settings,
+NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const NeedleSetup& setup,
                              std::size_t layers, std::size_t terms)
-    : records_(std::move(records)), settings_(settings), layers_(layers), terms_(terms) {
+    : records_(std::move(records)),
+      settings_(setup.settings),
+      layers_(layers),
+      terms_(terms),
+      range_(setup.range),
+      depth_(setup.depth) {
   Ranges ranges;
   ranges.shortest_step = kInfinity;
   for (const Insertion* one : records_) {
-    range_ = std::max(range_, one->range);
-    depth_ = std::max(depth_, one->deepest);
     ranges.duration = std::max(ranges.duration, one->all.time.back() - one->all.time.front());
     ranges.shortest_step = std::min(ranges.shortest_step, 0.04);
     std::vector<Fall> falls(one->falls.begin(), one->falls.begin() + static_cast<std::ptrdiff_t>(layers_));
@@ -172,17 +176,9 @@ NeedlePoint NeedleProblem::solved(NeedlePoint from, int most_iterations) const {
   return from;
 }
 
-std::vector<double> NeedleProblem::residuals(const NeedlePoint& solution) const {
-  std::vector<double> all;
-  for (std::size_t r = 0; r < records_.size(); ++r) {
-    const Result result = at(r, solution.shared, solution.own[r]);
-    all.insert(all.end(), result.residuals.begin(), result.residuals.end());
-  }
-  return all;
-}
-
-NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double zero) const {
-  constexpr double kPhi = 0.3;  // of the friction that does not grow with the length
+NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double zero, double reached) const {
+  constexpr double kPhi = 0.3;       // of the friction that does not grow with the length
+  constexpr double kFallen = 80e-3;  // s, after which a fall is over
   const Insertion& insertion = *records_.front();
   const NeedleRecord& rows = insertion.thinned;
   const double turn = insertion.all.time[insertion.turn];
@@ -215,17 +211,22 @@ NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double z
     return at - press.deformation_under(force_near(insertion.all, time - 0.02, time) - zero).depth;
   };
   const double longest = std::max(0.1 * depth_, inside(turn));
+  std::vector<double> thicknesses;
+  double before = 0.0;  // [m], length inside at the layer's puncture
   for (std::size_t k = 0; k < layers_; ++k) {
-    start.shared.push_back(std::max(0.05, (cutting - friction) / range_));
+    const double fallen = falls_.front()[k].time + kFallen;
+    if (k > 0) {
+      const double boundary = std::max(before + 0.02 * depth_, reached * inside(falls_.front()[k].time));
+      thicknesses.push_back((boundary - before) / depth_);
+      before = boundary;
+    }
+    const double cuts =
+        force_near(insertion.all, fallen, fallen + kFallen) - zero - friction * before / longest;
+    start.shared.push_back(std::max(0.05, cuts / range_));
     start.shared.push_back(kPhi * friction / range_ / static_cast<double>(layers_));
     start.shared.push_back((1.0 - kPhi) * friction / range_ * depth_ / longest);
   }
-  double before = 0.0;
-  for (std::size_t k = 1; k < layers_; ++k) {
-    const double boundary = std::max(before + 0.02 * depth_, inside(falls_.front()[k].time));
-    start.shared.push_back((boundary - before) / depth_);
-    before = boundary;
-  }
+  start.shared.insert(start.shared.end(), thicknesses.begin(), thicknesses.end());
   start.own = {{contact / depth_, zero / range_}};
   start.own.front().resize(2 + layers_, 0.0);
   return start;
@@ -240,9 +241,14 @@ std::vector<NeedlePoint> NeedleProblem::starts() const {
   const Ranges& ranges = problem.parts.front().ranges;
   std::vector<NeedlePoint> all;
   for (const Solution& one : optima.all) {
-    if (all.size() == kPressStarts) break;
+    if (all.size() >= kPressStarts) break;
     const Point& own = one.own.front();
-    all.push_back(start_from(one.shared, press.shift + own[0] * ranges.displacement, own[1] * ranges.force));
+    // A membrane that the needle does not reach in the simulation has no derivatives: one start is shallower.
+    for (const double reached : {1.0, kShallower}) {
+      all.push_back(
+          start_from(one.shared, press.shift + own[0] * ranges.displacement, own[1] * ranges.force, reached));
+      if (layers_ == 1) break;
+    }
   }
   return all;
 }

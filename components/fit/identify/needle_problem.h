@@ -15,14 +15,21 @@ struct NeedlePoint {
   double squares = 0.0;    // sum of squared residuals
 };
 
+/// What the problems of a fit have in common: parameters of one are those of another.
+struct NeedleSetup {
+  Settings settings;
+  double range = 0.0;  // of the force [N], the largest of all records
+  double depth = 0.0;  // [m], the largest
+};
+
 /// Parameters of a needle's fit in the form of the solver. Shared: those of the law and its relaxation (as in
 /// a Point), the logarithm of the pulled law's L_1, for each layer cutting force, friction and friction per
 /// length, and the thicknesses of all layers but the last. A record's own: first contact, the sensor's zero,
 /// and the time of each puncture. Forces are in parts of the range of force, lengths of that of the depth.
 class NeedleProblem final {
  public:
-  /// [setup] @param records must outlive this @param range of the force [N] @param depth [m]
-  NeedleProblem(std::vector<const Insertion*> records, const Settings& settings, std::size_t layers,
+  /// [setup] @param records must outlive this
+  NeedleProblem(std::vector<const Insertion*> records, const NeedleSetup& setup, std::size_t layers,
                 std::size_t terms);
 
   /// What one record gives at a point.
@@ -44,32 +51,27 @@ class NeedleProblem final {
 
   /// [setup] The tissue. Its layers have no puncture forces.
   [[nodiscard]] model::TissueParameters tissue(std::span<const double> shared) const;
-  /// [setup] All residuals of a solution in one row.
-  [[nodiscard]] std::vector<double> residuals(const NeedlePoint& solution) const;
 
   [[nodiscard]] double contact(std::span<const double> own) const { return own[0] * depth_; }
   [[nodiscard]] double zero(std::span<const double> own) const { return own[1] * range_; }
-  [[nodiscard]] double range() const noexcept { return range_; }
-  [[nodiscard]] double depth() const noexcept { return depth_; }
   [[nodiscard]] const Insertion& record(std::size_t i) const { return *records_[i]; }
   [[nodiscard]] std::size_t records() const noexcept { return records_.size(); }
   [[nodiscard]] std::size_t layers() const noexcept { return layers_; }
   [[nodiscard]] std::size_t terms() const noexcept { return terms_; }
   /// Residuals after those of the rows, which are weak priors: of the zero, the law and the relaxation.
   [[nodiscard]] std::size_t priors() const noexcept { return 3 + terms_; }
-  [[nodiscard]] std::size_t first_of_layers() const noexcept { return shared_count(terms_) + 1; }
 
  private:
   [[nodiscard]] std::vector<double> times_of(std::size_t record, std::span<const double> own) const;
-  [[nodiscard]] NeedlePoint start_from(const Point& law, double contact, double zero) const;
+  [[nodiscard]] NeedlePoint start_from(const Point& law, double contact, double zero, double reached) const;
   [[nodiscard]] Bounds own_bounds_of(std::size_t record) const;
 
   std::vector<const Insertion*> records_;
   Settings settings_;
   std::size_t layers_;
   std::size_t terms_;
-  double range_ = 0.0;
-  double depth_ = 0.0;
+  double range_;
+  double depth_;
   Bounds bounds_;
   std::vector<std::vector<Fall>> falls_;  // of each record: the largest, in the order of time
 };

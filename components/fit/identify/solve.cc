@@ -98,63 +98,37 @@ double solve_dense(ceres::Problem& all, int most_iterations) {
   return summary.IsSolutionUsable() ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
 
-/// Adapter of a SmallProblem for Ceres.
-class SmallErrors final {
- public:
-  explicit SmallErrors(const SmallProblem& problem) : problem_(problem) {}
-
-  bool operator()(double const* const* blocks, double* errors) const {
-    problem_.errors({blocks[0], problem_.bounds.low.size()}, {errors, problem_.residuals});
-    return true;
-  }
-
- private:
-  const SmallProblem& problem_;
-};
-
 }  // namespace
 
-double minimise(const SmallProblem& problem, Point& point, int most_iterations, int held) {
-  const QuietLibrary quiet;
-  const std::size_t count = point.size();
-  ceres::Problem all;
-  all.AddParameterBlock(point.data(), static_cast<int>(count));
-  set_bounds(all, point.data(), problem.bounds);
-  if (held >= 0) hold(all, point.data(), count, static_cast<std::size_t>(held));
-  using Cost = ceres::DynamicNumericDiffCostFunction<SmallErrors, ceres::CENTRAL>;
-  auto cost =
-      std::make_unique<Cost>(std::make_unique<SmallErrors>(problem).release());  // ownership passes to `cost`
-  cost->AddParameterBlock(static_cast<int>(count));
-  cost->SetNumResiduals(static_cast<int>(problem.residuals));
-  all.AddResidualBlock(cost.release(), nullptr, point.data());  // the problem owns it
-  return solve_dense(all, most_iterations);
-}
-
-double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations) {
+double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>& own, int most_iterations,
+                int held) {
   const QuietLibrary quiet;
   Point flat;  // one array: Ceres orders blocks by their address
   for (const Point& one : own) flat.insert(flat.end(), one.begin(), one.end());
   ceres::Problem all;
   all.AddParameterBlock(shared.data(), static_cast<int>(shared.size()));
   set_bounds(all, shared.data(), problem.shared);
+  if (held >= 0) hold(all, shared.data(), shared.size(), static_cast<std::size_t>(held));
   double* block = flat.data();
-  for (std::size_t i = 0; i < own.size(); ++i) {
-    const auto errors = [&problem, i](double const* const* blocks, double* out) {
-      const std::span<double> values(out, problem.residuals[i]);
-      return problem.errors(i, {blocks[0], problem.shared.low.size()}, {blocks[1], problem.own[i].low.size()},
-                            values);
+  for (std::size_t i = 0; i < problem.own.size(); ++i) {
+    const std::size_t count = problem.own[i].low.size();
+    const auto errors = [&problem, i, count](double const* const* blocks, double* out) {
+      return problem.errors(i, {blocks[0], problem.shared.low.size()},
+                            {count > 0 ? blocks[1] : nullptr, count}, {out, problem.residuals[i]});
     };
     ceres::NumericDiffOptions steps;
     steps.relative_step_size = 1e-5;
     using Cost = ceres::DynamicNumericDiffCostFunction<decltype(errors), ceres::CENTRAL>;
     auto cost = std::make_unique<Cost>(std::make_unique<decltype(errors)>(errors).release(),
                                        ceres::TAKE_OWNERSHIP, steps);
+    std::vector<double*> blocks = {shared.data()};
+    if (count > 0) blocks.push_back(block);
     cost->AddParameterBlock(static_cast<int>(shared.size()));
-    cost->AddParameterBlock(static_cast<int>(own[i].size()));
+    if (count > 0) cost->AddParameterBlock(static_cast<int>(count));
     cost->SetNumResiduals(static_cast<int>(problem.residuals[i]));
-    all.AddResidualBlock(cost.release(), nullptr, shared.data(), block);  // the problem owns it
-    set_bounds(all, block, problem.own[i]);
-    block += own[i].size();
+    all.AddResidualBlock(cost.release(), nullptr, blocks);  // the problem owns it
+    if (count > 0) set_bounds(all, block, problem.own[i]);
+    block += count;
   }
   const double cost = solve_dense(all, most_iterations);
   block = flat.data();

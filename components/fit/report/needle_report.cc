@@ -49,16 +49,11 @@ plot 'curve.dat' using 2:($4-$3) with points pt 7 ps 0.3 lc rgb '{}', 0 with lin
       two_panes(680, kKeyLeft, 0.36, upper, lower), {std::move(data), std::move(punctures)});
 }
 
-std::string in_unit(double value, const identify::NeedleValue& of) { return brief(value / of.unit); }
-
 TableRows value_table(const std::vector<identify::NeedleValue>& values) {
   TableRows rows = {{"parameter", "layer", "best", "95 % interval"}};
   for (const identify::NeedleValue& value : values) {
-    const identify::Interval& interval = value.estimate.interval;
-    rows.push_back({escaped(value.name), value.layer > 0 ? std::to_string(value.layer) : "",
-                    in_unit(value.estimate.value, value),
-                    in_unit(interval.low, value) + " to " + in_unit(interval.high, value) +
-                        (value.estimate.determined ? "" : ", not determined")});
+    const auto [best, interval] = shown(value);
+    rows.push_back({escaped(value.name), value.layer > 0 ? std::to_string(value.layer) : "", best, interval});
   }
   return rows;
 }

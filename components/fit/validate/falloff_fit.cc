@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "palpate/error.h"
 #include "palpate/validate.h"
@@ -43,11 +44,15 @@ double solve_from(const std::vector<ProfileSample>& samples, const SurfaceRule& 
                   identify::Point& shape) {
   identify::Bounds bounds{kLow, kHigh};
   bounds.low[kExponent] = std::min(kLow[kExponent], shape[kExponent]);  // a fixed p may be below the bound
-  identify::SmallProblem problem{bounds, 0, [&](std::span<const double> at, std::span<double> errors) {
-                                   profile_errors(samples, rule, at, errors);
-                                 }};
-  for (const ProfileSample& sample : samples) problem.residuals += sample.deformation.size();
-  return identify::minimise(problem, shape, 100, keep_exponent ? static_cast<int>(kExponent) : -1);
+  identify::RecordsProblem problem{bounds, {{}}, {0}, {}};
+  problem.errors = [&](std::size_t, std::span<const double> at, std::span<const double>,
+                       std::span<double> errors) {
+    profile_errors(samples, rule, at, errors);
+    return true;
+  };
+  for (const ProfileSample& sample : samples) problem.residuals[0] += sample.deformation.size();
+  std::vector<identify::Point> none;
+  return identify::minimise(problem, shape, none, 100, keep_exponent ? static_cast<int>(kExponent) : -1);
 }
 
 /// Whether the depths of the samples differ enough to determine p.

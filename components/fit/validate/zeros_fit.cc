@@ -3,6 +3,7 @@
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
@@ -64,10 +65,14 @@ double descend_to_zeros(const Search& search, identify::Point& own) {
   const identify::Bounds bounds = identify::own_bounds(search.prior);
   for (std::size_t i = 0; i < identify::kOwnParameters; ++i)
     own[i] = std::clamp(own[i], bounds.low[i], bounds.high[i]);
-  const auto errors = [&search](std::span<const double> at, std::span<double> out) {
+  identify::RecordsProblem problem{bounds, {{}}, {search.specimen.size() + identify::kOwnParameters}, {}};
+  problem.errors = [&search](std::size_t, std::span<const double> at, std::span<const double>,
+                             std::span<double> out) {
     zero_errors(search, at, out);
+    return true;
   };
-  return identify::minimise({bounds, search.specimen.size() + identify::kOwnParameters, errors}, own, 60);
+  std::vector<identify::Point> none;
+  return 0.5 * identify::minimise(problem, own, none, 60);
 }
 
 /// The best of descents from several first contacts across the bounds, and from `own`.

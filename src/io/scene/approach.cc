@@ -18,6 +18,7 @@ constexpr double kThickEnough = 1.25;  // of the requested depth
 constexpr double kFacing =
     0.35;                      // cosine of about 70 degrees: faces with a larger angle belong to another side
 constexpr double kFlat = 0.7;  // least flatness; a sphere of the region's radius has 0.78
+constexpr double kBroad = 0.75;   // least breadth; a strip as wide as the region's radius has 0.75
 constexpr double kSteep = 0.36;   // tangent of 20 degrees: tool points above this cone must stay outside
 constexpr double kBeside = 2e-3;  // m, above the touch: tool points below this height may press too
 constexpr double kFineTriangles = 2e4;  // triangles of the refined organ
@@ -119,6 +120,8 @@ bool ApproachFinder::is_free(const Approach& approach, double depth) const {
   return true;
 }
 
+bool ApproachFinder::LocalShape::is_flat() const { return flatness >= kFlat && breadth >= kBroad; }
+
 ApproachFinder::LocalShape ApproachFinder::local_shape(const Vec3& point, const Vec3& outward,
                                                        double depth) const {
   const double radius = std::clamp(depth, kLeastRadius, kGreatestRadius);
@@ -161,7 +164,7 @@ ApproachCheck ApproachFinder::check_from(const Approach& approach, std::int32_t 
 }
 
 ApproachCheck ApproachFinder::check(const Approach& approach, double depth) const {
-  if (local_shape(approach.touch, -approach.direction, depth).flatness < kFlat) return {};
+  if (!local_shape(approach.touch, -approach.direction, depth).is_flat()) return {};
   const auto nearer = [&](const Vec3& a, const Vec3& b) {
     return (a - approach.touch).squaredNorm() < (b - approach.touch).squaredNorm();
   };
@@ -185,7 +188,7 @@ CheckedApproach ApproachFinder::best(const Vec3& up, double depth) const {
     if (passed < next) continue;
     next += whole / kPlaces;
     const LocalShape shape = local_shape(middles_[t], areas_[t].normalized(), depth);
-    if (shape.flatness < kFlat) continue;
+    if (!shape.is_flat()) continue;
     candidates.push_back({{middles_[t], -shape.normal},
                           static_cast<std::int32_t>(t),
                           shape.flatness * shape.breadth + kFromAbove * shape.normal.dot(up)});

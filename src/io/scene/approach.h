@@ -56,6 +56,7 @@ class ApproachFinder final {
     Vec3 normal = Vec3::UnitZ();  // unit, mean around the point
     double flatness = 0.0;        // 0 .. 1: how well the normals on this side agree
     double breadth = 0.0;         // 0 .. 1: area around the point, relative to a flat disc
+    [[nodiscard]] bool is_flat() const;
   };
 
   /// As check(), for a flat point; `start` is the triangle of fine_ that has the touch.

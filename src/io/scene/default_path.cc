@@ -20,9 +20,12 @@
 namespace palpate::scene {
 namespace {
 
-constexpr double kClearance = 10e-3;    // m, above the surface at the start and the end
-constexpr double kTravel = 12e-3;       // m, of depth or lift
-constexpr double kInsertion = 60e-3;    // m, of a needle
+constexpr double kClearance = 10e-3;  // m, above the surface at the start and the end
+constexpr double kTravel = 12e-3;     // m, of depth or lift
+constexpr double kInsertion = 60e-3;  // m, of a needle
+constexpr double kInsideShare = 0.7;  // of the organ's thickness: a needle stays inside
+constexpr double kEntryTravel = 1.2;  // of the depth at which the surface gives way: where the organ is thick
+                                      // enough for it, kInsideShare of the thickness is deeper than that
 constexpr double kTouchDepth = 0.2e-3;  // m, depth of the tool's lowest point when the jaws close
 constexpr double kHold = 1.0;           // s, at the deepest or highest point
 constexpr double kTurnJaws = 0.3;       // s, to open or close
@@ -37,7 +40,7 @@ struct Leg {
   double height = 0.0;
   double gripper = 0.0;
   double duration = 0.0;
-  Vec3 aside = Vec3::Zero();  // m, horizontal, from that surface point
+  Vec3 aside = Vec3::Zero();  // m, across the motion, from that surface point
 };
 
 /// Duration of a minimum-jerk motion over `distance` [m] whose speed stays at or below the peak speed; 1.875
@@ -125,8 +128,9 @@ std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
 /// The start of a hand's path, in the world.
 struct PressPoint {
   Approach approach;
-  double depth = kTravel;  // m, of the press
+  double depth = kTravel;  // m, of the press or the insertion
   std::string remark{};    // about a press at this point; empty: nothing to report
+  bool square = true;      // the tool meets the surface squarely to the whole travel
 };
 
 std::string thin_warning(double thickness) {
@@ -143,31 +147,10 @@ std::string depth_warning(double depth) {
       kTravel / kMillimetre, depth / kMillimetre);
 }
 
-/// How far a needle goes in straight down: kInsertion, or less in a thin organ, so that it stays inside.
-double insertion_depth(const Scene& scene, const geometry::SignedDistance& surface, const Vec3& touch) {
-  constexpr double kShare = 0.7;  // of the organ's thickness there
-  constexpr double kStep = 1e-3;  // m
-  const Pose to_organ = scene.organ_pose.inverse();
-  double thickness = kStep;
-  const auto is_inside = [&](double depth) {
-    return surface.nearest(to_organ * Vec3(touch - depth * Vec3::UnitZ())).distance < 0.0;
-  };
-  while (kShare * thickness < kInsertion && is_inside(thickness)) thickness += kStep;
-  return std::min(kInsertion, kShare * thickness);
-}
-
-std::string insertion_warning(double depth) {
-  return fmt::format(
-      "the organ is so thin where the default path enters it that the needle goes only {:.2g} mm deep, and "
-      "the "
-      "surface may not give way: give a path",
-      depth / kMillimetre);
-}
-
-/// Way of a needle straight down to the scene's target.
+/// Way of a needle to the scene's target.
 struct Aim {
-  Vec3 aside = Vec3::Zero();  // m, horizontal, from the point where the path would go down without a target
-  double depth = 0.0;         // m, below that point
+  Vec3 aside = Vec3::Zero();  // m, across the approach, from where the path would go in without a target
+  double depth = 0.0;         // m, along the approach, from its touch
 };
 
 /// Displacement [m] of the tissue under a needle with this depth inside and this force on its tip [N].
@@ -186,7 +169,7 @@ double displacement_under(const Scene& scene, double depth, double on_tip) {
 
 /// Just into the target's layer, or to the centre of the first target: there the tip is as deep as the path
 /// less the tissue's displacement.
-std::optional<Aim> aim_of(const Scene& scene, const Vec3& touch) {
+std::optional<Aim> aim_of(const Scene& scene, const Approach& approach) {
   constexpr double kInto = 1.2e-3;  // m
   double low = 0.0;
   double cutting = 0.0;  // N, of the layer before
@@ -202,35 +185,55 @@ std::optional<Aim> aim_of(const Scene& scene, const Vec3& touch) {
                                    [](const InclusionSetup& one) { return !one.visible; });
   const auto target = hidden != scene.inclusions.end() ? hidden : scene.inclusions.begin();
   if (target == scene.inclusions.end()) return std::nullopt;
-  const Vec3 centre = scene.organ_pose * target->inclusion.centre_S;
-  const double depth = touch.z() - centre.z();
+  const Vec3 way = scene.organ_pose * target->inclusion.centre_S - approach.touch;
+  const double depth = way.dot(approach.direction);
   const double on_tip = target->inclusion.ratio * scene.tissue.layers.back().cutting_force;
-  return Aim{Vec3(centre.x() - touch.x(), centre.y() - touch.y(), 0.0),
-             depth + displacement_under(scene, depth, on_tip)};
+  return Aim{way - depth * approach.direction, depth + displacement_under(scene, depth, on_tip)};
 }
 
-/// By default from above the organ's centre. A single tool that would slide off there, or start inside, gets
-/// the best approach of ApproachFinder; if none allows the whole travel, one with a smaller depth.
-PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
-  constexpr int kDepths = 12;  // trial depths, 1 mm apart
-  const geometry::SignedDistance surface = organ_distance_of(scene);
-  const geometry::Bounds box = world_bounds(scene);
-  const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
-  PressPoint place{{touch, -Vec3::UnitZ()}};
-  if (scene.task == Task::kInsert) {
-    constexpr double kShallow = 20e-3;  // m
-    place.depth = insertion_depth(scene, surface, touch);
-    if (place.depth < kShallow) place.remark = insertion_warning(place.depth);
-    return place;
-  }
-  if (scene.task == Task::kPull || scene.tools.size() > 1) return place;
+/// How far a needle goes in: kInsertion, or less in a thin organ, so that it stays inside.
+double insertion_depth(const Scene& scene, const geometry::SignedDistance& surface,
+                       const Approach& approach) {
+  constexpr double kStep = 1e-3;  // m
+  const Pose to_organ = scene.organ_pose.inverse();
+  double thickness = kStep;
+  const auto is_inside = [&](double depth) {
+    return surface.nearest(to_organ * Vec3(approach.touch + depth * approach.direction)).distance < 0.0;
+  };
+  while (kInsideShare * thickness < kInsertion && is_inside(thickness)) thickness += kStep;
+  return std::min(kInsertion, kInsideShare * thickness);
+}
 
-  const HangingTool tool{hanging_points(scene.tools[hand], tip), kClearance};
+/// Depth [m] at which the surface gives way to a needle that presses it squarely.
+double entry_depth(const Scene& scene) {
+  return displacement_under(scene, 0.0, scene.tissue.layers.front().puncture_force);
+}
+
+std::string insertion_warning(const PressPoint& place, double entry) {
+  if (place.depth <= entry) {
+    return fmt::format(
+        "the organ is so thin where the default path enters it that the needle goes only {:.2g} mm deep, and "
+        "the surface gives way at {:.3g} mm: give a path",
+        place.depth / kMillimetre, entry / kMillimetre);
+  }
+  if (place.square) return {};
+  return fmt::format(
+      "the surface gives way to the needle at {:.3g} mm, and the needle meets it squarely to that depth "
+      "nowhere: it may slide off the default path before it enters, give a path",
+      entry / kMillimetre);
+}
+
+/// By default from above the organ's centre. A tool that would slide off there, or start inside, gets the
+/// best approach of ApproachFinder; if none allows the whole travel [m], one with a smaller depth.
+PressPoint square_point_of(const Scene& scene, const geometry::SignedDistance& surface,
+                           const HangingTool& tool, const Vec3& touch, double travel) {
+  constexpr int kDepths = 12;  // trial depths
+  PressPoint place{{touch, -Vec3::UnitZ()}, travel};
   const ApproachFinder finder(scene.organ, surface, tool);
   const Pose to_organ = scene.organ_pose.inverse();
   const Approach above{to_organ * touch, to_organ.rotation * place.approach.direction};
   for (int k = kDepths; k > 0; --k) {
-    const double depth = kTravel * k / kDepths;
+    const double depth = travel * k / kDepths;
     const ApproachCheck from_above = finder.check(above, depth);
     if (from_above.thick && k == kDepths) return place;
     ApproachCheck taken = from_above;
@@ -243,15 +246,35 @@ PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip)
       }
     }
     place.depth = depth;
-    if (k < kDepths) {
+    place.square = k == kDepths;
+    if (!place.square) {
       place.remark = depth_warning(depth);
     } else if (!taken.thick) {
       place.remark = thin_warning(taken.thickness);
     }
     return place;
   }
+  place.square = false;
   place.remark =
       "the tool meets the organ squarely nowhere: the default path comes from above and may slide off";
+  return place;
+}
+
+PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
+  const geometry::SignedDistance surface = organ_distance_of(scene);
+  const geometry::Bounds box = world_bounds(scene);
+  const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
+  const bool inserts = scene.task == Task::kInsert;
+  const double entry = inserts ? entry_depth(scene) : 0.0;
+  PressPoint place{{touch, -Vec3::UnitZ()}};
+  if (scene.task != Task::kPull && scene.tools.size() == 1) {
+    const HangingTool tool{hanging_points(scene.tools[hand], tip), kClearance};
+    place = square_point_of(scene, surface, tool, touch, inserts ? kEntryTravel * entry : kTravel);
+  }
+  if (inserts) {
+    place.depth = insertion_depth(scene, surface, place.approach);
+    place.remark = insertion_warning(place, entry);
+  }
   return place;
 }
 
@@ -266,6 +289,14 @@ std::vector<Leg> legs_of(Task task, double depth) {
           {top, 0.0, time_for(kTravel)},           {top, 0.0, kHold},
           {-kTouchDepth, 0.0, time_for(kTravel)},  {-kTouchDepth, 1.0, kTurnJaws},
           {kClearance, 1.0, time_for(approach)}};
+}
+
+/// Height [m] of the whole organ above the touch, against the direction of the approach.
+double height_over(const Scene& scene, const Approach& approach) {
+  double most = 0.0;
+  for (const Vec3& vertex : scene.organ.vertices)
+    most = std::max(most, (approach.touch - scene.organ_pose * vertex).dot(approach.direction));
+  return most;
 }
 
 /// A needle's, by way of a height over the whole organ where the target is aside. The start is the same
@@ -326,10 +357,9 @@ ToolPath default_path(const Scene& scene, std::size_t hand) {
   Leg from{kClearance, scene.task == Task::kPull ? 1.0 : 0.0, 0.0};
   double start = 0.0;
   add(start, from.height, from.gripper, from.aside);
-  const std::optional<Aim> aim = scene.task == Task::kInsert && scene.tools.size() == 1
-                                     ? aim_of(scene, place.approach.touch)
-                                     : std::nullopt;
-  const double top = world_bounds(scene).high.z() - place.approach.touch.z() + 2.0 * kClearance;
+  const std::optional<Aim> aim =
+      scene.task == Task::kInsert && scene.tools.size() == 1 ? aim_of(scene, place.approach) : std::nullopt;
+  const double top = height_over(scene, place.approach) + 2.0 * kClearance;
   for (const Leg& leg : aim ? legs_to(*aim, top) : legs_of(scene.task, place.depth)) {
     const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
     for (int i = 1; i <= steps; ++i) {

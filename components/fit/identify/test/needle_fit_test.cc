@@ -35,7 +35,7 @@ model::TissueParameters needle_truth(std::size_t layers) {
   tissue.min_length = 6e-3;
   tissue.t1 = 1e-6;
   tissue.relaxation = {{0.2, 0.3}, {0.15, 4.0}};
-  const double punctures[] = {3.0, 2.2};
+  const double punctures[] = {3.0, 2.2, 2.4};
   for (std::size_t k = 0; k < layers; ++k) {
     model::TissueLayer layer;
     layer.name = "layer " + std::to_string(k + 1);
@@ -121,6 +121,13 @@ TEST(NeedleFit, TwoLayersAreFoundByEvidenceWithTheirBoundaryAndPunctures) {
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_NEAR(fit.repeats.front().punctures[k].depth, truth.punctures[k].depth, 0.3e-3) << k;
   EXPECT_GT(fit.evidence[0].nrmse, 1.2 * fit.evidence[1].nrmse);
+}
+
+TEST(NeedleFit, ThreeLayersAreFoundWithTheirBoundaries) {
+  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(3), 0.05)});
+  ASSERT_EQ(fit.layers, 3U);
+  for (const int layer : {1, 2})
+    EXPECT_NEAR(needle_value(fit, layer, "thickness_mm").estimate.value, 6e-3, 0.2e-3) << layer;
 }
 
 TEST(NeedleFit, TheFittedTissuePuncturesWhereTheRecordDoes) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
+#include <string_view>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -240,8 +242,9 @@ scene::Scene press_of(const geometry::TriangleMesh& organ, const Vec3& turned_de
 /// The tool at the deepest point of its path, computed by contact itself.
 struct Pressed {
   std::uint32_t status_at_start = 0;
-  double depth = 0.0;  // m
-  double angle = 0.0;  // degrees, between the motion and the normal
+  double depth = 0.0;     // m
+  double angle = 0.0;     // degrees, between the motion and the normal
+  double inserted = 0.0;  // m, of a needle's shaft
 };
 
 Pressed pressed(const scene::Scene& scene, const ToolPath& path) {
@@ -257,6 +260,7 @@ Pressed pressed(const scene::Scene& scene, const ToolPath& path) {
   }
   const Vec3 way = path.rows().front().orientation * Vec3::UnitZ();
   pressed.depth = result.depth;
+  pressed.inserted = result.needle.length;
   pressed.angle = std::acos(std::min(1.0, -way.dot(result.normal_W))) * 180.0 / portable::kPi;
   return pressed;
 }
@@ -303,6 +307,7 @@ std::vector<Shape> shapes() {
   });
   return {{"sphere", geometry::make_ball(30e-3, 1280), Vec3::Zero()},
           {"thin plate on its edge", geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3), {80.0, 0.0, 0.0}},
+          {"thin plate", geometry::make_box({100e-3, 100e-3, 10e-3}, 10e-3), Vec3::Zero()},
           {"slope", geometry::make_box({120e-3, 120e-3, 30e-3}, 10e-3), {45.0, 20.0, 0.0}},
           {"torus", torus(45e-3, 32e-3), {60.0, 0.0, 0.0}},
           {"lying torus", torus(45e-3, 32e-3), Vec3::Zero()},
@@ -323,6 +328,24 @@ TEST(DefaultPath, OnAnyShapeToolAndShaftStartOutsideAndAPressReachesItsDepthSqua
       EXPECT_EQ(press.status_at_start & contact::kStartedInside, 0U);
       EXPECT_NEAR(press.depth, 12e-3, 0.05 * 12e-3);
       EXPECT_LT(press.angle, 20.0);
+    }
+  }
+}
+
+TEST(DefaultPath, ANeedleEntersAnyShapeOrTheRemarkSaysThatItIsTooThin) {
+  for (const Shape& shape : shapes()) {
+    SCOPED_TRACE(shape.name);
+    Overrides request;
+    request.task = "insert";
+    request.tissue = "liver-capsule";
+    Scene scene = load(request);
+    scene.organ = shape.mesh;
+    scene.organ_pose.rotation = rotation_from_degrees(shape.turned_deg);
+    if (std::string_view(shape.name).find("thin") == std::string_view::npos) {
+      EXPECT_THAT(default_path_remarks(scene), testing::IsEmpty());
+      EXPECT_GT(pressed(scene, default_path(scene, 0)).inserted, 3e-3);
+    } else {
+      EXPECT_THAT(default_path_remarks(scene), testing::ElementsAre(testing::HasSubstr("so thin")));
     }
   }
 }
