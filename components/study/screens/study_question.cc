@@ -67,7 +67,8 @@ struct AnswerGrid {
     }
     gap = 0.6F * text;
     const std::size_t fitting = static_cast<std::size_t>(std::max(1.0F, (width + gap) / (widest + gap)));
-    columns = std::clamp<std::size_t>(fitting, 1, std::max<std::size_t>(1, labels.size()));
+    const std::size_t rows = (labels.size() + fitting - 1) / fitting;
+    columns = (labels.size() + rows - 1) / rows;  // rows of about the same length
     button = ImVec2(std::min(widest, width), 2.1F * text);
   }
   [[nodiscard]] float width() const { return static_cast<float>(columns) * (button.x + gap) - gap; }

@@ -278,6 +278,7 @@ ScreenContent RunningSession::content_of(const TrialView& trial, const std::stri
   if (const auto next = course_.next()) {
     content.sentence = describe(study_.study.tasks[next->task].kind).sentence;
     content.task = study_.study.tasks[next->task].name;
+    content.practice = next->practice;
     if (next->example && trial.state != TrialState::kFinished) {
       content.example = next->second ? 2 : 1;
       if (study_.study.tasks[next->task].comparison() && next->level < 0.0)
@@ -305,8 +306,10 @@ void RunningSession::withdraw() {
 }
 
 void RunningSession::note() {
-  const std::string text = options_.screens->take_note();
-  if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
+  for (std::string text = options_.screens->take_note(); !text.empty();
+       text = options_.screens->take_note()) {
+    log_.append(event_of("note", {{"text", text}}));
+  }
 }
 
 // A person consents, and feels a device that a hand holds.
@@ -480,7 +483,7 @@ bool RunningSession::take_break() {
   bool ready = false;
   while (!ready || Clock::now() < end) {
     const double left = std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
-    show({}, left > 0.0 ? "Take a break" : "Press a key to go on", left);
+    show({}, left > 0.0 ? "Take a break" : "Press Space or an answer key to go on", left);
     while (const auto input = options_.screens->take_input()) {
       if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
           *input == ScreenInput::kForceOff) {
@@ -541,6 +544,10 @@ SessionOutcome RunningSession::run() {
   outcome_.complete = !course_.next();
   if (outcome_.complete)
     log_.append(event_of("session-end", {{"session", std::to_string(outcome_.session)}}));
+  if (options_.screens != nullptr && (outcome_.complete || outcome_.withdrawn)) {
+    questions().say_goodbye();
+    note();
+  }
   return outcome_;
 }
 
