@@ -42,7 +42,8 @@ std::string action_of(const ScreenContent& content, const study::StudyTask* task
                       const study::Language& say) {
   const bool lifts = task != nullptr && task->leaves_tissue();
   switch (content.trial.state) {
-    case TrialState::kIdle:
+    case TrialState::kIdle:  // a block is being prepared
+      return content.message.empty() ? say("Please wait") : std::string();
     case TrialState::kFinished:
       return {};
     case TrialState::kHome:

@@ -137,8 +137,7 @@ void read_sealed(const std::string& locked_hash, StudyFolder& made) {
   constexpr mode_t kOthers = 0077;
   if (::fstat(opened.descriptor(), &facts) == 0 && (facts.st_mode & kOthers) != 0) {
     throw InputError(
-        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: "
-                    "chmod 600 {}",
+        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: chmod 600 {}",
                     file.string(), facts.st_mode & 07777U, file.string()));
   }
   const std::string sealed = opened.read_rest();

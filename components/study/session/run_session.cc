@@ -89,7 +89,6 @@ class RunningSession final {
   bool stop_ = false;
   bool threshold_noted_ = false;  // of this session
   std::optional<std::size_t> instructed_;
-  bool last_second_ = false;
   std::uint64_t late_ticks_ = 0;
   std::string message_;
   std::vector<double> ladder_;
@@ -231,8 +230,7 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
 void RunningSession::answer_as_person(const TrialLoop& loop, const ObserverAgent& agent,
                                       TrialRecord& record) {
   const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
-  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, last_second_, number_,
-                  record);
+  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, number_, record);
 }
 
 void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* agent) {
@@ -244,7 +242,6 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
     record.observer = person_->kind;
     if (offline() || !task.two_intervals()) answer_as_person(loop, *agent, record);
   }
-  last_second_ = record.answer == 2;
   log_.append(record);
   course_.add(record);
   if (const auto practised = practice_event(study_.study, course_, record)) log_.append(*practised);

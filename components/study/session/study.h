@@ -197,6 +197,9 @@ struct Study {
   [[nodiscard]] std::optional<std::size_t> threshold_task() const;
 };
 
+/// [setup] Whom [analysis] exclude leaves out, a rule each: "more than 10 % of the trials spoiled".
+[[nodiscard]] std::vector<std::string> exclusion_rules(const Study& study);
+
 /// [any] "mask 68 dB(A), motors 41 dB(A) at the ears, as the lab measured"; empty: nothing was measured.
 [[nodiscard]] std::string sound_text(const Study& study);
 

@@ -151,6 +151,9 @@ TEST(StudyView, ABreakBeforeAnExampleSaysHowToGoOn) {
   content.message = "Press Space or an answer key to go on";
   content.example = 2;
   EXPECT_EQ(participant_view(content, contents::study(), {}).message, content.message);
+  EXPECT_EQ(participant_view(content, contents::study(), {}).action, "");
+  content.message.clear();
+  EXPECT_EQ(participant_view(content, contents::study(), {}).action, "Please wait");
   content.trial.state = TrialState::kHome;
   EXPECT_EQ(participant_view(content, contents::study(), {}).message, "Example: interval 2 is stiffer");
 }
