@@ -265,11 +265,8 @@ void write_blinding(Page& page, const StudyAnalysis& analysis) {
       "shares of yes after trials with and without noise. The blind analysis shows the guesses alone.");
   TableRows rows{{"who", "blocks", "yes", "no", "unsure", "confidence 1 to 5"}};
   for (const study::Guesses& guesses : analysis.guesses) {
-    rows.push_back({escaped(guesses.who),
-                    guesses.pooled  ? "all"
-                    : guesses.noise ? "last trial with noise"
-                                    : "last trial without noise",
-                    std::to_string(guesses.yes), std::to_string(guesses.no), std::to_string(guesses.unsure),
+    rows.push_back({escaped(guesses.who), blocks_of(guesses), std::to_string(guesses.yes),
+                    std::to_string(guesses.no), std::to_string(guesses.unsure),
                     fixed(guesses.confidence, 1)});
   }
   if (rows.size() > 1) page.table(rows);

@@ -84,9 +84,10 @@ void draw_table(const ScreenContent& content, const ExperimenterView& view) {
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   const study::CoursePosition& at = content.position;
   entry("task", content.task);
-  entry("trial", content.example != 0 ? "example"
-                 : content.practice   ? "practice"
-                                      : fmt::format("{} of {}", trial_number(at), at.of));
+  entry("trial", at.of == 0             ? "-"
+                 : content.example != 0 ? "example"
+                 : content.practice     ? "practice"
+                                        : fmt::format("{} of {}", trial_number(at), at.of));
   entry("part", fmt::format("{} of {}", std::min(at.part + 1, at.parts), at.parts));
   entry("session, block", fmt::format("{}, {}", content.session, content.block));
   entry("session clock", clock_of(content.minutes));

@@ -162,7 +162,7 @@ ParticipantView participant_view(const ScreenContent& content, const Study& stud
         fmt::format(fmt::runtime(say("part {} of {}")),
                     std::min(content.position.part + 1, content.position.parts), content.position.parts);
     view.part_done =
-        content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 0.0;
+        content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 1.0;
   }
   // Beside the stimuli of the next trial, "correct" would seem to be about that trial.
   const bool before = trial.state == TrialState::kIdle || trial.state == TrialState::kHome ||

@@ -318,11 +318,7 @@ std::vector<std::string> unfinished_people(const StudyFolder& study) {
   for (const std::string& id : study.ids) {
     const std::size_t sessions = plan_sessions(study.study, study.number_of(id)).size();
     const ParticipantLog log = study.read(id);
-    const auto ended =
-        static_cast<std::size_t>(std::count_if(log.events.begin(), log.events.end(), [](const auto& event) {
-          return event.event == "session-end";
-        }));
-    if (ended < sessions && !log.withdrawn() && !log.deletion()) unfinished.push_back(id);
+    if (log.finished_sessions() < sessions && !log.withdrawn() && !log.deletion()) unfinished.push_back(id);
   }
   return unfinished;
 }
