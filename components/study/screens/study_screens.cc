@@ -274,7 +274,7 @@ void StudyScreens::draw_participants() {
   } else {
     draw_participant(view_);
   }
-  draw_notices();
+  draw_notices(false);
   Viewport::end_panels();
   window.clear();
   Viewport::draw_panels();
@@ -292,20 +292,20 @@ void StudyScreens::draw_experimenters() {
   } else {
     draw_experimenter(content_, experimenter_view(), controls_);
   }
-  draw_notices();
+  draw_notices(true);
   Viewport::end_panels();
   window.clear();
   Viewport::draw_panels();
   window.show();
 }
 
-void StudyScreens::draw_notices() const {
+void StudyScreens::draw_notices(bool experimenters) const {
   const double held = withdraw_.part(seconds_now());
   if (held > 0.0) {
     draw_notice(fmt::format(fmt::runtime(study_.language("Keep holding {} to withdraw from the study")),
                             text_of_keys({study_.withdraw_key}, study_.language)),
                 held);
-  } else if (asks_to_stop_) {
+  } else if (asks_to_stop_ && (experimenters || experimenter_ == nullptr)) {
     draw_notice("Stop the session?\nEnter: stop     Esc: go on", std::nullopt);
   }
 }

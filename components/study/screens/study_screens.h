@@ -64,7 +64,7 @@ class StudyScreens final : public study::SessionScreens {
   void draw();
   void draw_participants();
   void draw_experimenters();
-  void draw_notices() const;
+  void draw_notices(bool experimenters) const;
   [[nodiscard]] ExperimenterView experimenter_view() const;
   void write_status(double now);
   void take_event(const SDL_Event& event);

@@ -193,13 +193,15 @@ TEST_F(StudyScreensTest, EscAsksBeforeTheSessionStops) {
   const ScreenContent content = contents::moment(TrialState::kHome);
   show(*screens, content);
   const render::Image before = screens->participant_picture();
+  const render::Image unasked = screens->experimenter_picture();
   push_key(SDLK_RETURN);
   push_key(SDLK_ESCAPE);
   show(*screens, content);
-  EXPECT_NE(screens->participant_picture().rgb, before.rgb) << "the question is shown";
+  EXPECT_NE(screens->experimenter_picture().rgb, unasked.rgb) << "the question is shown";
+  EXPECT_EQ(screens->participant_picture().rgb, before.rgb) << "to the experimenter alone, in English";
   push_key(SDLK_ESCAPE);
   show(*screens, content);
-  EXPECT_EQ(screens->participant_picture().rgb, before.rgb);
+  EXPECT_EQ(screens->experimenter_picture().rgb, unasked.rgb);
   EXPECT_TRUE(inputs(*screens).empty());
   push_key(SDLK_ESCAPE);
   push_key(SDLK_RETURN);
