@@ -99,12 +99,6 @@ class QuestPlus final {
   /// [setup] Posterior mean, standard deviation and 95 % interval of any function of the parameters.
   [[nodiscard]] Estimate estimate(const std::function<double(const Parameters&)>& quantity) const;
 
-  /// [setup] The parameters with the largest posterior probability.
-  [[nodiscard]] Parameters mode() const;
-
-  /// [setup] Entropy [nats] of the posterior of all parameters.
-  [[nodiscard]] double entropy() const;
-
   /// [setup] Larger of the probabilities of the first and the last location. Above 0.01 the range of stimuli
   /// is too small for an estimate.
   [[nodiscard]] double edge_probability() const;

@@ -155,7 +155,6 @@ struct Study {
   double max_noise = 0.1;             // N, standard deviation
   double max_continuous_noise = 3.0;  // s
 
-  std::string participant_screen = "blank";
   std::string language_file;  // beside the study file; empty: a built-in language
   Language language;          // of the participant's screens
   std::string experimenter_screen = "second-display";
