@@ -85,8 +85,7 @@ int play_for_sensor(const CalibrateFlags& flags) {
   limits.max_force = (flags.signal.kMostSigmas + 0.5) * flags.signal.sigma;
   std::cerr << fmt::format(
       "Start the sensor's recording, hold the grip as in the study, and stay still for {} s: noise, a tone "
-      "that "
-      "rises, noise.{}\n",
+      "that rises, noise.{}\n",
       shortest(flags.signal.kSeconds), opened.held_by_person ? " Press Enter to begin." : "");
   std::string line;
   if (opened.held_by_person && !std::getline(std::cin, line)) return kDone;
@@ -115,8 +114,7 @@ int play_for_sensor(const CalibrateFlags& flags) {
   write_output(folder / "played.csv", csv);
   std::cout << fmt::format(
       "{}: {} s played, sd {} N\n\nNext, with the sensor's CSV (time_s and force_N or acceleration_m_s2, 1 "
-      "kHz or "
-      "faster):\n  palpate study calibrate {} --sensor grip.csv --unit m/s2\n",
+      "kHz or faster):\n  palpate study calibrate {} --sensor grip.csv --unit m/s2\n",
       (folder / "played.csv").string(), shortest(flags.signal.kSeconds), shortest(flags.signal.sigma),
       flags.folder);
   return kDone;

@@ -78,20 +78,16 @@ std::string preregistration_text(const study::StudyFolder& folder) {
       "# Preregistration: {}\n\nMade by palpate {} from a prepared study. Nothing here comes from an "
       "answer.\n\n"
       "## Hypotheses and tests\n{}\n## Design\nScene {}. {} of at most {} min. Seed {}. The experimenter and "
-      "the "
-      "participants are blind to the conditions, whose codes are drawn for each participant.\n{}\n"
+      "the participants are blind to the conditions, whose codes are drawn for each participant.\n{}\n"
       "## Number of participants\n{}, fixed when the study was prepared. Nobody looks at a condition before "
-      "all "
-      "have finished; ending earlier needs `unblind --early`, which is logged.\n\n"
-      "## Exclusions, fixed before\n- fewer than {} of the catch trials correct\n- more than {} of the "
-      "trials "
-      "spoiled\n{}- who withdraws is in no analysis\n- both analyses, with and without excluded people, are "
+      "all have finished; ending earlier needs `unblind --early`, which is logged.\n\n"
+      "## Exclusions, fixed before\n- {}\n- who withdraws is in no analysis\n- both analyses, with and "
+      "without excluded people, are "
       "reported\n- people whose threshold leaves the stimuli stay in the group's likelihood\n\n",
       study.name, kVersion, hypothesis_text(study), study.scene,
       counted(static_cast<std::size_t>(study.sessions), "session", "sessions"), shortest(study.max_minutes),
       study.seed, tasks_text(study), counted(folder.ids.size(), "person", "people"),
-      percent(study.exclude_catch_below, 0), percent(study.exclude_lost_above, 0),
-      study.exclude_threshold_at_edge ? "- a noise threshold at the edge of the stimuli\n" : "");
+      joined(study::exclusion_rules(study), "\n- "));
   text += "## SHA-256 of the registered files\n";
   text += fmt::format("- lock.json {}\n", folder.lock_hash);
   constexpr InputKind kLocked{"a file of the study", std::uint64_t{1} << 30U};

@@ -121,8 +121,7 @@ void add_study_simulate(CLI::App& study, int& exit_code) {
       study.add_subcommand("simulate", "Fill a prepared study with simulated participants, marked as such");
   command->add_option("folder", flags->folder, "folder made by `palpate study prepare`")->required();
   command->add_option("--observer", flags->observer,
-                      "ideal, linear, sr (stochastic resonance), fixed-criterion, lapse, first-interval, "
-                      "repeats-last, random, tires, learns, adapts or cue-user");
+                      "ideal, linear, sr (stochastic resonance), lapse, random, tires, learns or cue-user");
   command->add_option("--participants", flags->participants, "the first N of the folder; default: all")
       ->check(CLI::Range(1, 1000));
   command->add_flag(

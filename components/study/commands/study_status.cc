@@ -69,10 +69,8 @@ ParticipantStatus status_of(const study::StudyFolder& study, const std::string& 
   const std::vector<study::PlannedSession> planned = study::plan_sessions(study.study, study.number_of(id));
   status.planned_sessions = planned.size();
   status.planned_trials = planned_trials(planned);
-  for (const study::EventRecord& event : log.events) {
-    if (event.event == "session-end") ++status.sessions;
-    status.last = std::max(status.last, event.time);
-  }
+  status.sessions = log.finished_sessions();
+  for (const study::EventRecord& event : log.events) status.last = std::max(status.last, event.time);
   for (const study::TrialRecord& trial : log.trials) {
     status.last = std::max(status.last, trial.time);
     if (!trial.practice) ++(trial.spoiled.empty() ? status.trials : status.spoiled);

@@ -75,28 +75,17 @@ Observer make_observer(std::string_view name) {
     observer.kind = Kind::kLinear;
   } else if (name == "sr") {
     observer.kind = Kind::kThreshold;
-  } else if (name == "fixed-criterion") {
-    observer.kind = Kind::kThreshold;
-    observer.samples = 1;
   } else if (name == "lapse") {
     observer.lapse = 0.1;
-  } else if (name == "first-interval") {
-    observer.kind = Kind::kFirstInterval;
-  } else if (name == "repeats-last") {
-    observer.kind = Kind::kRepeatsLast;
   } else if (name == "random") {
     observer.kind = Kind::kRandom;
   } else if (name == "tires") {
     observer.drift = kLog10Of1point3;
   } else if (name == "learns") {
     observer.drift = -kLog10Of1point3;
-  } else if (name == "adapts") {
-    observer.drift = 0.15;
   } else {
-    throw InputError(
-        "observer: `" + std::string(name) +
-        "` is not ideal, linear, sr, fixed-criterion, lapse, first-interval, repeats-last, random, "
-        "tires, learns or adapts");
+    throw InputError("observer: `" + std::string(name) +
+                     "` is not ideal, linear, sr, lapse, random, tires, learns or, in studies, cue-user");
   }
   return observer;
 }
@@ -116,40 +105,10 @@ double probability_second(const Observer& observer, const ObserverTrial& trial) 
     case Observer::Kind::kThreshold:
       correct = threshold_correct(observer, trial);
       break;
-    case Observer::Kind::kFirstInterval:
-      return with_lapses(observer, 0.0);
-    case Observer::Kind::kRepeatsLast:
-      return with_lapses(observer, trial.last_answer ? 1.0 : 0.0);
     case Observer::Kind::kRandom:
       break;
   }
   return with_lapses(observer, trial.second ? correct : 1.0 - correct);
-}
-
-double probability_yes(const Observer& observer, const ObserverTrial& trial) noexcept {
-  double yes = 0.5;
-  switch (observer.kind) {
-    case Observer::Kind::kFunction:
-      yes = by_function(observer, trial);
-      break;
-    case Observer::Kind::kLinear:
-      yes = normal_cdf((signal_of(observer, trial) - observer.criterion) / noise_of(observer, trial.noise));
-      break;
-    case Observer::Kind::kThreshold:  // at least one sample exceeds the threshold
-      yes =
-          1.0 - power(1.0 - normal_cdf((signal_of(observer, trial) - 1.0) / noise_of(observer, trial.noise)),
-                      observer.samples);
-      break;
-    case Observer::Kind::kFirstInterval:
-      yes = 1.0;
-      break;
-    case Observer::Kind::kRepeatsLast:
-      yes = trial.last_answer ? 1.0 : 0.0;
-      break;
-    case Observer::Kind::kRandom:
-      break;
-  }
-  return with_lapses(observer, yes);
 }
 
 bool draw_answer(double probability, std::uint64_t seed, std::uint32_t participant,

@@ -99,12 +99,6 @@ class QuestPlus final {
   /// [setup] Posterior mean, standard deviation and 95 % interval of any function of the parameters.
   [[nodiscard]] Estimate estimate(const std::function<double(const Parameters&)>& quantity) const;
 
-  /// [setup] The parameters with the largest posterior probability.
-  [[nodiscard]] Parameters mode() const;
-
-  /// [setup] Entropy [nats] of the posterior of all parameters.
-  [[nodiscard]] double entropy() const;
-
   /// [setup] Larger of the probabilities of the first and the last location. Above 0.01 the range of stimuli
   /// is too small for an estimate.
   [[nodiscard]] double edge_probability() const;
@@ -208,11 +202,9 @@ class Staircase final {
 /// except for the fitted function of kFunction, which has levels of its own.
 struct Observer {
   enum class Kind {
-    kFunction,       // answers by `function`, without any effect of the noise
-    kLinear,         // d' = signal/sqrt(internal noise^2 + noise^2)
-    kThreshold,      // counts the samples above T; the interval with more of them has the signal
-    kFirstInterval,  // "first" or "yes" always
-    kRepeatsLast,    // the last answer
+    kFunction,   // answers by `function`, without any effect of the noise
+    kLinear,     // d' = signal/sqrt(internal noise^2 + noise^2)
+    kThreshold,  // counts the samples above T; the interval with more of them has the signal
     kRandom
   };
   Kind kind = Kind::kFunction;
@@ -220,30 +212,25 @@ struct Observer {
   Parameters parameters = {0.0, 2.5, 0.0};
   double internal_noise = 0.35;  // standard deviation
   int samples = 10;              // per interval, of kThreshold
-  double criterion = 1.0;        // "yes" above it, of kLinear
   double lapse = 0.0;            // share of random answers
   double drift = 0.0;            // rise of the threshold or sd from start to end of a session, in log10
 };
 
-/// [setup] A named observer: ideal, linear, sr, fixed-criterion, lapse, first-interval, repeats-last, random,
-/// tires, learns or adapts. @throws InputError for another name
+/// [setup] A named observer: ideal, linear, sr, lapse, random, tires or learns. @throws InputError for
+/// another name
 [[nodiscard]] Observer make_observer(std::string_view name);
 
 struct ObserverTrial {
-  double level = 0.0;        // of the signal, or ln(second/first) of a comparison
-  double noise = 0.0;        // standard deviation of the noise in both intervals
-  bool second = false;       // the signal is in the second interval; unused in comparisons
-  double progress = 0.0;     // elapsed share of the session
-  bool last_answer = false;  // "second" or "yes" in the previous trial
+  double level = 0.0;     // of the signal, or ln(second/first) of a comparison
+  double noise = 0.0;     // standard deviation of the noise in both intervals
+  bool second = false;    // the signal is in the second interval; unused in comparisons
+  double progress = 0.0;  // elapsed share of the session
   // Standard deviation in the interval without the signal; empty: as in the other one. Of kThreshold.
   std::optional<double> noise_without{};
 };
 
 /// [any] Probability of the answer "second" in a task with two intervals.
 [[nodiscard]] double probability_second(const Observer& observer, const ObserverTrial& trial) noexcept;
-
-/// [any] Probability of the answer "yes" to a single interval.
-[[nodiscard]] double probability_yes(const Observer& observer, const ObserverTrial& trial) noexcept;
 
 /// [any] An answer with this probability. It depends on the four numbers alone, on any machine.
 [[nodiscard]] bool draw_answer(double probability, std::uint64_t seed, std::uint32_t participant,

@@ -316,17 +316,6 @@ Estimate QuestPlus::estimate(const std::function<double(const Parameters&)>& qua
   return estimate_of(std::move(values));
 }
 
-Parameters QuestPlus::mode() const {
-  const auto largest = std::max_element(posterior_.begin(), posterior_.end());
-  return parameters_at(static_cast<std::size_t>(largest - posterior_.begin()));
-}
-
-double QuestPlus::entropy() const {
-  double sum = 0.0;
-  for (const double one : posterior_) sum -= x_log_x(one);
-  return sum;
-}
-
 double QuestPlus::edge_probability() const {
   const std::size_t size = posterior_.size() / grid_.location.values.size();
   double first = 0.0;

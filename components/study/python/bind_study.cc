@@ -141,28 +141,16 @@ void bind_detection_theory(py::module_& module) {
 void bind_observers(py::module_& module) {
   py::class_<Observer>(module, "Observer",
                        "A simulated observer. Signal and noise are in units of its detection threshold.")
-      .def(
-          py::init([](const std::string& name) { return psychophysics::make_observer(name); }),
-          py::arg("name"),
-          "ideal, linear, sr, fixed-criterion, lapse, first-interval, repeats-last, random, tires, learns or "
-          "adapts. Raises InputError.")
+      .def(py::init([](const std::string& name) { return psychophysics::make_observer(name); }),
+           py::arg("name"), "ideal, linear, sr, lapse, random, tires or learns. Raises InputError.")
       .def(
           "probability_second",
-          [](const Observer& observer, double level, double noise, bool second, double progress,
-             bool last_answer) {
-            return psychophysics::probability_second(observer, {level, noise, second, progress, last_answer});
+          [](const Observer& observer, double level, double noise, bool second, double progress) {
+            return psychophysics::probability_second(observer, {level, noise, second, progress});
           },
           py::arg("level"), py::arg("noise") = 0.0, py::arg("second") = false, py::arg("progress") = 0.0,
-          py::arg("last_answer") = false,
           "Probability of the answer 'second'. level: of the signal; second: it is in the second interval; "
-          "noise: its standard deviation in both intervals; progress: elapsed share of the session.")
-      .def(
-          "probability_yes",
-          [](const Observer& observer, double level, double noise, double progress, bool last_answer) {
-            return psychophysics::probability_yes(observer, {level, noise, false, progress, last_answer});
-          },
-          py::arg("level"), py::arg("noise") = 0.0, py::arg("progress") = 0.0, py::arg("last_answer") = false,
-          "Probability of the answer 'yes' to a single interval.");
+          "noise: its standard deviation in both intervals; progress: elapsed share of the session.");
   module.def("draw_answer", &psychophysics::draw_answer, py::arg("probability"), py::arg("seed"),
              py::arg("participant"), py::arg("trial"),
              "An answer with this probability, the same for the same numbers on any machine.");

@@ -35,8 +35,7 @@ void write_result(Page& page, const StudyFolder& study, const StudyAnalysis& ana
   page.section("result", "Result");
   if (study.simulated) {
     page.paragraph(bold("SIMULATED.") +
-                   " All participants are simulated observers. This is no result about "
-                   "people.");
+                   " All participants are simulated observers. This is no result about people.");
   }
   if (!analysis.unblinded) {
     page.paragraph(bold("BLIND.") +
@@ -80,9 +79,7 @@ void write_who(Page& page, const StudyFolder& study, const StudyAnalysis& analys
               {"withdrew and are left out", std::to_string(analysis.withdrawn)},
               {"data deleted", analysis.deleted.empty() ? "nobody's" : deletions_text(analysis.deleted)},
               {"excluded from the main analysis", std::to_string(analysis.excluded)},
-              {"rules of exclusion, fixed before",
-               fmt::format("less than {} of the catch trials correct, or more than {} of the trials spoiled",
-                           percent(of.exclude_catch_below, 0), percent(of.exclude_lost_above, 0))},
+              {"rules of exclusion, fixed before", joined(study::exclusion_rules(of), ", or ")},
               {"approval", of.approval.empty() ? "none stated" : of.approval}});
   page.heading("Flags and exclusions");
   write_flags(page, analysis);

@@ -273,8 +273,7 @@ Figure draw_calibration(const study::Calibration& calibration, const std::filesy
   Figure figure{file, "What the grip gets for 1 N, over the frequency, and the coherence"};
   figure.caption = fmt::format(
       "What the sensor measured for a commanded force of 1 N (above), and the share of it that follows the "
-      "command "
-      "(below). Shaded: the band of the gain, {} to {} Hz.",
+      "command (below). Shaded: the band of the gain, {} to {} Hz.",
       shortest(band.low), shortest(band.high));
   return drawn(figure, script, {data});
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <set>
 
 #include <fmt/core.h>
 
@@ -192,33 +192,21 @@ void write_shares(Page& page, const Study& study, const StudyAnalysis& analysis)
   page.section("shares", "Share of the noise threshold that was reached");
   page.paragraph(
       "The noise is set from the measurement of a person's threshold in the first session, or at the start "
-      "of "
-      "each one, which has an error. The best estimate uses all trials of the first session or of all, those "
-      "of "
-      "the repetition too. The shares below are those that were reached if this estimate is right, with 95 % "
-      "intervals. \"range too small\": the threshold lies at the edge of the stimuli, and the noise of that "
-      "session is no share of it.");
+      "of each one, which has an error. The best estimate uses all trials of the first session or of all, "
+      "those of the repetition too. The shares below are those that were reached if this estimate is right, "
+      "with 95 % intervals. \"range too small\": the threshold lies at the edge of the stimuli, and the "
+      "noise of that session is no share of it.");
   TableRows rows{{"person"}};
-  std::vector<double> different;
-  for (const study::TaskResult& task : analysis.tasks) {
-    for (const double share : task.shares) {
-      if (share > 0.0 && std::find(different.begin(), different.end(), share) == different.end()) {
-        different.push_back(share);
-      }
-    }
-  }
-  std::sort(different.begin(), different.end());
+  std::set<double> different;
+  for (const study::TaskResult& task : analysis.tasks)
+    different.insert(task.shares.begin(), task.shares.end());
+  different.erase(0.0);
   const std::size_t setter = *study.threshold_task();
-  std::vector<int> sessions;
+  std::set<int> sessions;
   for (const PersonResult& person : analysis.people) {
     if (person.withdrawn) continue;
-    for (const study::SessionThreshold& one : person.tasks[setter].thresholds) {
-      if (std::find(sessions.begin(), sessions.end(), one.session) == sessions.end()) {
-        sessions.push_back(one.session);
-      }
-    }
+    for (const study::SessionThreshold& one : person.tasks[setter].thresholds) sessions.insert(one.session);
   }
-  std::sort(sessions.begin(), sessions.end());
   for (const int session : sessions) rows[0].push_back(fmt::format("threshold, session {}", session));
   rows[0].emplace_back("reached / meant");
   for (const double share : different) rows[0].push_back("meant " + brief(share));
@@ -277,11 +265,8 @@ void write_blinding(Page& page, const StudyAnalysis& analysis) {
       "shares of yes after trials with and without noise. The blind analysis shows the guesses alone.");
   TableRows rows{{"who", "blocks", "yes", "no", "unsure", "confidence 1 to 5"}};
   for (const study::Guesses& guesses : analysis.guesses) {
-    rows.push_back({escaped(guesses.who),
-                    guesses.pooled  ? "all"
-                    : guesses.noise ? "last trial with noise"
-                                    : "last trial without noise",
-                    std::to_string(guesses.yes), std::to_string(guesses.no), std::to_string(guesses.unsure),
+    rows.push_back({escaped(guesses.who), blocks_of(guesses), std::to_string(guesses.yes),
+                    std::to_string(guesses.no), std::to_string(guesses.unsure),
                     fixed(guesses.confidence, 1)});
   }
   if (rows.size() > 1) page.table(rows);
@@ -356,8 +341,7 @@ void write_limits(Page& page, const Study& study, const StudyAnalysis& analysis,
   }
   against.insert(against.end(),
                  {"Noise near the tissue alone helps and constant noise does not: then the noise is a cue of "
-                  "distance, and "
-                  "stochastic resonance is not shown.",
+                  "distance, and stochastic resonance is not shown.",
                   "The curve does not fall again at strong noise: then it is not the inverted U of "
                   "stochastic resonance.",
                   "People say yes more often after trials with noise, or hear it: then expectation may "

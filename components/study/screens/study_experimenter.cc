@@ -74,10 +74,7 @@ void draw_state(const ScreenContent& content, const ExperimenterView& view) {
     ImGui::TextWrapped("%s", state_of(content.trial).c_str());
   }
   ImGui::PopFont();
-  const std::string& message = content.message;
-  const std::string screen = view.action + (view.action.empty() || message.empty() ? "" : "; ") +
-                             (view.question.empty() ? message : "");
-  ImGui::TextDisabled("%s", view.question.empty() ? screen.c_str() : view.question.c_str());
+  ImGui::TextDisabled("%s", view.question.empty() ? view.action.c_str() : view.question.c_str());
 }
 
 void draw_table(const ScreenContent& content, const ExperimenterView& view) {
@@ -87,7 +84,10 @@ void draw_table(const ScreenContent& content, const ExperimenterView& view) {
   ImGui::TableSetupColumn("value", ImGuiTableColumnFlags_WidthStretch);
   const study::CoursePosition& at = content.position;
   entry("task", content.task);
-  entry("trial", fmt::format("{} of {}", trial_number(at), at.of));
+  entry("trial", at.of == 0             ? "-"
+                 : content.example != 0 ? "example"
+                 : content.practice     ? "practice"
+                                        : fmt::format("{} of {}", trial_number(at), at.of));
   entry("part", fmt::format("{} of {}", std::min(at.part + 1, at.parts), at.parts));
   entry("session, block", fmt::format("{}, {}", content.session, content.block));
   entry("session clock", clock_of(content.minutes));

@@ -13,7 +13,7 @@ namespace palpate::app {
 /// What the experimenter's window shows besides the content of the screens.
 struct ExperimenterView {
   std::string title;     // study and participant
-  std::string action;    // text on the participant's screen: "Press"
+  std::string action;    // what the participant's screen says, in English: "Press"
   std::string question;  // which the participant is answering; empty: none
   std::string sound;     // state of the masking noise
   bool sound_lost = false;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <string_view>
 
 #include <fmt/core.h>
 
@@ -40,7 +42,8 @@ std::string action_of(const ScreenContent& content, const study::StudyTask* task
                       const study::Language& say) {
   const bool lifts = task != nullptr && task->leaves_tissue();
   switch (content.trial.state) {
-    case TrialState::kIdle:
+    case TrialState::kIdle:  // a block is being prepared
+      return content.message.empty() ? say("Please wait") : std::string();
     case TrialState::kFinished:
       return {};
     case TrialState::kHome:
@@ -148,18 +151,18 @@ void draw_break(double left, const ParticipantView& view, const Page& page) {
 
 }  // namespace
 
-ParticipantView participant_view(const ScreenContent& content, const Study& study) {
+ParticipantView participant_view(const ScreenContent& content, const Study& study,
+                                 const study::Language& say) {
   const std::optional<std::size_t> found = study.find_task(content.task);
   const study::StudyTask* task = found ? &study.tasks[*found] : nullptr;
   const study::TrialView& trial = content.trial;
-  const study::Language& say = study.language;
   ParticipantView view;
   if (content.position.parts > 0) {
     view.progress =
         fmt::format(fmt::runtime(say("part {} of {}")),
                     std::min(content.position.part + 1, content.position.parts), content.position.parts);
     view.part_done =
-        content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 0.0;
+        content.position.of > 0 ? static_cast<double>(content.position.done) / content.position.of : 1.0;
   }
   // Beside the stimuli of the next trial, "correct" would seem to be about that trial.
   const bool before = trial.state == TrialState::kIdle || trial.state == TrialState::kHome ||
@@ -175,7 +178,7 @@ ParticipantView participant_view(const ScreenContent& content, const Study& stud
     return view;
   }
   view.sentence = say(content.sentence);
-  if (content.example != 0) {
+  if (content.example != 0 && trial.state != TrialState::kIdle) {  // not in the break before it
     const bool stiffer = task != nullptr && task->comparison();
     view.message = fmt::format(
         fmt::runtime(say(stiffer ? "Example: interval {} is stiffer" : "Example: it is in interval {}")),
@@ -216,6 +219,9 @@ float draw_text(ImDrawList& list, StudyFont font, ImVec2 at, Align align, float 
   float y = at.y;
   for (const char* line = text.c_str(); line < end;) {
     const char* stop = letters->CalcWordWrapPositionA(scale, line, end, width);
+    constexpr std::string_view kOpening = "“";  // stays with the text after it
+    const bool opens = stop < end && std::string_view(line, stop).ends_with(kOpening);
+    if (opens && stop - line > std::ssize(kOpening)) stop -= kOpening.size();
     const char* newline = std::find(line, stop, '\n');
     stop = newline < stop ? newline : std::max(stop, line + 1);
     const float wide = letters->CalcTextSizeA(height, FLT_MAX, 0.0F, line, stop).x;

@@ -33,9 +33,9 @@ struct ParticipantView {
   std::optional<double> break_left;  // s
 };
 
-/// [any] The participant's view of a moment of a session.
-[[nodiscard]] ParticipantView participant_view(const study::ScreenContent& content,
-                                               const study::Study& study);
+/// [any] The participant's view of a moment of a session, in a language.
+[[nodiscard]] ParticipantView participant_view(const study::ScreenContent& content, const study::Study& study,
+                                               const study::Language& say);
 
 /// Fonts of the study's windows, in the order of ImGui's list.
 enum class StudyFont : int { kText, kLarge, kDigits };

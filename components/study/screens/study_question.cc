@@ -1,6 +1,7 @@
 #include "study/screens/study_question.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <sstream>
 
 #include <SDL.h>
@@ -67,7 +68,8 @@ struct AnswerGrid {
     }
     gap = 0.6F * text;
     const std::size_t fitting = static_cast<std::size_t>(std::max(1.0F, (width + gap) / (widest + gap)));
-    columns = std::clamp<std::size_t>(fitting, 1, std::max<std::size_t>(1, labels.size()));
+    const std::size_t rows = (labels.size() + fitting - 1) / fitting;
+    columns = (labels.size() + rows - 1) / rows;  // rows of about the same length
     button = ImVec2(std::min(widest, width), 2.1F * text);
   }
   [[nodiscard]] float width() const { return static_cast<float>(columns) * (button.x + gap) - gap; }
@@ -130,7 +132,13 @@ std::optional<std::size_t> draw_question(const study::Question& question, const 
   std::optional<std::size_t> pressed;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   if (paragraphs.size() <= 2) {  // a short question, in the middle
-    float y = 0.26F * size.y;
+    const ImFont& font = *study_font(StudyFont::kLarge);
+    float high = 2.5F * text + grid.height();
+    for (const Paragraph& one : paragraphs) {
+      const float letters = font.FontSize * ImGui::GetIO().FontGlobalScale;
+      high += 0.4F * text + 1.2F * font.CalcTextSizeA(letters, FLT_MAX, width, one.text.c_str()).y;
+    }
+    float y = std::min(0.26F * size.y, size.y - high);  // a long one begins higher
     for (const Paragraph& one : paragraphs) {
       y += 0.4F * text + draw_text(list, StudyFont::kLarge, ImVec2(0.5F * size.x, y), Align::kCentre, width,
                                    packed(colour::kText), one.text);

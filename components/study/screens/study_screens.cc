@@ -121,7 +121,7 @@ void StudyScreens::open_gamepads() {
 
 void StudyScreens::show(const study::ScreenContent& content) {
   content_ = content;
-  view_ = participant_view(content, study_);
+  view_ = participant_view(content, study_, study_.language);
   next_frame();
 }
 
@@ -149,29 +149,36 @@ std::optional<std::size_t> StudyScreens::ask(const study::Question& question) {
   return interrupted() ? std::nullopt : answer_;
 }
 
-std::optional<bool> StudyScreens::audible_trial(bool second, const std::function<void(bool)>& noise) {
+std::optional<bool> StudyScreens::audible_trial(const study::AudibleTrial& trial,
+                                                const std::function<void(bool)>& noise) {
   forget_answers();
-  const std::optional<int> answer = listen(second, noise);
+  audible_ = trial;
+  const std::optional<int> answer = listen(trial, noise);
+  audible_.reset();
   noise(false);
   if (!answer) return std::nullopt;
-  return (*answer == 2) == second;
+  return (*answer == 2) == trial.second;
 }
 
-std::optional<int> StudyScreens::listen(bool second, const std::function<void(bool)>& noise) {
+std::optional<int> StudyScreens::listen(const study::AudibleTrial& trial,
+                                        const std::function<void(bool)>& noise) {
   struct Step {
     double until;  // s
     int lit;
   };
   constexpr Step kSteps[] = {{1.0, 0}, {2.0, 1}, {2.5, 0}, {3.5, 2}};  // pause, interval, gap, interval
   view_ = {};
-  view_.sentence = study_.language("Take your hand off the device. In which interval do you hear it?");
+  view_.sentence =
+      study_.language("Take your hand off the device. In which interval do you hear the device?");
+  view_.progress = fmt::format("{} / {}", trial.number, trial.of);
+  view_.part_done = (trial.number - 1.0) / trial.of;
   view_.boxes = true;
   const double began = seconds_now();
   for (const Step& step : kSteps) {
     view_.lit = step.lit;
     view_.action = step.lit == 0 ? study_.language("Wait")
                                  : fmt::format(fmt::runtime(study_.language("Interval {}")), step.lit);
-    noise(step.lit == (second ? 2 : 1));
+    noise(step.lit == (trial.second ? 2 : 1));
     while (seconds_now() < began + step.until) {
       next_frame();
       if (interrupted()) return std::nullopt;
@@ -267,7 +274,7 @@ void StudyScreens::draw_participants() {
   } else {
     draw_participant(view_);
   }
-  draw_notices();
+  draw_notices(false);
   Viewport::end_panels();
   window.clear();
   Viewport::draw_panels();
@@ -285,20 +292,20 @@ void StudyScreens::draw_experimenters() {
   } else {
     draw_experimenter(content_, experimenter_view(), controls_);
   }
-  draw_notices();
+  draw_notices(true);
   Viewport::end_panels();
   window.clear();
   Viewport::draw_panels();
   window.show();
 }
 
-void StudyScreens::draw_notices() const {
+void StudyScreens::draw_notices(bool experimenters) const {
   const double held = withdraw_.part(seconds_now());
   if (held > 0.0) {
     draw_notice(fmt::format(fmt::runtime(study_.language("Keep holding {} to withdraw from the study")),
                             text_of_keys({study_.withdraw_key}, study_.language)),
                 held);
-  } else if (asks_to_stop_) {
+  } else if (asks_to_stop_ && (experimenters || experimenter_ == nullptr)) {
     draw_notice("Stop the session?\nEnter: stop     Esc: go on", std::nullopt);
   }
 }
@@ -307,10 +314,16 @@ ExperimenterView StudyScreens::experimenter_view() const {
   ExperimenterView view;
   view.asks_to_stop = asks_to_stop_;
   view.title = options_.title;
-  view.action = view_.action;
+  const ParticipantView english = participant_view(content_, study_, {});
+  view.action =
+      english.action + (english.action.empty() || english.message.empty() ? "" : "; ") + english.message;
   view.ladder = ladder_of(content_, study_);
   const std::vector<Paragraph> asked = paragraphs_of(question_ ? question_->text : std::string());
   if (!asked.empty()) view.question = asked.front().text;
+  if (audible_) {
+    view.question =
+        fmt::format("In which interval is the noise heard? Trial {} of {}", audible_->number, audible_->of);
+  }
   view.sound_lost = sound_ != nullptr && !sound_->plays();
   view.sound = sound_ == nullptr ? "none"
                : view.sound_lost ? "the sound device has stopped"

@@ -46,7 +46,8 @@ class StudyScreens final : public study::SessionScreens {
   /// Also empty when stop, withdraw or force off was pressed; take_input() then returns it.
   std::optional<std::size_t> ask(const study::Question& question) override;
   /// Empty as with ask(). The noise is off when it returns.
-  std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) override;
+  std::optional<bool> audible_trial(const study::AudibleTrial& trial,
+                                    const std::function<void(bool)>& noise) override;
 
   /// Whether a window was closed or the display was lost. Then nothing is drawn any more.
   [[nodiscard]] bool closed() const noexcept { return closed_; }
@@ -63,7 +64,7 @@ class StudyScreens final : public study::SessionScreens {
   void draw();
   void draw_participants();
   void draw_experimenters();
-  void draw_notices() const;
+  void draw_notices(bool experimenters) const;
   [[nodiscard]] ExperimenterView experimenter_view() const;
   void write_status(double now);
   void take_event(const SDL_Event& event);
@@ -74,7 +75,7 @@ class StudyScreens final : public study::SessionScreens {
   void forget_answers();
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] bool asks_experimenter() const;
-  std::optional<int> listen(bool second, const std::function<void(bool)>& noise);
+  std::optional<int> listen(const study::AudibleTrial& trial, const std::function<void(bool)>& noise);
 
   const study::Study& study_;
   StudyScreensOptions options_;
@@ -89,6 +90,7 @@ class StudyScreens final : public study::SessionScreens {
 
   study::ScreenContent content_;
   ParticipantView view_;
+  std::optional<study::AudibleTrial> audible_;
   std::optional<study::Question> question_;
   double question_since_ = 0.0;  // s
   std::optional<std::size_t> answer_;

@@ -95,6 +95,7 @@ void StudyScreens::key_down(const SDL_Event& event, Viewport& window) {
   if (question_) {
     const int digit = digit_of(event.key.keysym);
     const bool heard = event_time() > question_since_ + kDeafTime;
+    if (heard && question_->answers.size() == 1 && keys_.input_of(event) == ScreenInput::kNext) answer_ = 0;
     if (heard && digit >= 1 && static_cast<std::size_t>(digit) <= question_->answers.size())
       answer_ = static_cast<std::size_t>(digit - 1);
     return;

@@ -173,12 +173,9 @@ std::string own_level_text(const Study& study, const Effect& effect) {
       study.own_level, effect_text(contrast, effect));
 }
 
-std::string guesses_text(const Guesses& guesses) {
-  return fmt::format("{}, {}: {} yes, {} no, {} unsure, confidence {:.1f}", guesses.who,
-                     guesses.pooled  ? "all blocks"
-                     : guesses.noise ? "last trial with noise"
-                                     : "last trial without noise",
-                     guesses.yes, guesses.no, guesses.unsure, guesses.confidence);
+const char* blocks_of(const Guesses& guesses) {
+  if (guesses.pooled) return "all blocks";
+  return guesses.noise ? "last trial with noise" : "last trial without noise";
 }
 
 std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
@@ -196,7 +193,10 @@ std::string analysis_text(const Study& study, const StudyAnalysis& analysis) {
     text += fmt::format("Group mean in {}, {}: {:+.2f} ({:+.2f} to {:+.2f})\n", study.tasks[change.task].name,
                         change.quantity, change.test.mean, change.test.low, change.test.high);
   }
-  for (const Guesses& guesses : analysis.guesses) text += "Blinding, " + guesses_text(guesses) + '\n';
+  for (const Guesses& guesses : analysis.guesses) {
+    text += fmt::format("Blinding, {}, {}: {} yes, {} no, {} unsure, confidence {:.1f}\n", guesses.who,
+                        blocks_of(guesses), guesses.yes, guesses.no, guesses.unsure, guesses.confidence);
+  }
   return text + people_text(analysis);
 }
 

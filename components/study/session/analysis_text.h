@@ -29,8 +29,8 @@ namespace palpate::study {
 [[nodiscard]] std::string inverted_u_text(const Curve& curve);
 /// [setup] The effect of StudyAnalysis::own_level.
 [[nodiscard]] std::string own_level_text(const Study& study, const Effect& effect);
-/// [setup] Guesses about the noise.
-[[nodiscard]] std::string guesses_text(const Guesses& guesses);
+/// [any] The blocks that guesses are about: "last trial with noise".
+[[nodiscard]] const char* blocks_of(const Guesses& guesses);
 /// [setup] A p value: "p = 0.021", "p < 0.001".
 [[nodiscard]] std::string p_text(double p_value);
 

@@ -68,8 +68,8 @@ void write_description(const BidsSource& source, const fs::path& folder) {
       folder / "README",
       fmt::format("{}\n\nA behavioural study of touch with Palpate {}, a haptic simulator of soft tissue.\n{}"
                   "Scene: {}. Seed: {}. SHA-256 of the registered study: {}.\n"
-                  "{}\n{} withdrew and are not in this data set.\n{}"
-                  "Trials that do not count have a reason in the column `spoiled`, or 1 in `practice`.\n"
+                  "{}\n{} withdrew and are not in this data set.\n{}Trials that do not count have a reason "
+                  "in the column `spoiled`, or 1 in `practice`.\n"
                   "Please add authors and a licence to dataset_description.json before you publish it.\n",
                   source.study.name, kVersion,
                   source.simulated ? "ALL PARTICIPANTS ARE SIMULATED. These are not data of people.\n" : "",

@@ -203,8 +203,8 @@ TimedSignal aligned(const TimedSignal& played, const TimedSignal& sensor, Calibr
   if (const double spread = normalized_mad(offsets); spread > kMostSpread) {
     throw InputError(
         fmt::format("the sensor's clock cannot be aligned: the parts of its record differ by {} s, must be "
-                    "at most {}: it "
-                    "measured too little of the noise (fix it to the grip, or play a larger --sigma-N)",
+                    "at most {}: it measured too little of the noise (fix it to the grip, or play a larger "
+                    "--sigma-N)",
                     brief(spread, 2), shortest(kMostSpread)));
   }
   TimedSignal result = sensor;

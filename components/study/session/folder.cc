@@ -137,8 +137,7 @@ void read_sealed(const std::string& locked_hash, StudyFolder& made) {
   constexpr mode_t kOthers = 0077;
   if (::fstat(opened.descriptor(), &facts) == 0 && (facts.st_mode & kOthers) != 0) {
     throw InputError(
-        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: "
-                    "chmod 600 {}",
+        fmt::format("{}: others can read it (mode {:04o}), must be readable by its owner only: chmod 600 {}",
                     file.string(), facts.st_mode & 07777U, file.string()));
   }
   const std::string sealed = opened.read_rest();
@@ -319,11 +318,7 @@ std::vector<std::string> unfinished_people(const StudyFolder& study) {
   for (const std::string& id : study.ids) {
     const std::size_t sessions = plan_sessions(study.study, study.number_of(id)).size();
     const ParticipantLog log = study.read(id);
-    const auto ended =
-        static_cast<std::size_t>(std::count_if(log.events.begin(), log.events.end(), [](const auto& event) {
-          return event.event == "session-end";
-        }));
-    if (ended < sessions && !log.withdrawn() && !log.deletion()) unfinished.push_back(id);
+    if (log.finished_sessions() < sessions && !log.withdrawn() && !log.deletion()) unfinished.push_back(id);
   }
   return unfinished;
 }

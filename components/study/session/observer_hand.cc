@@ -142,7 +142,7 @@ void ObserverAgent::row(const haptics::TickRow& row, const TrialLoop& loop, cons
 }
 
 void answer_by_force(const Study& study, SimulatedPerson& person, const Trial& trial,
-                     const std::array<std::vector<double>, 2>& samples, double progress, bool last_second,
+                     const std::array<std::vector<double>, 2>& samples, double progress,
                      std::uint32_t participant, TrialRecord& record) {
   const StudyTask& task = study.tasks[trial.task];
   const bool detects = task.stimulus() == Stimulus::kForce || task.stimulus() == Stimulus::kNoise;
@@ -157,7 +157,7 @@ void answer_by_force(const Study& study, SimulatedPerson& person, const Trial& t
     };
     seen.level = std::log(stiffness(comparison) / stiffness(1 - comparison));
   }
-  answer_by_formula(study, person, seen, progress, last_second, study.seed, participant, record);
+  answer_by_formula(study, person, seen, progress, study.seed, participant, record);
   record.intervals = measured;
   record.rms_error = rms_error;
   record.variation = variation;

@@ -86,7 +86,7 @@ class ObserverAgent final {
 /// [setup] The answer of an observer to the rendered force: as answer_by_formula(), but detection tasks by
 /// the samples, and stiffness by the measured forces and depths.
 void answer_by_force(const Study& study, SimulatedPerson& person, const Trial& trial,
-                     const std::array<std::vector<double>, 2>& samples, double progress, bool last_second,
+                     const std::array<std::vector<double>, 2>& samples, double progress,
                      std::uint32_t participant, TrialRecord& record);
 
 }  // namespace palpate::study

@@ -240,10 +240,9 @@ class PreparationFolder final {
       fs::remove_all(folder, error);
       ::close(held);
       if (error) {
-        throw InputError(folder.string() +
-                         ": was left by an interrupted `palpate study prepare` and cannot be "
-                         "removed: " +
-                         error.message());
+        throw InputError(
+            folder.string() +
+            ": was left by an interrupted `palpate study prepare` and cannot be removed: " + error.message());
       }
     }
   }

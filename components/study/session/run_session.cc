@@ -89,7 +89,6 @@ class RunningSession final {
   bool stop_ = false;
   bool threshold_noted_ = false;  // of this session
   std::optional<std::size_t> instructed_;
-  bool last_second_ = false;
   std::uint64_t late_ticks_ = 0;
   std::string message_;
   std::vector<double> ladder_;
@@ -231,8 +230,7 @@ void RunningSession::Block::step(const haptics::TickRow& row) {
 void RunningSession::answer_as_person(const TrialLoop& loop, const ObserverAgent& agent,
                                       TrialRecord& record) {
   const double progress = std::min(1.0, static_cast<double>(outcome_.trials) / planned_);
-  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, last_second_, number_,
-                  record);
+  answer_by_force(study_.study, *person_, loop.trial(), agent.samples(), progress, number_, record);
 }
 
 void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* agent) {
@@ -244,7 +242,6 @@ void RunningSession::finish_trial(const TrialLoop& loop, const ObserverAgent* ag
     record.observer = person_->kind;
     if (offline() || !task.two_intervals()) answer_as_person(loop, *agent, record);
   }
-  last_second_ = record.answer == 2;
   log_.append(record);
   course_.add(record);
   if (const auto practised = practice_event(study_.study, course_, record)) log_.append(*practised);
@@ -278,6 +275,7 @@ ScreenContent RunningSession::content_of(const TrialView& trial, const std::stri
   if (const auto next = course_.next()) {
     content.sentence = describe(study_.study.tasks[next->task].kind).sentence;
     content.task = study_.study.tasks[next->task].name;
+    content.practice = next->practice;
     if (next->example && trial.state != TrialState::kFinished) {
       content.example = next->second ? 2 : 1;
       if (study_.study.tasks[next->task].comparison() && next->level < 0.0)
@@ -305,8 +303,10 @@ void RunningSession::withdraw() {
 }
 
 void RunningSession::note() {
-  const std::string text = options_.screens->take_note();
-  if (!text.empty()) log_.append(event_of("note", {{"text", text}}));
+  for (std::string text = options_.screens->take_note(); !text.empty();
+       text = options_.screens->take_note()) {
+    log_.append(event_of("note", {{"text", text}}));
+  }
 }
 
 // A person consents, and feels a device that a hand holds.
@@ -480,7 +480,7 @@ bool RunningSession::take_break() {
   bool ready = false;
   while (!ready || Clock::now() < end) {
     const double left = std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
-    show({}, left > 0.0 ? "Take a break" : "Press a key to go on", left);
+    show({}, left > 0.0 ? "Take a break" : "Press Space or an answer key to go on", left);
     while (const auto input = options_.screens->take_input()) {
       if (*input == ScreenInput::kStop || *input == ScreenInput::kWithdraw ||
           *input == ScreenInput::kForceOff) {
@@ -541,6 +541,10 @@ SessionOutcome RunningSession::run() {
   outcome_.complete = !course_.next();
   if (outcome_.complete)
     log_.append(event_of("session-end", {{"session", std::to_string(outcome_.session)}}));
+  if (options_.screens != nullptr && (outcome_.complete || outcome_.withdrawn)) {
+    questions().say_goodbye();
+    note();
+  }
   return outcome_;
 }
 

@@ -21,6 +21,7 @@ struct ScreenContent {
   std::string message;   // "correct", "break: 24 s", ...; empty: none
   std::string task;      // for the experimenter
   int example = 0;       // interval of the answer, which is shown before an example; 0: none
+  bool practice = false;
   int session = 1;
   int block = 1;
   CoursePosition position;
@@ -43,6 +44,13 @@ struct Question {
   std::vector<std::string> answers;
 };
 
+/// A trial of the check whether the noise is heard.
+struct AudibleTrial {
+  int number = 1;
+  int of = 1;
+  bool second = false;  // the noise is in the second interval
+};
+
 /// The screens and keys of a session with a person. All functions are called on one thread.
 class SessionScreens {
  public:
@@ -58,7 +66,8 @@ class SessionScreens {
   virtual std::optional<std::size_t> ask(const Question& question) = 0;
   /// Shows two intervals, the hand off the device, and asks which had the noise. @param noise switches the
   /// device's noise @return whether the answer was correct; empty: as for ask()
-  virtual std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) = 0;
+  virtual std::optional<bool> audible_trial(const AudibleTrial& trial,
+                                            const std::function<void(bool)>& noise) = 0;
 };
 
 struct SessionOptions {

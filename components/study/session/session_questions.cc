@@ -124,7 +124,8 @@ bool SessionQuestions::audibility(int session) {
   }
   for (int i = first; i < kAudibleTrials; ++i) {
     Random random(study_.study.seed, participant_, kAudiblePart + static_cast<std::uint32_t>(i));
-    const std::optional<bool> answer = options_.screens->audible_trial(random.uniform() < 0.5, switch_noise);
+    const std::optional<bool> answer =
+        options_.screens->audible_trial({i + 1, kAudibleTrials, random.uniform() < 0.5}, switch_noise);
     if (!answer) return false;
     if (background->ended())
       throw InputError("the check whether the noise is heard: the device's run has ended");
@@ -141,9 +142,12 @@ void SessionQuestions::blinding(const LastTrial& last) {
   if (!study_.study.check_blinding || options_.screens == nullptr) return;
   for (const std::string who : {"participant", "experimenter"}) {
     const std::vector<std::string> answers = {"yes", "no", "unsure"};
-    const auto noise = options_.screens->ask({who, "Was there noise in the last trial?", answers});
+    const char* question = who == "participant" ? "Did the tool tingle in the last trial?"
+                                                : "Was there noise in the last trial?";
+    const auto noise = options_.screens->ask({who, question, answers});
     if (!noise) return;
-    const auto sure = options_.screens->ask({who, "How sure are you?", {"1", "2", "3", "4", "5"}});
+    const auto sure = options_.screens->ask(
+        {who, "How sure are you? 1: not at all, 5: completely", {"1", "2", "3", "4", "5"}});
     if (!sure) return;
     log_.append(event_of("blinding", {{"who", who},
                                       {"session", std::to_string(last.session)},
@@ -153,6 +157,11 @@ void SessionQuestions::blinding(const LastTrial& last) {
                                       {"answer", answers[*noise]},
                                       {"confidence", std::to_string(*sure + 1)}}));
   }
+}
+
+void SessionQuestions::say_goodbye() {
+  static_cast<void>(options_.screens->ask(
+      {"participant", "The session is over. Thank you! Take your hand off the device.", {"Close"}}));
 }
 
 EventRecord event_of(const std::string& name, std::vector<std::pair<std::string, std::string>> values) {

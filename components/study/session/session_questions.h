@@ -44,6 +44,8 @@ class SessionQuestions final {
   };
   /// Whether both people believe that the last trial had noise.
   void blinding(const LastTrial& last);
+  /// Says that the session is over, until somebody closes the window.
+  void say_goodbye();
 
  private:
   [[nodiscard]] bool has(const std::string& event, const std::string& answer = "") const;

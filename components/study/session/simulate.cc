@@ -33,7 +33,6 @@ ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t 
   log.id = "S" + std::to_string(participant + 1);
   Course course(study, key, participant);
   const auto sessions = static_cast<int>(plan_sessions(study, participant).size());
-  bool last_second = false;
   for (int session = 1; session <= sessions; ++session) {
     double seconds = 0.0;
     const auto add_event = [&](const char* event, std::vector<std::pair<std::string, std::string>> values) {
@@ -66,8 +65,7 @@ ParticipantLog simulate_trials(const Study& study, SealedKey key, std::uint32_t 
       TrialRecord record = record_of(study, *trial, session, block);
       record.time = time_of(session, seconds);
       const double progress = std::min(1.0, static_cast<double>(done) / planned);
-      answer_by_formula(study, person, *trial, progress, last_second, study.seed, participant, record);
-      last_second = record.answer == 2;
+      answer_by_formula(study, person, *trial, progress, study.seed, participant, record);
       course.add(record);
       log.trials.push_back(std::move(record));
       if (const auto practised = practice_event(study, course, log.trials.back())) {

@@ -18,14 +18,14 @@ constexpr double kNormalAt75 = 0.67448975;
 constexpr std::uint32_t kPersonPart = 0x7000'0000;
 constexpr std::uint64_t kAnswerSeed = 0x616e'7377'6572;  // differs from that of the trials
 
-// The argument between 0 and 4 at which a rising probability is 75 %.
-template <typename Function>
-double at_75(const Function& probability) {
+// Threshold of a constant force with a noise in both intervals, of an observer that counts samples: 75 %
+// correct, in units of T.
+double force_threshold_of(const Observer& observer, double noise) {
   double low = 0.0;
   double high = 4.0;
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
-    (probability(middle) < 0.75 ? low : high) = middle;
+    (psychophysics::probability_second(observer, {middle, noise, true}) < 0.75 ? low : high) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -34,11 +34,6 @@ double at_75(const Function& probability) {
 double detected(double level, double threshold, double drift, double lapse) {
   const double location = threshold + drift - std::log10(std::log(2.0)) / kSlope;
   return psychophysics::PsychometricFunction{}(level, {location, kSlope, lapse});
-}
-
-bool answers_without_sensing(const Observer& observer) {
-  return observer.kind == Observer::Kind::kFirstInterval || observer.kind == Observer::Kind::kRepeatsLast ||
-         observer.kind == Observer::Kind::kRandom;
 }
 
 // Factor of ln_spread with a noise [N].
@@ -107,12 +102,6 @@ void hold(const Trial& trial, Random& random, TrialRecord& record) {
 
 }  // namespace
 
-double force_threshold_of(const Observer& observer, double noise) {
-  return at_75([&](double force) {
-    return psychophysics::probability_second(observer, {force, noise, true});
-  });
-}
-
 SimulatedPerson make_person(const std::string& kind, std::uint64_t seed, std::uint32_t participant) {
   SimulatedPerson person;
   person.kind = kind;
@@ -130,7 +119,7 @@ SimulatedPerson make_person(const std::string& kind, std::uint64_t seed, std::ui
 }
 
 void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial& trial, double progress,
-                       bool last_second, std::uint64_t seed, std::uint32_t participant, TrialRecord& record) {
+                       std::uint64_t seed, std::uint32_t participant, TrialRecord& record) {
   const StudyTask& task = study.tasks[trial.task];
   Random random(seed ^ kAnswerSeed, participant, trial.draw);
   record.observer = person.kind;
@@ -151,10 +140,7 @@ void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial&
                  person.observer.drift * progress, person.lapse);
   }
   double second = trial.second ? counted : 1.0 - counted;
-  if (answers_without_sensing(person.observer)) {
-    second =
-        psychophysics::probability_second(person.observer, {0.0, 0.0, trial.second, progress, last_second});
-  }
+  if (person.observer.kind == Observer::Kind::kRandom) second = 0.5;
   record.answer = random.uniform() < second ? 2 : 1;
   record.counted = counted_answer(trial, record.answer);
   record.response_time = 0.4 + 0.5 * std::exp(0.3 * random.normal());

@@ -29,12 +29,8 @@ struct SimulatedPerson {
                                           std::uint32_t participant);
 
 /// [setup] Fills in answer, response time and cues of a trial, by formulas instead of rendered force.
-/// @param progress elapsed share of the session, 0..1 @param last_second the last answer was "second"
+/// @param progress elapsed share of the session, 0..1
 void answer_by_formula(const Study& study, SimulatedPerson& person, const Trial& trial, double progress,
-                       bool last_second, std::uint64_t seed, std::uint32_t participant, TrialRecord& record);
-
-/// [any] Threshold of a constant force with a noise in both intervals, of an observer that counts samples:
-/// 75 % correct, in units of T.
-[[nodiscard]] double force_threshold_of(const psychophysics::Observer& observer, double noise);
+                       std::uint64_t seed, std::uint32_t participant, TrialRecord& record);
 
 }  // namespace palpate::study

@@ -103,6 +103,14 @@ scene::Overrides scene_of(const Study& study) {
   return request;
 }
 
+std::vector<std::string> exclusion_rules(const Study& study) {
+  std::vector<std::string> rules = {
+      fmt::format("fewer than {} of the catch trials correct", percent(study.exclude_catch_below, 0)),
+      fmt::format("more than {} of the trials spoiled", percent(study.exclude_lost_above, 0))};
+  if (study.exclude_threshold_at_edge) rules.emplace_back("a noise threshold at the edge of the stimuli");
+  return rules;
+}
+
 std::string sound_text(const Study& study) {
   if (!study.mask_dBA && !study.motors_dBA) return "";
   const auto level = [](const std::optional<double>& of) {

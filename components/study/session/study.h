@@ -155,7 +155,6 @@ struct Study {
   double max_noise = 0.1;             // N, standard deviation
   double max_continuous_noise = 3.0;  // s
 
-  std::string participant_screen = "blank";
   std::string language_file;  // beside the study file; empty: a built-in language
   Language language;          // of the participant's screens
   std::string experimenter_screen = "second-display";
@@ -196,6 +195,9 @@ struct Study {
   /// [any] Index of the task that sets the noise threshold; empty: no task does.
   [[nodiscard]] std::optional<std::size_t> threshold_task() const;
 };
+
+/// [setup] Whom [analysis] exclude leaves out, a rule each: "more than 10 % of the trials spoiled".
+[[nodiscard]] std::vector<std::string> exclusion_rules(const Study& study);
 
 /// [any] "mask 68 dB(A), motors 41 dB(A) at the ears, as the lab measured"; empty: nothing was measured.
 [[nodiscard]] std::string sound_text(const Study& study);

@@ -96,7 +96,7 @@ void read_screen_and_sound(const TomlTable& root, Study& study) {
       fail_choice(screen, "language", language, known);
     study.language = builtin_language(language);
   }
-  study.participant_screen = choice(screen, "participant", {"blank"}, "blank");
+  static_cast<void>(choice(screen, "participant", {"blank"}, "blank"));
   study.experimenter_screen =
       choice(screen, "experimenter", {"second-display", "file", "none"}, "second-display");
   const TomlTable sound = table_or_empty(root, "sound", {"mask", "level_dB", "mask_dBA", "motors_dBA"});

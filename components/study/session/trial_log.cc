@@ -350,6 +350,11 @@ std::string EventRecord::value(const std::string& name) const {
   return found == values.end() ? "" : found->second;
 }
 
+std::size_t ParticipantLog::finished_sessions() const {
+  return static_cast<std::size_t>(std::count_if(
+      events.begin(), events.end(), [](const EventRecord& event) { return event.event == "session-end"; }));
+}
+
 bool ParticipantLog::withdrawn() const {
   return std::any_of(events.begin(), events.end(),
                      [](const EventRecord& event) { return event.event == "withdrawn"; });

@@ -94,6 +94,7 @@ struct ParticipantLog {
   // The last line was incomplete, without a line end or with zeros (crash), and is left out.
   bool cut = false;
 
+  [[nodiscard]] std::size_t finished_sessions() const;
   [[nodiscard]] bool withdrawn() const;
   [[nodiscard]] std::optional<Deletion> deletion() const;
   [[nodiscard]] std::size_t lines() const noexcept { return trials.size() + events.size(); }

@@ -151,52 +151,5 @@ TEST(GroupStudy, InvertedUIsNotClaimedWithoutStochasticResonance) {
   }
 }
 
-// Change of the criterion c in a yes/no task, from each person's answers without and with noise.
-struct YesNoChange {
-  std::vector<double> criteria;
-  bool reliable = true;  // false: somebody's rates are extreme, so d' says nothing
-
-  void add(const Count& off_hits, const Count& off_alarms, const Count& hits, const Count& alarms) {
-    const Sensitivity off = yes_no(off_hits, off_alarms);
-    const Sensitivity with = yes_no(hits, alarms);
-    reliable = reliable && off.reliable && with.reliable;
-    criteria.push_back(yes_no(hits, alarms, true).criterion - yes_no(off_hits, off_alarms, true).criterion);
-  }
-};
-
-TEST(GroupStudy, FixedCriterionIsReportedAsAMovedCriterion) {
-  constexpr int kPeople = 16;
-  constexpr int kTrials = 40;
-  constexpr double kSignal = 0.65;  // below the criterion at 1
-  constexpr double kNoise = 0.35;
-  const Observer observer = make_observer("fixed-criterion");
-  const int groups = simulated(100, 1000);
-  int statements = 0;
-  int moved = 0;
-  for (int group = 0; group < groups; ++group) {
-    Random random(31, 0, static_cast<std::uint32_t>(group));
-    const auto count = [&](double signal, double noise) {
-      const double yes = probability_yes(observer, {signal, noise});
-      Count counts{kTrials, 0};
-      for (int i = 0; i < kTrials; ++i) counts.counted += random.uniform() < yes ? 1 : 0;
-      return counts;
-    };
-    YesNoChange change;
-    for (int person = 0; person < kPeople; ++person) {
-      const Count off_hits = count(kSignal, 0.0);
-      const Count off_alarms = count(0.0, 0.0);
-      const Count hits = count(kSignal, kNoise);
-      change.add(off_hits, off_alarms, hits, count(0.0, kNoise));
-    }
-    statements += change.reliable ? 1 : 0;
-    const PairedTest criterion = paired_t(change.criteria);
-    moved += criterion.two_sided <= 0.05 && criterion.mean < 0.0 ? 1 : 0;
-  }
-  print_figure("fixed criterion: statements about d'", static_cast<double>(statements) / groups);
-  print_figure("fixed criterion: criterion moved", static_cast<double>(moved) / groups);
-  EXPECT_EQ(statements, 0);
-  EXPECT_GE(moved, 0.96 * groups);
-}
-
 }  // namespace
 }  // namespace palpate::psychophysics

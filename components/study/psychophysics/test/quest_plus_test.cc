@@ -85,8 +85,9 @@ TEST(QuestPlus, ReplaysWatsonsThresholdRun) {
   const Estimate found = quest.estimate(location_of);
   EXPECT_NEAR(found.mean, -20.39360311639, 1e-10);
   EXPECT_NEAR(found.sd, 1.389334005921, 1e-10);
-  EXPECT_EQ(quest.mode().location, -20.0);
-  EXPECT_NEAR(quest.entropy(), 1.6835011546, 1e-9);
+  double entropy = 0.0;
+  for (const double one : quest.posterior()) entropy -= one > 0.0 ? one * std::log(one) : 0.0;
+  EXPECT_NEAR(entropy, 1.6835011546, 1e-9);
 }
 
 TEST(QuestPlus, ReplaysWatsonsThresholdAndSlopeRun) {
@@ -95,8 +96,6 @@ TEST(QuestPlus, ReplaysWatsonsThresholdAndSlopeRun) {
   EXPECT_EQ(replay(quest, kThresholdSlope), 0);
   EXPECT_NEAR(quest.estimate(location_of).mean, -19.5824257232, 1e-9);
   EXPECT_NEAR(quest.estimate(spread_of).mean, 3.3075361995, 1e-9);
-  EXPECT_EQ(quest.mode().location, -20.0);
-  EXPECT_EQ(quest.mode().spread, 3.0);
 }
 
 TEST(QuestPlus, ReplaysWatsonsThresholdSlopeAndLapseRun) {
@@ -115,7 +114,6 @@ TEST(QuestPlus, ReplaysWatsonsMeanAndDeviationRun) {
   EXPECT_NEAR(quest.estimate(location_of).mean, -0.1021096112, 1e-9);
   EXPECT_NEAR(quest.estimate(spread_of).mean, 4.1768222353, 1e-9);
   EXPECT_NEAR(quest.estimate(lapse_of).mean, 2 * 0.0193461069, 1e-9);
-  EXPECT_EQ(quest.mode().spread, 4.0);
 }
 
 TEST(QuestPlus, ProbabilitiesGiveThePublishedLogLikelihood) {

@@ -53,7 +53,7 @@ def test_a_staircase_of_two_down_goes_down_after_two_correct_answers():
 
 
 def test_invalid_input_is_refused_in_words():
-    with pytest.raises(palpate.InputError, match='fixed-criterion'):
+    with pytest.raises(palpate.InputError, match='is not ideal, linear'):
         study.Observer('wizard')
     with pytest.raises(palpate.ParameterError):
         study.QuestPlus.detection(10.0, 1.0)

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -16,6 +15,7 @@
 
 #include "study/session/test/forbidden_words.h"
 #include "study/session/test/simulated_log.h"
+#include "study/session/test/study_text.h"
 
 namespace palpate::report {
 namespace {
@@ -69,8 +69,7 @@ class StudyReport : public testing::Test {
     const StudyAnalysis analysis = study::analyse(study_.study, people_, kTestKey, unblinded);
     const std::filesystem::path page = write_study_report(
         study_, analysis, folder_.path() / (unblinded ? "open" : "blind"), "palpate study");
-    std::ifstream in(page, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    return study::bytes_of(page);
   }
 
   const TemporaryFolder folder_;
@@ -90,8 +89,7 @@ TEST_F(StudyReport, BlindReportNamesNoConditionAndNoPrimaryContrast) {
   }
   // The figures of a blind report are drawn without names too.
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path() / "blind")) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    const std::string text = study::bytes_of(entry.path());
     for (const char* name : kNames) EXPECT_THAT(text, Not(HasSubstr(name))) << entry.path();
   }
 }
@@ -103,9 +101,7 @@ TEST_F(StudyReport, TheMedianOfTwoPeopleIsTheMiddleBetweenThem) {
   analysis.people[1].minutes = 30.0;
   const std::filesystem::path page =
       write_study_report(study_, analysis, folder_.path() / "two", "palpate study");
-  std::ifstream in(page, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  EXPECT_THAT(text, HasSubstr("35 (30 to 40) min"));
+  EXPECT_THAT(study::bytes_of(page), HasSubstr("35 (30 to 40) min"));
 }
 
 TEST_F(StudyReport, UnblindedReportShowsPrimaryResultAndRegistration) {

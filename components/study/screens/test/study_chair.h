@@ -47,7 +47,7 @@ class StudyChair final : public study::SessionScreens {
 
   void show(const study::ScreenContent& content) override {
     screens_.show(content);
-    const bool waits = content.message == "Press a key to go on";
+    const bool waits = content.message == "Press Space or an answer key to go on";
     if (waits) key_.emplace(SDLK_SPACE, std::chrono::milliseconds(0));
     const std::string what =
         fmt::format("{}-{}{}{}{}{}{}", content.task, describe(content.trial.state), content.trial.interval,
@@ -67,9 +67,10 @@ class StudyChair final : public study::SessionScreens {
     ++questions;
     return answer;
   }
-  std::optional<bool> audible_trial(bool second, const std::function<void(bool)>& noise) override {
+  std::optional<bool> audible_trial(const study::AudibleTrial& trial,
+                                    const std::function<void(bool)>& noise) override {
     key_.emplace(SDLK_1, std::chrono::milliseconds(3800));
-    const auto answer = screens_.audible_trial(second, noise);
+    const auto answer = screens_.audible_trial(trial, noise);
     if (++frames_["audible"] == 1) save("audible");
     return answer;
   }

@@ -51,11 +51,11 @@ class Pictures {
   void audible() {
     later(1500, SDLK_ESCAPE);
     later(1700, SDLK_RETURN);
-    (void)screens_->audible_trial(false, [](bool) {});
+    (void)screens_->audible_trial({3, 20, false}, [](bool) {});
     save("audible-stop");
     screens_->take_input();
     later(4500, SDLK_1);
-    (void)screens_->audible_trial(false, [](bool) {});
+    (void)screens_->audible_trial({3, 20, false}, [](bool) {});
     save("audible-answer");
   }
   void withdraw(const ScreenContent& content) {
@@ -127,7 +127,7 @@ void draw_all(Pictures& pictures) {
   pictures.show(come_up);
   pictures.save("come-up", "experimenter-stiffness");
   ScreenContent idle = contents::moment(TrialState::kIdle);
-  idle.message = "Press a key to go on";
+  idle.message = "Press Space or an answer key to go on";
   pictures.show(idle);
   pictures.save("idle");
   pictures.withdraw(contents::moment(TrialState::kInterval));

@@ -115,35 +115,47 @@ TEST(StudyView, BoxesBarAndKeysAreShownInTheirStates) {
   const Study study = contents::study();
   ScreenContent press = contents::moment(TrialState::kReach);
   press.trial.bar = true;
-  EXPECT_TRUE(participant_view(press, study).bar.has_value());
-  EXPECT_EQ(participant_view(press, study).lit, 0);
-  const ParticipantView interval = participant_view(contents::moment(TrialState::kInterval), study);
+  EXPECT_TRUE(participant_view(press, study, {}).bar.has_value());
+  EXPECT_EQ(participant_view(press, study, {}).lit, 0);
+  const ParticipantView interval = participant_view(contents::moment(TrialState::kInterval), study, {});
   EXPECT_FALSE(interval.bar.has_value()) << "the force is not shown during an interval";
   EXPECT_EQ(interval.lit, 1);
   EXPECT_EQ(interval.first, "");
-  const ParticipantView answer = participant_view(contents::moment(TrialState::kAnswer), study);
+  const ParticipantView answer = participant_view(contents::moment(TrialState::kAnswer), study, {});
   EXPECT_EQ(answer.lit, 0);
   EXPECT_EQ(answer.first, "1, F or left pedal");
   EXPECT_EQ(answer.progress, "part 2 of 5");
   EXPECT_TRUE(answer.boxes);
-  EXPECT_FALSE(participant_view(contents::moment(TrialState::kInterval, "hold"), study).boxes)
+  EXPECT_FALSE(participant_view(contents::moment(TrialState::kInterval, "hold"), study, {}).boxes)
       << "a task without intervals";
   ScreenContent deep = contents::moment(TrialState::kInterval, "stiffness");
-  EXPECT_EQ(participant_view(deep, study).action, "Press");
+  EXPECT_EQ(participant_view(deep, study, {}).action, "Press");
   deep.trial.deep_enough = true;
-  EXPECT_EQ(participant_view(deep, study).action, "Come up");
+  EXPECT_EQ(participant_view(deep, study, {}).action, "Come up");
 }
 
 TEST(StudyView, FeedbackIsNotShownBesideTheNextStimuli) {
   const Study study = contents::study();
   ScreenContent content = contents::moment(TrialState::kHome);
   content.message = "correct";
-  EXPECT_EQ(participant_view(content, study).message, "correct");
+  EXPECT_EQ(participant_view(content, study, {}).message, "correct");
   for (const TrialState state :
        {TrialState::kReach, TrialState::kInterval, TrialState::kGap, TrialState::kAnswer}) {
     content.trial.state = state;
-    EXPECT_EQ(participant_view(content, study).message, "");
+    EXPECT_EQ(participant_view(content, study, {}).message, "");
   }
+}
+
+TEST(StudyView, ABreakBeforeAnExampleSaysHowToGoOn) {
+  ScreenContent content = contents::moment(TrialState::kIdle, "stiffness");
+  content.message = "Press Space or an answer key to go on";
+  content.example = 2;
+  EXPECT_EQ(participant_view(content, contents::study(), {}).message, content.message);
+  EXPECT_EQ(participant_view(content, contents::study(), {}).action, "");
+  content.message.clear();
+  EXPECT_EQ(participant_view(content, contents::study(), {}).action, "Please wait");
+  content.trial.state = TrialState::kHome;
+  EXPECT_EQ(participant_view(content, contents::study(), {}).message, "Example: interval 2 is stiffer");
 }
 
 TEST(StudyView, LevelsAreShownInANoiseThresholdTaskOnly) {
@@ -181,13 +193,15 @@ TEST_F(StudyScreensTest, EscAsksBeforeTheSessionStops) {
   const ScreenContent content = contents::moment(TrialState::kHome);
   show(*screens, content);
   const render::Image before = screens->participant_picture();
+  const render::Image unasked = screens->experimenter_picture();
   push_key(SDLK_RETURN);
   push_key(SDLK_ESCAPE);
   show(*screens, content);
-  EXPECT_NE(screens->participant_picture().rgb, before.rgb) << "the question is shown";
+  EXPECT_NE(screens->experimenter_picture().rgb, unasked.rgb) << "the question is shown";
+  EXPECT_EQ(screens->participant_picture().rgb, before.rgb) << "to the experimenter alone, in English";
   push_key(SDLK_ESCAPE);
   show(*screens, content);
-  EXPECT_EQ(screens->participant_picture().rgb, before.rgb);
+  EXPECT_EQ(screens->experimenter_picture().rgb, unasked.rgb);
   EXPECT_TRUE(inputs(*screens).empty());
   push_key(SDLK_ESCAPE);
   push_key(SDLK_RETURN);
@@ -254,6 +268,20 @@ TEST_F(StudyScreensTest, AQuestionIsAnsweredByItsNumberButNotByAnEarlierKey) {
   EXPECT_EQ(screens->ask(contents::blinding("experimenter")), 2U);
 }
 
+TEST_F(StudyScreensTest, SpaceGoesOnWhereThereIsNothingToChoose) {
+  if (!display_is_there()) return;
+  const auto screens = open();
+  {
+    const Meanwhile keys([] {
+      push_key(SDLK_SPACE);
+      push_key(SDLK_2);
+    });
+    EXPECT_EQ(screens->ask({"participant", "Ready?", {"No", "Yes"}}), 1U) << "Space chooses nothing";
+  }
+  const Meanwhile space([] { push_key(SDLK_SPACE); });
+  EXPECT_EQ(screens->ask({"participant", "Press once.", {"Go on"}}), 0U);
+}
+
 TEST_F(StudyScreensTest, AClosedWindowEndsAQuestion) {
   if (!display_is_there()) return;
   const auto screens = open();
@@ -299,7 +327,7 @@ TEST_F(StudyScreensTest, TheDeviceSoundsInOneIntervalOfAnAudibleTrial) {
   const auto screens = open();
   std::vector<bool> switched;
   const Meanwhile keys([] { push_key(SDLK_2); });
-  EXPECT_EQ(screens->audible_trial(true, [&](bool on) { switched.push_back(on); }), true);
+  EXPECT_EQ(screens->audible_trial({3, 20, true}, [&](bool on) { switched.push_back(on); }), true);
   // Pause, interval 1, gap, interval 2, answer, end.
   EXPECT_THAT(switched, ElementsAre(false, false, false, true, false, false));
 }

@@ -65,7 +65,8 @@ TEST_F(StudySession, RunsThroughTheWindowsAndItsRecordingsFitItsLog) {
   const study::SessionOutcome outcome = study::run_session(folder, folder.key, options);
   EXPECT_TRUE(outcome.complete);
   EXPECT_GE(outcome.trials, 5);
-  EXPECT_EQ(chair.questions, 2 + 2 * 2) << "instructions of two tasks, and two questions to two people";
+  EXPECT_EQ(chair.questions, 2 + 2 * 2 + 1)
+      << "instructions of two tasks, two questions to two people, the end";
   study::VerifyCounts counts;
   study::verify_participant(
       folder, options.participant, [](const auto& /*recording*/) { return ""; }, counts);

@@ -176,13 +176,8 @@ TEST(Analysis, ThresholdOutsideTheRangeIsNoNumber) {
   for (Participant& person : people) {
     Random random(5, person.number, 0);
     const double threshold = person.number == 0 ? -0.8 : -2.0;  // the range ends at -1
-    const auto function = grid_of(study.tasks[kThreshold]).function;
-    add_trials(
-        person, study, kThreshold, 60, levels_near(study.tasks[kThreshold], threshold, 0.6),
-        [&](std::size_t, double level, double) {
-          return function(level, {threshold, 2.5, 0.0});
-        },
-        random);
+    add_detection(person, study, kThreshold, 60, levels_near(study.tasks[kThreshold], threshold, 0.6),
+                  threshold, 2.5, random);
   }
   const StudyAnalysis found = analyse(study, people, kTestKey, true);
   EXPECT_FALSE(is_number(found.people[0].tasks[kThreshold].arms[0].fit));
@@ -199,14 +194,9 @@ TEST(Analysis, ShareReachedComparesTheFirstThresholdWithAllTrials) {
   const Study study = test_study();
   std::vector<Participant> people = {new_participant(0)};
   Random random(6, 0, 0);
-  const auto function = grid_of(study.tasks[kThreshold]).function;
   for (const double threshold : {-2.2, -1.9}) {
-    add_trials(
-        people[0], study, kThreshold, 80, levels_near(study.tasks[kThreshold], threshold, 0.4),
-        [&](std::size_t, double level, double) {
-          return function(level, {threshold, 3.0, 0.0});
-        },
-        random);
+    add_detection(people[0], study, kThreshold, 80, levels_near(study.tasks[kThreshold], threshold, 0.4),
+                  threshold, 3.0, random);
   }
   for (std::size_t i = 80; i < 160; ++i) people[0].log.trials[i].repeat = true;
   const StudyAnalysis found = analyse(study, people, kTestKey, true);
@@ -227,15 +217,10 @@ TEST(Analysis, EachSessionHasItsOwnThresholdAndOneAtTheEdgeExcludesByRule) {
   study.tasks[kThreshold].each_session = true;
   std::vector<Participant> people = {new_participant(0)};
   Random random(6, 0, 0);
-  const auto function = grid_of(study.tasks[kThreshold]).function;
   for (const double threshold : {-2.2, -0.8}) {  // the range ends at -1
-    add_trials(
-        people[0], study, kThreshold, 60,
-        levels_near(study.tasks[kThreshold], std::min(threshold, -1.3), 0.5),
-        [&](std::size_t, double level, double) {
-          return function(level, {threshold, 3.0, 0.0});
-        },
-        random);
+    add_detection(people[0], study, kThreshold, 60,
+                  levels_near(study.tasks[kThreshold], std::min(threshold, -1.3), 0.5), threshold, 3.0,
+                  random);
   }
   for (std::size_t i = 60; i < 120; ++i) {
     people[0].log.trials[i].repeat = true;

@@ -113,8 +113,8 @@ TEST(AnalysisText, WhoIsMissingIsCountedByArmAfterUnblindingAlone) {
             "thresholds at the edge of the stimuli: 12 (constant 10, off 2); their answers count");
   analysis.unblinded = false;
   EXPECT_EQ(missing_text(analysis, contrast, effect),
-            "left out with too few trials: 1 person; worst case x 0.90 to x 1.50; "
-            "thresholds at the edge of the stimuli: 12; their answers count");
+            "left out with too few trials: 1 person; worst case x 0.90 to x 1.50; thresholds at the edge of "
+            "the stimuli: 12; their answers count");
 }
 
 TEST(AnalysisText, NoTextOrTableChoosesALevelAfterwards) {

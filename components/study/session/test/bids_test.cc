@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "palpate/error.h"
 
 #include "study/session/test/simulated_log.h"
+#include "study/session/test/study_text.h"
 
 namespace palpate::study {
 namespace {
@@ -22,11 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
-
-std::string content_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 class Bids : public testing::Test {
  protected:
@@ -62,20 +57,20 @@ class Bids : public testing::Test {
 TEST_F(Bids, FilesAreNamedByPersonSessionTaskAndRun) {
   const fs::path folder = write(true, "bids");
   const fs::path beh = folder / "sub-P1000/ses-1/beh";
-  const std::string main = content_of(beh / "sub-P1000_ses-1_task-stiffness_run-1_beh.tsv");
+  const std::string main = bytes_of(beh / "sub-P1000_ses-1_task-stiffness_run-1_beh.tsv");
   EXPECT_EQ(std::count(main.begin(), main.end(), '\n'), 1 + 5);
   EXPECT_THAT(main, HasSubstr("\tconstant\t"));
   EXPECT_TRUE(fs::exists(beh / "sub-P1000_ses-1_task-stiffness_run-2_beh.tsv"));
-  const auto json = nlohmann::json::parse(content_of(beh / "sub-P1000_ses-1_task-stiffness_run-1_beh.json"));
+  const auto json = nlohmann::json::parse(bytes_of(beh / "sub-P1000_ses-1_task-stiffness_run-1_beh.json"));
   EXPECT_EQ(json["TaskName"], "stiff-ness");
   EXPECT_EQ(json["response_time"]["Units"], "s");
   EXPECT_TRUE(json["condition"]["Levels"].contains("paper"));
-  const auto description = nlohmann::json::parse(content_of(folder / "dataset_description.json"));
+  const auto description = nlohmann::json::parse(bytes_of(folder / "dataset_description.json"));
   EXPECT_EQ(description["EthicsApprovals"][0], "PLACEHOLDER");
-  EXPECT_EQ(content_of(folder / "participants.tsv"),
+  EXPECT_EQ(bytes_of(folder / "participants.tsv"),
             "participant_id\tage_band\tsimulated\nsub-P1000\t30-39\tno\n");
   EXPECT_FALSE(fs::exists(folder / "sub-P1001"));  // withdrew
-  EXPECT_EQ(content_of(folder / "sourcedata/sub-P1000/ses-1/a.h5"), "rows");
+  EXPECT_EQ(bytes_of(folder / "sourcedata/sub-P1000/ses-1/a.h5"), "rows");
 }
 
 TEST_F(Bids, BlindFolderHasNoConditionAndNoRecording) {
@@ -84,7 +79,7 @@ TEST_F(Bids, BlindFolderHasNoConditionAndNoRecording) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     for (const char* name : {"constant", "paper", "\tc1\t", "\tc2\t", "\tc3\t"}) {
-      EXPECT_THAT(content_of(entry.path()), Not(HasSubstr(name))) << entry.path();
+      EXPECT_THAT(bytes_of(entry.path()), Not(HasSubstr(name))) << entry.path();
     }
   }
 }

@@ -24,7 +24,7 @@ constexpr SealedKey kCourseKey = 123456789;
 TrialRecord answered(const Study& study, SimulatedPerson& person, const Trial& trial, double spoiled_share,
                      std::uint32_t count) {
   TrialRecord record = record_of(study, trial, 1, 1);
-  answer_by_formula(study, person, trial, 0.0, false, 5, 0, record);
+  answer_by_formula(study, person, trial, 0.0, 5, 0, record);
   if (Random(99, 0, count).uniform() < spoiled_share) record.spoiled = {"the force left the band"};
   return record;
 }
@@ -276,11 +276,6 @@ TEST(Course, ALogWhoseSessionHasNoNumberIsRefusedInWords) {
                 "a session of the log: session = \"" + number + "\": must be a whole number from 1");
     }
   }
-}
-
-TEST(SimulatedPerson, NoiseLowersTheReferenceObserversForceThresholdAsInTheDesign) {
-  psychophysics::Observer sr = psychophysics::make_observer("sr");
-  EXPECT_NEAR(force_threshold_of(sr, 0.6 * 0.5817562888) / force_threshold_of(sr, 0.0), 0.76, 0.015);
 }
 
 // Two sessions: the threshold task, then the stiffness task in the second.

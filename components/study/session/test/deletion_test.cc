@@ -1,8 +1,6 @@
 #include "study/session/deletion.h"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -26,11 +24,6 @@ using testing::Not;
 using testing::StartsWith;
 
 constexpr const char* kSecret = "a note that only one person wrote";
-
-std::string content_in(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A study of three people, of whom the first two have a log, recordings and other files.
 class DeletedPerson : public testing::Test {
@@ -57,7 +50,7 @@ class DeletedPerson : public testing::Test {
   [[nodiscard]] int files_with(const std::string& text) const {
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(study_.folder)) {
-      if (entry.is_regular_file() && content_in(entry.path()).find(text) != std::string::npos) ++files;
+      if (entry.is_regular_file() && bytes_of(entry.path()).find(text) != std::string::npos) ++files;
     }
     return files;
   }
@@ -114,8 +107,8 @@ TEST_F(DeletedPerson, GetsNoLineAndNobodyElseGetsTheId) {
 
 // A process killed after each step: the new log with the old head, and all files but some.
 TEST_F(DeletedPerson, IsFinishedByASecondCallAfterACrash) {
-  const std::string old_heads = content_in(study_.folder / LogHeads::kName);
-  const std::string old_log = content_in(study_.log_of(id()));
+  const std::string old_heads = bytes_of(study_.folder / LogHeads::kName);
+  const std::string old_log = bytes_of(study_.log_of(id()));
   delete_person(study_, id(), "asked");
   write_output(study_.folder / LogHeads::kName, old_heads);
   EXPECT_TRUE(study_.read(id()).deletion());
@@ -126,7 +119,7 @@ TEST_F(DeletedPerson, IsFinishedByASecondCallAfterACrash) {
                                        "removes it"));
   const Deletion again = delete_person(study_, id(), "another reason");
   EXPECT_EQ(again.reason, "asked") << "the first call's";
-  EXPECT_NE(content_in(study_.folder / LogHeads::kName), old_heads);
+  EXPECT_NE(bytes_of(study_.folder / LogHeads::kName), old_heads);
   EXPECT_EQ(verify_error(), "no error");
   EXPECT_EQ(files_with(kSecret), 5);
   write_output(study_.log_of(id()), old_log);
@@ -136,7 +129,7 @@ TEST_F(DeletedPerson, IsFinishedByASecondCallAfterACrash) {
 TEST_F(DeletedPerson, CanNeitherBeInventedNorUndoneByRemovingTheLine) {
   const fs::path log = study_.log_of(id());
   delete_person(study_, id(1), "asked");
-  write_output(log, content_in(study_.log_of(id(1))));
+  write_output(log, bytes_of(study_.log_of(id(1))));
   EXPECT_THAT(verify_error(), HasSubstr(id() + ".jsonl:1: was changed: its mac does not fit"));
   fs::remove(study_.log_of(id(1)));
   write_person(id(2));

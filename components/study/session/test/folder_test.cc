@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include <fcntl.h>
@@ -35,11 +33,6 @@ using testing::StartsWith;
 using testing::UnorderedElementsAre;
 
 constexpr SealedKey kKey = 42;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
@@ -109,11 +102,11 @@ TEST_F(Folder, HasTheStudyLockSealedKeyAndEmptyFolders) {
   prepare();
   EXPECT_THAT(names_in(study_), UnorderedElementsAre("study.toml", "lock.json", "sealed.json", "heads.txt",
                                                      "participants", "recordings"));
-  EXPECT_EQ(text_of(study_ / "study.toml"), text_of(file_));
+  EXPECT_EQ(bytes_of(study_ / "study.toml"), bytes_of(file_));
   EXPECT_THAT(names_in(folder_.path() / "out"), ElementsAre("study"));  // no temporary folder is left
   const StudyFolder opened = open_study(study_);
   EXPECT_EQ(opened.study.name, "small");
-  EXPECT_EQ(opened.lock_hash, sha256(text_of(study_ / "lock.json")));
+  EXPECT_EQ(opened.lock_hash, sha256(bytes_of(study_ / "lock.json")));
   EXPECT_FALSE(opened.unblinded() || opened.simulated);
   EXPECT_EQ(opened.recording_of("PABCD", 1, 3), study_ / "recordings" / "PABCD-s1-b03.h5");
   EXPECT_TRUE(opened.read(opened.ids[0]).trials.empty());
@@ -143,7 +136,7 @@ TEST_F(Folder, HasAKeyOfItsOwnThatOnlyTheOwnerCanRead) {
   struct stat facts {};
   ASSERT_EQ(stat((study_ / "sealed.json").c_str(), &facts), 0);
   EXPECT_EQ(facts.st_mode & 0777U, 0600U);
-  EXPECT_THAT(text_of(study_ / "lock.json"), testing::Not(HasSubstr(std::to_string(key))));
+  EXPECT_THAT(bytes_of(study_ / "lock.json"), testing::Not(HasSubstr(std::to_string(key))));
   prepare_study(file_, folder_.path() / "other", 3);
   EXPECT_NE(open_study(folder_.path() / "other").key, key);
 
@@ -189,7 +182,7 @@ TEST_F(Folder, KeepsACopyOfTheConsentFile) {
   write_output(folder_.path() / "consent.md", "Do you agree?");
   prepare();
   const StudyFolder opened = open_study(study_);
-  EXPECT_EQ(text_of(study_ / opened.study.consent_file), "Do you agree?");
+  EXPECT_EQ(bytes_of(study_ / opened.study.consent_file), "Do you agree?");
 }
 
 TEST_F(Folder, NamesAFileThatWasChangedAfterwards) {
@@ -200,7 +193,7 @@ TEST_F(Folder, NamesAFileThatWasChangedAfterwards) {
   for (const char* name : {"study.toml", "scene/scenes/own.toml", "scene/data/organ.obj",
                            "scene/data/soft.toml", "consent/consent.md"}) {
     const fs::path file = study_ / name;
-    const std::string bytes = text_of(file);
+    const std::string bytes = bytes_of(file);
     write_output(file, bytes + " ");
     EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),
               file.string() + ": was changed after the study was prepared (lock.json)");
@@ -214,7 +207,7 @@ TEST_F(Folder, NamesAFileThatWasChangedAfterwards) {
 
 TEST_F(Folder, NamesABuiltInOrganThatDiffers) {
   prepare();
-  const std::string lock = text_of(study_ / "lock.json");
+  const std::string lock = bytes_of(study_ / "lock.json");
   const std::size_t hash = lock.find("organ_sha256") + 16;
   std::string changed = lock;
   changed[hash] = changed[hash] == '0' ? '1' : '0';
@@ -243,7 +236,7 @@ TEST_F(Folder, WithAnotherLockIsRefused) {
 
 TEST_F(Folder, WithALockNestedSoDeepThatACopyWouldTakeTheStackIsRefused) {
   prepare();
-  std::string lock = text_of(study_ / "lock.json");
+  std::string lock = bytes_of(study_ / "lock.json");
   lock.insert(1, "\n\"z\": " + std::string(300'000, '[') + std::string(300'000, ']') + ",");
   write_output(study_ / "lock.json", lock);
   EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }),
@@ -365,7 +358,7 @@ TEST_F(Folder, AnEmptyDamagedOrForgedUnblindingIsAnErrorThatSaysSo) {
   fs::remove(file);
   StudyFolder opened = open_study(study_);
   unblind_study(opened, "done", true);
-  std::string changed = text_of(file);
+  std::string changed = bytes_of(file);
   changed.replace(changed.find("\"done\""), 6, "\"gone\"");
   write_output(file, changed);
   EXPECT_THAT(error_of([&] { static_cast<void>(open_study(study_)); }),
@@ -449,7 +442,7 @@ TEST_F(Folder, ALogThatCannotBeLookedAtIsNoEmptyLog) {
 TEST_F(Folder, WithALockThatWasChangedIsRefusedBeforeAndAfterTheUnblinding) {
   prepare();
   StudyFolder opened = open_study(study_);
-  const std::string lock = text_of(study_ / "lock.json");
+  const std::string lock = bytes_of(study_ / "lock.json");
   std::string changed = lock;  // the ids in another order
   changed.replace(changed.find(opened.ids[0]), 5, opened.ids[1]);
   changed.replace(changed.rfind(opened.ids[1]), 5, opened.ids[0]);
@@ -468,7 +461,7 @@ TEST_F(Folder, WithALockThatWasChangedIsRefusedBeforeAndAfterTheUnblinding) {
 
 TEST_F(Folder, WithALockThatNamesFilesElsewhereIsRefused) {
   prepare();
-  const std::string lock = text_of(study_ / "lock.json");
+  const std::string lock = bytes_of(study_ / "lock.json");
   for (const char* name : {"../small.toml", "/etc/passwd", "scene/../../small.toml"}) {
     write_output(study_ / "lock.json", replaced(lock, "\"study.toml\"", "\"" + std::string(name) + "\""));
     EXPECT_EQ(error_of([&] { static_cast<void>(open_study(study_)); }),

@@ -128,7 +128,8 @@ class SlowScreens final : public SessionScreens {
     if (question.text.starts_with("Markers failed")) return failures.push_back(question.text), 1;
     return 0;
   }
-  std::optional<bool> audible_trial(bool /*second*/, const std::function<void(bool)>& /*noise*/) override {
+  std::optional<bool> audible_trial(const AudibleTrial& /*trial*/,
+                                    const std::function<void(bool)>& /*noise*/) override {
     return std::nullopt;
   }
   std::vector<std::string> failures;

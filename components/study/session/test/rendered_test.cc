@@ -63,7 +63,7 @@ class RenderedTrials final : public haptics::TickObserver {
     if (!loop_->finished()) return;
     TrialRecord record = record_of(study_, loop_->trial(), 1, 1);
     loop_->fill_in(record);
-    answer_by_force(study_, person_, loop_->trial(), agent_->samples(), 0.0, false, 0, record);
+    answer_by_force(study_, person_, loop_->trial(), agent_->samples(), 0.0, 0, record);
     add_noise(record);
     records.push_back(record);
     rows.clear();

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "io/system/output_file.h"
+#include "io/system/sha256.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"
 
@@ -36,10 +37,12 @@ force_mN = { from = 5, to = 500 }
 trials = 4
 )";
 
-/// Gives prepared answers. After the last one, the participant holds the withdraw key.
+/// Gives prepared answers. After the last one, the participant holds the withdraw key, or the experimenter
+/// stops the session.
 class ScriptedScreens final : public SessionScreens {
  public:
-  explicit ScriptedScreens(std::deque<std::size_t> answers) : answers_(std::move(answers)) {}
+  explicit ScriptedScreens(std::deque<std::size_t> answers, ScreenInput last = ScreenInput::kWithdraw)
+      : answers_(std::move(answers)), last_(last) {}
 
   void show(const ScreenContent& /*content*/) override {}
   std::optional<ScreenInput> take_input() override { return std::exchange(input_, std::nullopt); }
@@ -47,14 +50,15 @@ class ScriptedScreens final : public SessionScreens {
   std::optional<std::size_t> ask(const Question& question) override {
     asked.push_back(question.text);
     if (answers_.empty()) {
-      input_ = ScreenInput::kWithdraw;
+      input_ = last_;
       return std::nullopt;
     }
     const std::size_t answer = answers_.front();
     answers_.pop_front();
     return answer;
   }
-  std::optional<bool> audible_trial(bool /*second*/, const std::function<void(bool)>& /*noise*/) override {
+  std::optional<bool> audible_trial(const AudibleTrial& /*trial*/,
+                                    const std::function<void(bool)>& /*noise*/) override {
     return std::nullopt;
   }
 
@@ -62,6 +66,7 @@ class ScriptedScreens final : public SessionScreens {
 
  private:
   std::deque<std::size_t> answers_;
+  ScreenInput last_;
   std::optional<ScreenInput> input_;
 };
 
@@ -115,6 +120,20 @@ TEST_F(SessionQuestionsTest, NobodyWhoRefusedGoesOnWithoutConsent) {
   EXPECT_EQ(outcome.blocks, 0);
 }
 
+TEST_F(SessionQuestionsTest, ConsentAndBandsAreAskedUntilTheyAreGivenAndThenNeverAgain) {
+  ScriptedScreens agrees({0}, ScreenInput::kStop);
+  run(agrees);
+  EXPECT_THAT(agrees.asked, ElementsAre("Do you agree?", "Your age?"));
+  EXPECT_THAT(values_of("consent"), ElementsAre("answer=yes", "hash=" + sha256("Do you agree?")));
+  ScriptedScreens answers({0, 1}, ScreenInput::kStop);
+  run(answers);
+  EXPECT_THAT(answers.asked, ElementsAre("Your age?", "Your dominant hand?", testing::_));
+  EXPECT_THAT(values_of("answers"), ElementsAre("age_band=18-29", "hand=right"));
+  ScriptedScreens again({}, ScreenInput::kStop);
+  run(again);
+  EXPECT_EQ(again.asked.size(), 1U) << "the instructions alone";
+}
+
 TEST_F(SessionQuestionsTest, NobodyTakesPartInAStudyWithoutAConsentText) {
   study_.study.consent_file.clear();
   ScriptedScreens screens({});
@@ -140,7 +159,8 @@ TEST_F(SessionQuestionsTest, NobodyTakesPartInAStudyWithoutAnApproval) {
 TEST_F(SessionQuestionsTest, AParticipantWhoWithdrawsDuringAQuestionHasWithdrawn) {
   ScriptedScreens screens({0, 2});
   const SessionOutcome outcome = run(screens);
-  EXPECT_THAT(screens.asked, ElementsAre("Do you agree?", "Your age?", "Your dominant hand?"));
+  EXPECT_THAT(screens.asked, ElementsAre("Do you agree?", "Your age?", "Your dominant hand?",
+                                         testing::StartsWith("The session is over. Thank you!")));
   EXPECT_TRUE(outcome.withdrawn);
   EXPECT_TRUE(study_.read(study_.ids[0]).withdrawn());
   EXPECT_EQ(outcome.blocks, 0);

@@ -109,6 +109,18 @@ inline Participant new_participant(std::uint32_t number) {
   return person;
 }
 
+/// Adds answers of a person who detects a stimulus by the task's function. @param threshold, slope of it
+inline void add_detection(Participant& person, const Study& study, std::size_t task, int trials,
+                          const std::vector<double>& levels, double threshold, double slope, Random& random) {
+  const auto function = grid_of(study.tasks[task]).function;
+  add_trials(
+      person, study, task, trials, levels,
+      [&](std::size_t, double level, double) {
+        return function(level, {threshold, slope, 0.0});
+      },
+      random);
+}
+
 /// Adds a comparison of stiffness. @param spreads s in each arm
 inline void add_stiffness(Participant& person, const Study& study, int trials,
                           const std::vector<double>& spreads, Random& random, double lapse = 0.0) {

@@ -2,8 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -32,11 +30,6 @@ const LogKey kLogKey{kLock, "key of the log"};
 std::string with_mac(const std::string& json) {
   const std::string text = json.substr(0, json.size() - 1);
   return text + R"(,"mac":")" + hmac_sha256(kLogKey.mac_key, text) + "\"}\n";
-}
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// A finite double of random bits.

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -73,11 +72,6 @@ target_N = [1.0]
 repeats = 1
 conditions = ["off", "constant"]
 )";
-
-std::string whole_text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A study in which an observer had all blocks of the first participant; each test has a copy of it.
 class Verify : public testing::Test {
@@ -159,7 +153,7 @@ TEST_F(Verify, NamesARecordingWithADefect) {
 
 TEST_F(Verify, NoticesRemovedLinesAndARemovedLog) {
   EXPECT_EQ(error(), "no error");
-  const std::string bytes = whole_text_of(log_);
+  const std::string bytes = bytes_of(log_);
   std::size_t end = bytes.size();
   for (int removed = 1; removed <= 5; ++removed) {
     end = bytes.rfind('\n', end - 2) + 1;
@@ -171,7 +165,7 @@ TEST_F(Verify, NoticesRemovedLinesAndARemovedLog) {
 }
 
 TEST_F(Verify, NoticesAnEmptiedObserverAndAChangedResponseTime) {
-  const std::string bytes = whole_text_of(log_);
+  const std::string bytes = bytes_of(log_);
   for (const auto& [from, to] :
        std::vector<std::pair<std::string, std::string>>{{"\"observer\":\"ideal\"", "\"observer\":\"\""},
                                                         {"\"response_time_s\":", "\"response_time_s\":1"}}) {
@@ -183,7 +177,7 @@ TEST_F(Verify, NoticesAnEmptiedObserverAndAChangedResponseTime) {
 }
 
 TEST_F(Verify, NoticesAChangedByteOfARecording) {
-  std::string bytes = whole_text_of(recording_);
+  std::string bytes = bytes_of(recording_);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   write_output(recording_, bytes);
   EXPECT_EQ(error(passes), recording_.string() +
