@@ -260,7 +260,7 @@ export class Controls {
     [...byId('hands').children].forEach((button, i) => button.setAttribute('aria-pressed', i === which));
   }
   begun(task) {
-    byId('depth').disabled = false;
+    Object.assign(byId('depth'), {disabled: false, max: task === 'insert' ? 60 : 25, value: -5});
     this.#showLever(-5e-3);
     document.body.dataset.ready = task;
   }

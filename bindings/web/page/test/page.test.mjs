@@ -312,7 +312,7 @@ test('a mark needs contact, and the end of a search shows its answer on the pict
 test('the gallery opens a scene of two hands, whose link opens it again', async context => {
   const page = await opened(context);
   await page.locator('#more').click();
-  assert.deepEqual(await page.locator('#cards b').allTextContents(), ['Press', 'Pull', 'Lump search', 'Beating heart', 'Two hands', 'Gallstone', 'Plaque']);
+  assert.deepEqual(await page.locator('#cards b').allTextContents(), ['Press', 'Pull', 'Lump search', 'Beating heart', 'Two hands', 'Gallstone', 'Plaque', 'Needle']);
   await page.locator('[data-scene=bimanual]').click();
   await until(page, () => /^Two instruments/.test(document.getElementById('name').textContent));
   await page.locator('body[data-ready=press]').waitFor();
