@@ -13,7 +13,7 @@ const HINTS = {
   jaws: ['\u2003Grip: hold left.', '\u2003Grip: Close the jaws.'],
   search: ['\u2003Mark: left button.', '\u2003Mark: button below.'],
   pull: ['Hold left and drag to pull.', 'Close the jaws, then drag to pull.'],
-  inside: ['The needle stays on its axis. In and out: wheel.', 'The needle stays on its axis. In and out: lever.'],
+  inside: ['The needle stays on its axis.\u2003In\u00a0and\u00a0out: wheel.', 'The needle stays on its axis.\u2003In\u00a0and\u00a0out: lever.'],
 };
 const NOTE_TIME = 4000;  // ms that a message stays in place of the hint
 const MARKS = ['force', 'scale', 'axes', 'section', 'inside'];
@@ -165,6 +165,8 @@ export class Controls {
   toggleNoise() { byId('noise').click(); }
 
   #lever() {
+    byId('depth').onpointerdown = () => { this.leverHeld = true; };
+    byId('depth').onpointerup = byId('depth').onpointercancel = () => { this.leverHeld = false; };
     byId('depth').oninput = event => {
       const value = 1e-3 * event.target.value;
       if (this.page.takeByLever()) this.page.send('press', {deeper: value - this.lever});
@@ -289,7 +291,7 @@ export class Controls {
     if (fault) byId('fault').firstElementChild.textContent = `Zero force: ${fault}.`;
     if (mode !== 'pointer') return;
     byId('set').textContent = (1e3 * lever).toFixed(1);  // a needle may move less far than the lever
-    if (byId('depth').matches(':active')) return;
+    if (this.leverHeld) return;
     byId('depth').value = 1e3 * lever;
     this.lever = lever;
   }

@@ -149,12 +149,19 @@ const curvePixels = (page, id, name) => page.evaluate(([id, name]) => {
 
 test('the page shows a picture and the demonstration presses by itself', async context => {
   const page = await opened(context);
-  const first = await page.evaluate(() => performance.getEntriesByName('first picture')[0].startTime);
-  context.diagnostic(`first picture after ${Math.round(first)} ms`);
   await pressing(page);
   assert.match(await text(page, '#hint'), /^Demonstration/);
   const shot = await page.locator('#picture').screenshot();
   assert.ok(shot.length > 20000, `a picture of ${shot.length} bytes is empty`);
+});
+
+test('a click and the wheel press at once after the page has opened', async context => {
+  const page = await opened(context), {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.mouse.click(x + 0.45 * width, y + 0.55 * height);
+  await wheel(page, 10);
+  await pressing(page);
+  const times = await page.evaluate(() => [performance.getEntriesByName('first picture')[0].startTime, performance.now()]);
+  context.diagnostic(`first picture and first felt contact ${times.map(time => (time / 1000).toFixed(1)).join(' and ')} s after the opening`);
 });
 
 test('the first picture shows the tool above the organ', async context => {
