@@ -138,13 +138,15 @@ std::vector<Entry> inclusions() {
 std::vector<Entry> scenes() {
   return {{"gallbladder press", "palpate run: curved forceps, the paper's first experiment"},
           {"heart pull", "palpate run --task pull: straight forceps, the paper's second experiment"},
-          {"gallbladder palpate", "palpate run --task palpate: search for hidden lumps"}};
+          {"gallbladder palpate", "palpate run --task palpate: search for hidden lumps"},
+          {"box insert", "palpate run --task insert: a needle goes through skin, fat and muscle"}};
 }
 
 std::vector<Entry> tasks() {
   return {{"press", "press the organ from outside"},
           {"pull", "grip the organ and pull it"},
-          {"palpate", "find hidden lumps by touch; palpate score scores the search"}};
+          {"palpate", "find hidden lumps by touch; palpate score scores the search"},
+          {"insert", "push a needle through layers of tissue; palpate score scores the insertion"}};
 }
 
 struct Kind {

@@ -80,8 +80,8 @@ TEST(ListCommand, HasEveryBuiltInNameWithALineAboutIt) {
   for (const model::InclusionPreset& preset : model::inclusion_presets())
     inclusions.emplace_back(preset.name);
   EXPECT_EQ(names_in(all["inclusions"]), inclusions);
-  EXPECT_EQ(names_in(all["tasks"]), (std::vector<std::string>{"press", "pull", "palpate"}));
-  EXPECT_EQ(names_in(all["scenes"]).size(), 3U);
+  EXPECT_EQ(names_in(all["tasks"]), (std::vector<std::string>{"press", "pull", "palpate", "insert"}));
+  EXPECT_EQ(names_in(all["scenes"]).size(), 4U);
 }
 
 TEST(ListCommand, ListsOneKindOrRefusesItsName) {

@@ -13,6 +13,7 @@ palpate_scene_beating_heart: .incbin ")" PALPATE_SCENE_PICTURES R"(/beating-hear
 palpate_scene_bimanual: .incbin ")" PALPATE_SCENE_PICTURES R"(/bimanual.png"
 palpate_scene_gallstone: .incbin ")" PALPATE_SCENE_PICTURES R"(/gallstone.png"
 palpate_scene_heart_plaque: .incbin ")" PALPATE_SCENE_PICTURES R"(/heart-plaque.png"
+palpate_scene_insert: .incbin ")" PALPATE_SCENE_PICTURES R"(/insert.png"
 palpate_scene_end:
   .popsection
 )");
@@ -24,6 +25,7 @@ extern "C" {
 [[gnu::visibility("hidden")]] extern const unsigned char palpate_scene_bimanual[];
 [[gnu::visibility("hidden")]] extern const unsigned char palpate_scene_gallstone[];
 [[gnu::visibility("hidden")]] extern const unsigned char palpate_scene_heart_plaque[];
+[[gnu::visibility("hidden")]] extern const unsigned char palpate_scene_insert[];
 [[gnu::visibility("hidden")]] extern const unsigned char palpate_scene_end[];
 }
 
@@ -36,14 +38,15 @@ struct Picture {
   const unsigned char* end;
 };
 
-const std::array<Picture, 7> kPictures = {{
+const std::array<Picture, 8> kPictures = {{
     {"press", palpate_scene_press, palpate_scene_pull},
     {"pull", palpate_scene_pull, palpate_scene_find_the_lump},
     {"find-the-lump", palpate_scene_find_the_lump, palpate_scene_beating_heart},
     {"beating-heart", palpate_scene_beating_heart, palpate_scene_bimanual},
     {"bimanual", palpate_scene_bimanual, palpate_scene_gallstone},
     {"gallstone", palpate_scene_gallstone, palpate_scene_heart_plaque},
-    {"heart-plaque", palpate_scene_heart_plaque, palpate_scene_end},
+    {"heart-plaque", palpate_scene_heart_plaque, palpate_scene_insert},
+    {"insert", palpate_scene_insert, palpate_scene_end},
 }};
 
 }  // namespace

@@ -67,16 +67,20 @@ void add_needle(MarkShapes& shapes, const Frame& frame, const SectionPicture& se
   shapes.triangles.push_back({low, {low.x - half, shoulder}, {low.x + half, shoulder}, Colour::kSteel});
 }
 
-/// Names beside the middle of the outermost piece of each layer, without overlap.
+/// Names beside the middle of the outermost piece of each layer, where it is first from the left; without
+/// overlap.
 void add_names(MarkShapes& shapes, const Frame& frame, const SectionPicture& section,
                const std::vector<model::TissueLayer>& layers, float unit) {
   float lowest = frame.corner.y;
   const float end = frame.at({0.0, frame.depth}).y - unit;
   for (std::size_t i = 0; i < std::min(layers.size(), section.bands.size()); ++i) {
     const SectionPicture::Band& band = section.bands[i];
-    const float outer = frame.at(band.outer.front()).y;
-    const float inner = frame.at(band.inner.front()).y;
-    if (inner - outer < 1.0F) continue;
+    std::size_t column = 0;
+    const auto thickness = [&] { return frame.at(band.inner[column]).y - frame.at(band.outer[column]).y; };
+    while (column + 1 < band.outer.size() && thickness() < 1.0F) ++column;
+    if (thickness() < 1.0F) continue;
+    const float outer = frame.at(band.outer[column]).y;
+    const float inner = frame.at(band.inner[column]).y;
     const float y = std::max(0.5F * (outer + inner - unit), lowest);
     if (y > end) return;
     lowest = y + 1.1F * unit;
@@ -85,6 +89,13 @@ void add_names(MarkShapes& shapes, const Frame& frame, const SectionPicture& sec
                             here ? Colour::kForce : Colour::kText,
                             excerpt(layers[i].name, kLongestName)});
   }
+}
+
+/// The name of the layer at the tip alone, below a narrow section.
+void add_name_at_tip(MarkShapes& shapes, const PictureSize& size, const std::string& name, Point below) {
+  constexpr float kLetter = 0.6F;  // its width
+  const float right = size.width - size.letters * (0.5F + kLetter * static_cast<float>(name.size()));
+  shapes.words.push_back({{std::max(0.0F, std::min(below.x, right)), below.y}, Colour::kForce, name});
 }
 
 void add_section(MarkShapes& shapes, const PictureSize& size, const SectionPicture& section, double depth,
@@ -109,7 +120,12 @@ void add_section(MarkShapes& shapes, const PictureSize& size, const SectionPictu
     }
   }
   add_needle(shapes, frame, section);
-  if (named) add_names(shapes, frame, section, layers, unit);
+  if (named) {
+    add_names(shapes, frame, section, layers, unit);
+  } else if (section.layer) {
+    add_name_at_tip(shapes, size, excerpt(layers[*section.layer].name, kLongestName),
+                    {left, low.y + 0.3F * unit});
+  }
 }
 
 /// A dashed line from where the shaft enters the tissue to its tip.

@@ -297,7 +297,10 @@ export interface Rider {
   /** Lifts the tool 30 mm off the organ, or brings it back under the pointer. */
   park(parked: boolean): void;
   readonly parked: boolean;
-  /** Set depth under the surface [m], -0.03 to 0.03; negative: height above it. It begins at -0.005. */
+  /**
+   * Set depth under the surface [m], -0.03 to 0.03, a needle's to its length; negative: height above it. It begins at
+   * -0.005.
+   */
   readonly depth: number;
   /**
    * Moves the target on; call it some times in each of a screen's pictures, or once. @param seconds since the last call,

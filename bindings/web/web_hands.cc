@@ -64,9 +64,10 @@ struct palpate_web_follower {
 };
 
 struct palpate_web_rider {
-  palpate_web_rider(const palpate_simulation& simulation, std::uint32_t which,
-                    const palpate::scene::PathRow& start)
-      : mapping(simulation.world().mappings[which]),
+  palpate_web_rider(palpate_simulation& moved, std::uint32_t held, const palpate::scene::PathRow& start)
+      : simulation(moved),
+        which(held),
+        mapping(simulation.world().mappings[which]),
         hand(start, 1.0 / simulation.scene().rate_Hz),
         rider(simulation.world().contact.data().surface, simulation.scene().tools[which],
               simulation.world().organ_W, mapping.apply(start.position, start.orientation), start.gripper,
@@ -74,6 +75,8 @@ struct palpate_web_rider {
     hand.hold_at(rider.tip() / mapping.scale);
   }
 
+  palpate_simulation& simulation;
+  std::uint32_t which;  // hand
   palpate::haptics::WorkspaceMapping mapping;
   palpate::devices::TargetFollower hand;
   palpate::devices::SurfaceRider rider;
@@ -146,6 +149,8 @@ void palpate_web_rider_park(palpate_web_rider* rider, int32_t parked) { rider->r
 double palpate_web_rider_depth(const palpate_web_rider* rider) { return rider->rider.depth(); }
 
 void palpate_web_rider_move(palpate_web_rider* rider, double seconds, int32_t dragging, double pace) {
+  const palpate::contact::ToolResult& result = rider->simulation.newest_snapshot().results[rider->which];
+  rider->rider.feel_needle(result.phase == palpate::contact::Phase::kInsert, result.force_W);
   rider->rider.advance(seconds, rider->hand.gripper(), dragging != 0, pace);
   const Pose device_W = rider->mapping.base.inverse();
   rider->hand.turn_to(device_W.rotation * rider->rider.target().orientation_W);

@@ -13,6 +13,7 @@ const HINTS = {
   jaws: ['\u2003Grip: hold left.', '\u2003Grip: Close the jaws.'],
   search: ['\u2003Mark: left button.', '\u2003Mark: button below.'],
   pull: ['Hold left and drag to pull.', 'Close the jaws, then drag to pull.'],
+  inside: ['The needle stays on its axis.\u2003In\u00a0and\u00a0out: wheel.', 'The needle stays on its axis.\u2003In\u00a0and\u00a0out: lever.'],
 };
 const NOTE_TIME = 4000;  // ms that a message stays in place of the hint
 const MARKS = ['force', 'scale', 'axes', 'section', 'inside'];
@@ -69,7 +70,7 @@ export class Controls {
       row.title = meaning;
       if (task) row.dataset.task = task;
       Object.assign(input, {type: 'range', min: low, max: high, step, id: field});
-      Object.assign(input.dataset, {unit, decimals});
+      Object.assign(input.dataset, {unit, decimals, high});
       row.append(label, ' ', document.createElement('output'), input);
       byId('tissue').append(row);
       input.oninput = () => {
@@ -164,15 +165,13 @@ export class Controls {
   toggleNoise() { byId('noise').click(); }
 
   #lever() {
+    byId('depth').onpointerdown = () => { this.leverHeld = true; };
+    byId('depth').onpointerup = byId('depth').onpointercancel = () => { this.leverHeld = false; };
     byId('depth').oninput = event => {
       const value = 1e-3 * event.target.value;
       if (this.page.takeByLever()) this.page.send('press', {deeper: value - this.lever});
-      this.#showLever(value);
+      this.lever = value;
     };
-  }
-  #showLever(value) {
-    this.lever = value;
-    byId('set').textContent = `${(1e3 * value).toFixed(1)}`;
   }
 
   /** Which marks are drawn over the picture. */
@@ -208,14 +207,15 @@ export class Controls {
     for (const row of document.querySelectorAll('[data-task]')) row.hidden = row.dataset.task !== task;
   }
 
-  /** One line over the picture: what to do until the first contact; in a pull until the first pull. */
-  hint(mode, touched, pulled) {
+  /** One line over the picture: what to do until the first contact; in a pull until the first pull; with a needle inside. */
+  hint(mode, touched, pulled, inside) {
     if (performance.now() < (this.noteUntil ?? 0)) return;
     const words = which => HINTS[which][this.touch ? 1 : 0];
     let text = '';
     if (mode !== 'pointer') text = words(mode);
     else if (!touched) text = words('move') + (this.task === 'palpate' ? words('search') : this.task === 'pull' ? words('jaws') : '');
     else if (this.task === 'pull' && !pulled) text = words('pull');
+    else if (inside) text = words('inside');
     byId('hint').textContent = text;
     byId('hint').hidden = !text;
     byId('lever').hidden = mode === 'haply';
@@ -260,14 +260,16 @@ export class Controls {
     [...byId('hands').children].forEach((button, i) => button.setAttribute('aria-pressed', i === which));
   }
   begun(task) {
-    byId('depth').disabled = false;
-    this.#showLever(-5e-3);
+    Object.assign(byId('depth'), {disabled: false, max: task === 'insert' ? 60 : 25, value: -5});
+    this.lever = -5e-3;
+    byId('set').textContent = '-5.0';
     document.body.dataset.ready = task;
   }
 
   tissue({curve, values}) {
     byId('curves').hidden = !curve;
     for (const [field, value] of values) {
+      byId(field).max = Math.max(byId(field).dataset.high, value);  // a needle's tissues are stiffer, with more friction
       byId(field).value = value;
       showValue(byId(field));
     }
@@ -278,7 +280,7 @@ export class Controls {
     const mm = metres => `${(1e3 * metres).toFixed(1)} mm`;
     const {phase, depth, distance, deviceForce, engagement} = result;
     const words = phase === 1 ? `Pressing, ${mm(depth)} deep` : phase === 2 ? `Pulling, stretched ${mm(depth)}`
-      : phase === 3 ? `Needle inside, its tip ${mm(-distance)} from the entry`
+      : phase === 3 ? (depth > 0 ? `Needle ${mm(depth)} inside` : `Needle ${mm(-depth)} out, with tissue on it`)
       : distance < 0 ? 'Inside the organ: move out first' : `${mm(distance)} from the tissue`;
     const ramp = mode === 'haply' && engagement < 1 ? `. Force at ${Math.round(100 * engagement)} %: keep still outside the tissue` : '';
     byId('state').textContent = words + ramp + (parked ? '. Parked: F brings the tool back' : '');
@@ -287,10 +289,11 @@ export class Controls {
     if (task === 'palpate') byId('ratio').textContent = phase === 0 ? 'not in contact' : felt === null ? 'press deeper than 1 mm' : `${felt.toFixed(2)} times the uniform`;
     byId('fault').hidden = !fault;
     if (fault) byId('fault').firstElementChild.textContent = `Zero force: ${fault}.`;
-    if (mode === 'pointer' && !byId('depth').matches(':active')) {
-      byId('depth').value = 1e3 * lever;
-      this.#showLever(lever);
-    }
+    if (mode !== 'pointer') return;
+    byId('set').textContent = (1e3 * lever).toFixed(1);  // a needle may move less far than the lever
+    if (this.leverHeld) return;
+    byId('depth').value = 1e3 * lever;
+    this.lever = lever;
   }
 
   pace({share, tickMicroseconds}, slowShare) {

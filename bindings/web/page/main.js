@@ -274,7 +274,7 @@ const hear = {
     history.clear();
     controls.jaws(false);
     controls.begun(task());
-    controls.hint(state.mode, false, false);
+    controls.hint(state.mode, false, false, false);
     state.replot = true;
   },
   tissue(message) {
@@ -292,7 +292,7 @@ const hear = {
     if (message.fault || now - state.told >= WORDS_PERIOD) {
       state.told = now;
       controls.frame(message, task());
-      controls.hint(state.mode, state.touched, state.pulled);
+      controls.hint(state.mode, state.touched, state.pulled, message.result.phase === 3);
     }
     if (message.pace) controls.pace(message.pace, SLOW_SHARE);
     if (state.recording && message.result.time > LONGEST_RECORDING) record();

@@ -55,7 +55,7 @@ export function listen(stage, picture, page) {
 
   picture.addEventListener('contextmenu', event => event.preventDefault());
   picture.addEventListener('pointerdown', event => {
-    stage.focus({preventScroll: true});
+    stage.focus({preventScroll: true, focusVisible: false});
     picture.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, {x: event.clientX, y: event.clientY, button: event.button});
     if (event.pointerType === 'touch') page.touched();

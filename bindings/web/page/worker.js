@@ -24,7 +24,7 @@ const LEAST_DEPTH = 1e-3;   // m, of a felt stiffness
 const SLOWEST = 0.25;       // least pace of the tool over stiff places
 const FRESH = 3e-3, LATE = 8e-3;  // s, ages of an Inverse3's sample; over 5 ms is a fault
 const ANOTHER = 2e-4;       // m: distances of a replay that differ by more are of another scene
-const PULL = 2;             // phase of a result
+const PULL = 2, INSERT = 3; // phases of a result
 const ZERO = [0, 0, 0];
 
 let palpate, sim, law, results, request, settings, link, recording;
@@ -301,8 +301,8 @@ function tickOnce(stalled) {
   for (const one of hands) one.least = Math.max(0, one.least - 1);
   marking = Math.max(0, marking - 1);
   if (count === CAPACITY) return true;
-  const {time, phase, depth, deviceForce, tissueForce, noiseForce} = results[hand];
-  rows.set([time, phase, depth, norm(deviceForce), tissueForce, noiseForce], ROW * count++);
+  const {time, phase, deviceForce, tissueForce, noiseForce} = results[hand];
+  rows.set([time, phase, depthOf(results[hand]), norm(deviceForce), tissueForce, noiseForce], ROW * count++);
   return true;
 }
 
@@ -362,6 +362,9 @@ function watch() {
   late = true;
 }
 
+/** The depth that the page shows: with a needle inside, the way of its tip from the entry. */
+const depthOf = ({phase, depth, distance}) => phase === INSERT ? -distance : depth;
+
 function postHaply({address, arm, grip, trouble, connected}) {
   postMessage({is: 'haply', address, arm, grip, trouble, connected});
 }
@@ -374,7 +377,7 @@ function feltStiffness({phase, depth, tissueForce, friction}) {
 
 function postFrame() {
   if (!results) return postMessage({is: 'frame', rows: new Float64Array(0)});
-  const snapshot = sim.snapshot(), sent = rows.slice(0, ROW * count), result = results[hand];
+  const snapshot = sim.snapshot(), sent = rows.slice(0, ROW * count), result = {...results[hand], depth: depthOf(results[hand])};
   count = 0;
   let pace = null;
   if (simulated + dropped >= REPORT) {
@@ -382,6 +385,6 @@ function postFrame() {
     [simulated, dropped, busy] = [0, 0, 0];
   }
   const fault = results.find(one => one.fault)?.fault, words = fault ? palpate.describeFault(fault) : '';
-  postMessage({is: 'frame', mode, snapshot, rows: sent, result, felt: feltStiffness(result), pace, lever, parked: Boolean(riders[hand]?.parked),
+  postMessage({is: 'frame', mode, snapshot, rows: sent, result, felt: feltStiffness(results[hand]), pace, lever, parked: Boolean(riders[hand]?.parked),
     fault: words && link?.trouble ? `${words} (${link.trouble})` : words}, [snapshot.buffer, sent.buffer]);
 }

@@ -9,7 +9,7 @@ namespace {
 // A constant kText_NAME for each file, made by CMake.
 #include "scene_texts.inc"
 
-constexpr std::array<BuiltinScene, 7> kBuiltinScenes = {{
+constexpr std::array<BuiltinScene, 8> kBuiltinScenes = {{
     {"press", "Press", "Curved forceps press a gallbladder: feel how it stiffens with depth.",
      "examples/press.toml", kText_press},
     {"pull", "Pull", "Grasp a heart between the jaws, lift it and feel it pull back.", "examples/pull.toml",
@@ -25,6 +25,8 @@ constexpr std::array<BuiltinScene, 7> kBuiltinScenes = {{
     {"heart-plaque", "Plaque",
      "A ball finds a hard plaque and a vessel that pulses, under a heart's surface.",
      "examples/heart-plaque.toml", kText_heart_plaque},
+    {"insert", "Needle", "A needle goes through skin, fat and muscle: feel each layer give way.",
+     "examples/insert.toml", kText_insert},
 }};
 
 }  // namespace

@@ -43,7 +43,7 @@ after(async () => {
 
 /** Notes what worker and page say to each other: rows of ticks, results, and lines of sight of the pointer. */
 function note() {
-  window.noted = {rows: [], results: [], rays: []};
+  window.noted = {rows: [], results: [], rays: [], words: []};
   const {Worker} = window;
   window.Worker = class extends Worker {
     constructor(...all) {
@@ -51,7 +51,7 @@ function note() {
       this.addEventListener('message', ({data}) => {
         if (data.is !== 'frame' || !data.result) return;
         for (let i = 0; i < data.rows.length; i += 6) window.noted.rows.push(Array.from(data.rows.slice(i, i + 3)));
-        window.noted.results.push({contact: data.result.contact, phase: data.result.phase, rays: window.noted.rays.length});
+        window.noted.results.push({contact: data.result.contact, phase: data.result.phase, tool: data.result.toolPosition, rays: window.noted.rays.length});
       });
     }
     postMessage(message) {
@@ -61,12 +61,28 @@ function note() {
   };
 }
 
+/** Notes the words over the picture, with their colours. */
+function noteWords() {
+  const {fillText, clearRect} = CanvasRenderingContext2D.prototype;
+  Object.assign(CanvasRenderingContext2D.prototype, {
+    clearRect(...all) {
+      if (this.canvas.id === 'overlay') window.noted.words = [];
+      clearRect.apply(this, all);
+    },
+    fillText(words, ...all) {
+      if (this.canvas.id === 'overlay') window.noted.words.push([words, this.fillStyle]);
+      fillText.call(this, words, ...all);
+    },
+  });
+}
+
 /** Opens the page, until the end of the test. @param pictures at most so many a second */
 async function opened(context, {width = 840, height = 540, touch = false, pictures = 60, search = '', ready = 'press'} = {}) {
   const page = await browser.newPage({viewport: {width, height}, hasTouch: touch, colorScheme: 'dark', acceptDownloads: true});
   context.after(() => page.close());
   page.setDefaultTimeout(LONG);
   await page.addInitScript(note);
+  await page.addInitScript(noteWords);
   if (pictures < 60) {
     await page.addInitScript(rate => { window.requestAnimationFrame = act => setTimeout(() => act(performance.now()), 1000 / rate); }, pictures);
   }
@@ -133,12 +149,19 @@ const curvePixels = (page, id, name) => page.evaluate(([id, name]) => {
 
 test('the page shows a picture and the demonstration presses by itself', async context => {
   const page = await opened(context);
-  const first = await page.evaluate(() => performance.getEntriesByName('first picture')[0].startTime);
-  context.diagnostic(`first picture after ${Math.round(first)} ms`);
   await pressing(page);
   assert.match(await text(page, '#hint'), /^Demonstration/);
   const shot = await page.locator('#picture').screenshot();
   assert.ok(shot.length > 20000, `a picture of ${shot.length} bytes is empty`);
+});
+
+test('a click and the wheel press at once after the page has opened', async context => {
+  const page = await opened(context), {x, y, width, height} = await page.locator('#picture').boundingBox();
+  await page.mouse.click(x + 0.45 * width, y + 0.55 * height);
+  await wheel(page, 10);
+  await pressing(page);
+  const times = await page.evaluate(() => [performance.getEntriesByName('first picture')[0].startTime, performance.now()]);
+  context.diagnostic(`first picture and first felt contact ${times.map(time => (time / 1000).toFixed(1)).join(' and ')} s after the opening`);
 });
 
 test('the first picture shows the tool above the organ', async context => {
@@ -312,7 +335,7 @@ test('a mark needs contact, and the end of a search shows its answer on the pict
 test('the gallery opens a scene of two hands, whose link opens it again', async context => {
   const page = await opened(context);
   await page.locator('#more').click();
-  assert.deepEqual(await page.locator('#cards b').allTextContents(), ['Press', 'Pull', 'Lump search', 'Beating heart', 'Two hands', 'Gallstone', 'Plaque']);
+  assert.deepEqual(await page.locator('#cards b').allTextContents(), ['Press', 'Pull', 'Lump search', 'Beating heart', 'Two hands', 'Gallstone', 'Plaque', 'Needle']);
   await page.locator('[data-scene=bimanual]').click();
   await until(page, () => /^Two instruments/.test(document.getElementById('name').textContent));
   await page.locator('body[data-ready=press]').waitFor();
@@ -367,6 +390,47 @@ test('the switch spreads a drape under the organ', async context => {
   await page.waitForTimeout(2000);
   const after = await tint();
   assert.ok(after < 0.9 * before, `${before} to ${after}: it is bluer than the wall`);
+});
+
+test('a needle stays on its axis while the pointer moves sideways, the section names the layer at its tip, and its hole stays', async context => {
+  const page = await opened(context, {width: 1100, height: 640, search: '?scene=insert', ready: 'insert'});
+  const {x, y, width, height} = await page.locator('#picture').boundingBox(), [right, down] = [0.45, 0.4];
+  await page.mouse.click(x + right * width, y + down * height);
+  await until(page, () => /^Move: mouse/.test(document.getElementById('hint').textContent));
+  await page.waitForTimeout(2500);
+  const inside = () => page.evaluate(() => parseFloat(/^Needle ([\d.]+) mm inside/.exec(document.getElementById('state').textContent)?.[1] ?? 0));
+  const turned = async (notches, reached) => {
+    for (let i = 0; i < 80 && !await reached(); i++) {
+      await wheel(page, notches);
+      await page.waitForTimeout(200);
+    }
+    await page.waitForTimeout(1500);
+    assert.ok(await reached(), await text(page, '#state'));
+  };
+  await turned(3, async () => await inside() >= 20);
+  const newest = () => page.evaluate(() => window.noted.results.at(-1));
+  const before = await newest();
+  assert.equal(before.phase, 3);
+  const layers = (await page.evaluate(() => window.noted.words)).filter(([words]) => ['skin', 'fat', 'muscle'].includes(words));
+  const force = '#f5a852';
+  assert.deepEqual(layers.map(([words, colour]) => [words, colour === force]), [['skin', false], ['fat', false], ['muscle', true]]);
+  await sweep(page, [right, down], [0.7, 0.45], 15);
+  const moved = 1e3 * Math.hypot(...(await newest()).tool.map((v, i) => v - before.tool[i]));
+  assert.ok(moved < 0.2, `the handle moved ${moved} mm`);
+  await turned(-4, () => page.evaluate(() => /from the tissue/.test(document.getElementById('state').textContent)));
+  // The needle is now under the pointer, away from its hole. Dark pixels there, and beside it.
+  const dark = await (await pixelsOf(page)).evaluate(({data, width, height}, [right, down]) => [0, 0.1].map(aside => {
+    let count = 0;
+    for (let row = -25; row <= 25; row++) {
+      for (let column = -25; column <= 25; column++) {
+        const at = 4 * (Math.round(down * height + row) * width + Math.round((right + aside) * width + column));
+        if (data[at] < 80) count++;
+      }
+    }
+    return count;
+  }), [right, down]);
+  context.diagnostic(`moved ${moved.toFixed(3)} mm, ${dark} dark pixels at the hole and beside it`);
+  assert.ok(dark[0] > 3 && dark[1] === 0, `${dark} dark pixels at the hole and beside it`);
 });
 
 test('a scene that moves reads its table from the page\u2019s folder', async context => {

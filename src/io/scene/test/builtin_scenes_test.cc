@@ -27,7 +27,7 @@ TEST(BuiltinScenes, HaveANameOfTheirOwnAndOneLine) {
     EXPECT_LE(one.line.size(), 90U);
     EXPECT_THAT(std::string(one.line), ::testing::EndsWith("."));
   }
-  EXPECT_EQ(names.size(), 7U);
+  EXPECT_EQ(names.size(), 8U);
 }
 
 TEST(BuiltinScenes, GiveEachHandTheRequestedDevice) {
@@ -38,8 +38,8 @@ TEST(BuiltinScenes, GiveEachHandTheRequestedDevice) {
   }
 }
 
-TEST(BuiltinScenes, OfPressAndPullAreTheDefaultScenes) {
-  for (const char* const task : {"press", "pull"}) {
+TEST(BuiltinScenes, OfPressPullAndInsertAreTheDefaultScenes) {
+  for (const char* const task : {"press", "pull", "insert"}) {
     Overrides by_default;
     by_default.task = task;
     const Scene expected = load(by_default);
