@@ -239,7 +239,8 @@ function setLaw() {
   if (name !== null && !settings.values.size && palpate.tissueNames.includes(name)) {
     law = palpate.law(name, sim.scene.task === 'pull' ? 'pull' : 'press', sim.info.rate);
   }
-  const curve = law && Array.from({length: 81}, (_, i) => [i / 4, law.forceAt(i / 4000).force]);
+  // A needle leaves the law at the puncture.
+  const curve = law && sim.scene.task !== 'insert' && Array.from({length: 81}, (_, i) => [i / 4, law.forceAt(i / 4000).force]);
   const values = TISSUE_SLIDERS.map(({field}) => [field, sim.tissueValue(field)]);
   postMessage({is: 'tissue', curve, values});
 }
