@@ -134,12 +134,7 @@ std::optional<Plateau> plateau_of(const Specimen& loading, const Ranges& ranges)
   constexpr std::size_t kFewest = 8;    // rows
   if (loading.size() < 3 * kFewest) return std::nullopt;
   const Specimen sorted = by_displacement(loading);
-  std::vector<double> second_differences;
-  for (std::size_t i = 1; i + 1 < sorted.size(); ++i) {
-    second_differences.push_back(sorted.force[i - 1] - 2.0 * sorted.force[i] + sorted.force[i + 1]);
-  }
-  const double noise =
-      std::max(normalized_mad(std::move(second_differences)) / std::sqrt(6.0), 1e-4 * ranges.force);
+  const double noise = std::max(noise_of_rows(sorted.force), 1e-4 * ranges.force);
   const double level = median(
       std::vector<double>(sorted.force.end() - static_cast<std::ptrdiff_t>(kFewest), sorted.force.end()));
   std::size_t first = sorted.size();
@@ -263,6 +258,13 @@ Specimen whole_loading(const Specimen& specimen) {
       "one curve, which is right only without hysteresis",
       kFewestPoints));
   return used;
+}
+
+double noise_of_rows(const std::vector<double>& force) {
+  std::vector<double> second_differences;
+  for (std::size_t i = 1; i + 1 < force.size(); ++i)
+    second_differences.push_back(force[i - 1] - 2.0 * force[i] + force[i + 1]);
+  return normalized_mad(std::move(second_differences)) / std::sqrt(6.0);
 }
 
 Specimen last_loading(const Specimen& specimen) {

@@ -1,9 +1,14 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "palpate/identify.h"
 
 namespace palpate::identify {
+
+/// [setup] Standard deviation of the noise of forces in the order of the rows: normalised median absolute
+/// deviation of the second differences, scaled by 1/sqrt(6).
+[[nodiscard]] double noise_of_rows(const std::vector<double>& force);
 
 /// [setup] The rows of a specimen that a law without relaxation describes: the last whole loading of a loop,
 /// without rows at its end in which the displacement or the force stands still. All rows where there is no

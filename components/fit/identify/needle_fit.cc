@@ -112,10 +112,9 @@ Solved solved_from_data(const Insertion& record, const NeedleSetup& setup, std::
   return best;
 }
 
+/// A single record's fit with another number of relaxation terms.
 Solved with_terms(const Solved& from, std::size_t terms, const NeedleSetup& setup) {
-  std::vector<const Insertion*> records;
-  for (std::size_t r = 0; r < from.problem.records(); ++r) records.push_back(&from.problem.record(r));
-  Solved made{NeedleProblem(records, setup, from.problem.layers(), terms), {}};
+  Solved made{NeedleProblem({&from.problem.record(0)}, setup, from.problem.layers(), terms), {}};
   made.solution =
       made.problem.solved(made.problem.with_terms(from.solution, from.problem.terms()), kNeedleIterations);
   return made;

@@ -13,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 
+#include "fit/identify/loading.h"
 #include "fit/identify/plausible_specimen.h"
 
 namespace palpate::identify {
@@ -47,17 +48,9 @@ void require_not_saturated(const NeedleRecord& record, const std::string& where)
   }
 }
 
-/// Standard deviation of the noise of the force, from second differences.
-double noise_of(const std::vector<double>& force) {
-  std::vector<double> differences;
-  for (std::size_t i = 1; i + 1 < force.size(); ++i)
-    differences.push_back(force[i - 1] - 2.0 * force[i] + force[i + 1]);
-  return normalized_mad(std::move(differences)) / std::sqrt(6.0);
-}
-
 /// The falls of the force until the turn, the largest first.
 std::vector<Fall> falls_of(const NeedleRecord& record, std::size_t turn, double range) {
-  const double noise = noise_of(record.force);
+  const double noise = noise_of_rows(record.force);
   std::vector<double> sums = {0.0};
   for (const double force : record.force) sums.push_back(sums.back() + force);
   const auto row_at = [&record](double time) {
@@ -124,9 +117,8 @@ NeedleRecord thinned_around(const NeedleRecord& record, const std::vector<Fall>&
 /// The parts of a record: in, hold, out.
 void find_phases(Insertion& insertion) {
   const NeedleRecord& all = insertion.all;
-  const auto [low, high] = std::minmax_element(all.depth.begin(), all.depth.end());
-  insertion.deepest = *high - *low;
-  const double held = *high - kTurned * insertion.deepest;
+  const double most = *std::max_element(all.depth.begin(), all.depth.end());
+  const double held = most - kTurned * insertion.deepest;
   const auto first = std::find_if(all.depth.begin(), all.depth.end(), [=](double z) { return z >= held; });
   const auto last = std::find_if(all.depth.rbegin(), all.depth.rend(), [=](double z) { return z >= held; });
   insertion.turn = static_cast<std::size_t>(first - all.depth.begin());
@@ -134,7 +126,7 @@ void find_phases(Insertion& insertion) {
   insertion.hold = all.time[left] - all.time[insertion.turn];
   const double end =
       *std::min_element(all.depth.begin() + static_cast<std::ptrdiff_t>(left), all.depth.end());
-  insertion.withdrawn = *high - end > kWithdrawn * insertion.deepest;
+  insertion.withdrawn = most - end > kWithdrawn * insertion.deepest;
 }
 
 }  // namespace
@@ -147,7 +139,7 @@ Insertion insertion_of(Specimen specimen, const std::string& where) {
     throw InputError(
         fmt::format("{}: has {} rows, must have at least {}", where, specimen.size(), kFewestNeedleRows));
   }
-  (void)ranges_of(specimen);  // both must change
+  const Ranges ranges = ranges_of(specimen);
   require_plausible(specimen, where);
   Insertion made;
   for (const std::string& question : unit_questions(specimen)) made.notes.push_back(where + ": " + question);
@@ -166,11 +158,11 @@ Insertion insertion_of(Specimen specimen, const std::string& where) {
                     where, brief(step, 3), kSlowestRows));
   }
   require_not_saturated(all, where);
-  const auto [weak, strong] = std::minmax_element(all.force.begin(), all.force.end());
-  made.range = *strong - *weak;
+  made.range = ranges.force;
+  made.deepest = ranges.displacement;
   find_phases(made);
   const double in = mean(std::span(all.force).first(std::max<std::size_t>(1, made.turn)));
-  if (made.turn < 10 || !(*strong > 0.0) || in < 0.0) {
+  if (made.turn < 10 || !(ranges.lowest_force + ranges.force > 0.0) || in < 0.0) {
     throw InputError(where + (made.turn < 10 ? ": displacement_mm begins at its largest: must rise while the "
                                                "needle goes in"
                                              : ": force_N must be positive where the needle goes in"));

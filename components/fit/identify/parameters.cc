@@ -8,21 +8,13 @@
 #include "palpate/identify.h"
 #include "palpate/units.h"
 
+#include "fit/identify/loading.h"
+
 namespace palpate::identify {
 namespace {
 
 using portable::exp;
 using portable::log;
-
-/// Standard deviation of the noise: normalised median absolute deviation of the second differences (a point
-/// minus the mean of its two neighbours), scaled by 1/sqrt(6) for the second difference.
-double noise_by_second_differences(const std::vector<double>& force) {
-  std::vector<double> second_differences;
-  for (std::size_t i = 1; i + 1 < force.size(); ++i) {
-    second_differences.push_back(force[i - 1] - 2.0 * force[i] + force[i + 1]);
-  }
-  return normalized_mad(std::move(second_differences)) / std::sqrt(6.0);
-}
 
 }  // namespace
 
@@ -62,8 +54,7 @@ double flat_until(const Specimen& specimen, const Ranges& ranges) {
   // Use the order of the rows: sorted by displacement, loading and unloading alternate and hysteresis would
   // count as noise.
   const double noise =
-      std::max(std::min(noise_by_second_differences(force), noise_by_second_differences(specimen.force)),
-               kSmallestNoise * ranges.force);
+      std::max(std::min(noise_of_rows(force), noise_of_rows(specimen.force)), kSmallestNoise * ranges.force);
   double until = ranges.lowest_displacement;
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;  // sums over displacement (from the lowest) and force
   for (std::size_t i = 0; i < rows; ++i) {
