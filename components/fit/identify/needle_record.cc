@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/core.h>
@@ -31,6 +33,11 @@ constexpr double kTurned = 0.01;       // of the depth, that still counts as the
 constexpr double kWithdrawn = 0.25;    // of the depth
 constexpr double kFineStep = 2e-3;     // s, around a fall
 constexpr double kCoarseRows = 900.0;  // of a thinned record
+constexpr std::size_t kFewestAirRows = 20;
+constexpr double kAirBefore = 0.5e-3;  // m
+constexpr double kAirAfter = 2e-3;     // m: longer, because tissue sticks to the needle
+constexpr double kAirTrend = 10.0;     // 1/m: change of the force over its range
+constexpr double kAirMatters = 0.02;   // of the range of force
 constexpr double kFineBefore = 30e-3;  // s
 constexpr double kFineAfter = 150e-3;  // s
 
@@ -46,6 +53,69 @@ void require_not_saturated(const NeedleRecord& record, const std::string& where)
         "sensor's limit? The puncture's force is not in the record then",
         where, brief(most), kMost));
   }
+}
+
+/// What the sensor reads in the air.
+struct AirReading {
+  double force = 0.0;  // N, mean
+  double time = 0.0;   // s, mean
+};
+
+/// The reading over the first or last `way` [m] of a record's motion; none where the force changes along it,
+/// as in the tissue or where the tissue still sticks to the needle.
+std::optional<AirReading> read_air(const NeedleRecord& record, bool at_end, double way, double range) {
+  const std::size_t most = record.size();
+  const auto row_of = [&](std::size_t i) { return at_end ? most - 1 - i : i; };
+  std::size_t rows = 0;
+  while (rows < most && std::abs(record.depth[row_of(rows)] - record.depth[row_of(0)]) < way) ++rows;
+  if (rows < kFewestAirRows || rows == most) return std::nullopt;
+  const auto mean_of = [&](const std::vector<double>& values) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows; ++i) sum += values[row_of(i)];
+    return sum / static_cast<double>(rows);
+  };
+  const AirReading air{mean_of(record.force), mean_of(record.time)};
+  const double depth = mean_of(record.depth);
+  double along = 0.0;  // sums of squares and products about the means
+  double both = 0.0;
+  double across = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double z = record.depth[row_of(i)] - depth;
+    const double f = record.force[row_of(i)] - air.force;
+    along += z * z;
+    both += z * f;
+    across += f * f;
+  }
+  const double slope = both / along;
+  const double error =
+      std::sqrt(std::max(0.0, across / along - slope * slope) / static_cast<double>(rows - 2));
+  const bool changes = std::abs(slope) > 3.0 * error + kAirTrend * range;
+  return changes ? std::nullopt : std::optional(air);
+}
+
+/// Subtracts what a sensor that was not tared, or drifts, reads before the contact and after the withdrawal.
+void subtract_air(Insertion& insertion, const std::string& where) {
+  NeedleRecord& all = insertion.all;
+  const double matters = kAirMatters * insertion.range;
+  const std::optional<AirReading> before = read_air(all, false, kAirBefore, insertion.range);
+  if (!before) {
+    if (std::abs(all.force.front()) < matters) return;
+    insertion.notes.push_back(fmt::format(
+        "{}: begins at {} N and shows no rows before the contact: does it begin in the tissue, or "
+        "is the sensor not tared? Start 1 mm above",
+        where, brief(all.force.front())));
+    return;
+  }
+  std::optional<AirReading> after;
+  if (all.depth.back() < all.depth.front() + kAirBefore) after = read_air(all, true, kAirAfter, insertion.range);
+  const double drift = after ? after->force - before->force : 0.0;
+  if (std::abs(before->force) < matters && std::abs(drift) < matters) return;
+  const double slope = after ? drift / (after->time - before->time) : 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all.force[i] -= before->force + slope * (all.time[i] - before->time);
+  insertion.notes.push_back(fmt::format(
+      "{}: the sensor reads {} N before the contact{}: subtracted; tare it before the needle goes in", where,
+      brief(before->force), after ? fmt::format(", {} N after the withdrawal", brief(after->force)) : ""));
 }
 
 /// The falls of the force until the turn, the largest first.
@@ -161,8 +231,9 @@ Insertion insertion_of(Specimen specimen, const std::string& where) {
   made.range = ranges.force;
   made.deepest = ranges.displacement;
   find_phases(made);
+  subtract_air(made, where);
   const double in = mean(std::span(all.force).first(std::max<std::size_t>(1, made.turn)));
-  if (made.turn < 10 || !(ranges.lowest_force + ranges.force > 0.0) || in < 0.0) {
+  if (made.turn < 10 || !(*std::max_element(all.force.begin(), all.force.end()) > 0.0) || in < 0.0) {
     throw InputError(where + (made.turn < 10 ? ": displacement_mm begins at its largest: must rise while the "
                                                "needle goes in"
                                              : ": force_N must be positive where the needle goes in"));

@@ -155,6 +155,37 @@ TEST(NeedleFit, WithoutAWithdrawalNoTissueComesFromIt) {
   EXPECT_THAT(needle_fit_of({record}).poor, HasSubstr("cutting force and friction are not determined apart"));
 }
 
+TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
+  Specimen good = needle_record(needle_truth(1), 0.02);
+  for (int i = 1; i <= 500; ++i) {  // on into the air
+    good.time.push_back(good.time.back() + kSampling);
+    good.displacement.push_back(good.displacement.back() - kSampling * kNeedleSpeed);
+    good.force.push_back(0.02 * (i % 2 == 0 ? 1 : -1));
+  }
+  const Insertion tared = insertion_of(good, "file.csv");
+  EXPECT_TRUE(tared.notes.empty());
+  Specimen drifting = good;
+  for (std::size_t i = 0; i < drifting.size(); ++i) drifting.force[i] += 3.0 + 0.05 * drifting.time[i];
+  const Insertion corrected = insertion_of(drifting, "file.csv");
+  for (std::size_t i = 0; i < good.size(); i += 50)
+    EXPECT_NEAR(corrected.all.force[i], good.force[i], 0.03) << i;
+  ASSERT_EQ(corrected.notes.size(), 1U);
+  EXPECT_THAT(corrected.notes[0], HasSubstr("N before the contact, "));
+  EXPECT_THAT(corrected.notes[0], HasSubstr("subtracted; tare it"));
+}
+
+TEST(NeedleRecords, ARecordThatBeginsUnderForceWithoutRowsInTheAirIsQuestioned) {
+  Specimen inside = needle_record(needle_truth(1), 0.02);
+  const auto first =
+      std::find_if(inside.displacement.begin(), inside.displacement.end(), [](double z) { return z > 4e-3; });
+  const auto rows = first - inside.displacement.begin();
+  for (std::vector<double>* values : {&inside.time, &inside.displacement, &inside.force})
+    values->erase(values->begin(), values->begin() + rows);
+  const Insertion made = insertion_of(inside, "file.csv");
+  ASSERT_EQ(made.notes.size(), 1U);
+  EXPECT_THAT(made.notes[0], HasSubstr("shows no rows before the contact"));
+}
+
 TEST(NeedleRecords, WhatIsNoRecordOfANeedleIsRefusedInWords) {
   const Specimen good = needle_record(needle_truth(1), 0.05);
   EXPECT_EQ(needle_refusal(good), "");
