@@ -2,8 +2,11 @@
 
 #include <cstdint>
 
-#include <shellapi.h>
+// The second header needs the first.
+// clang-format off
 #include <windows.h>
+#include <shellapi.h>
+// clang-format on
 
 #include "io/system/path_text.h"
 

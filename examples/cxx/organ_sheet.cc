@@ -56,6 +56,7 @@ void put(const Image& part, std::size_t column, std::size_t row, Image& sheet) {
 void draw(const std::string& name, const char* file) {
   palpate::render::Subject subject;
   subject.organ = palpate::geometry::make_organ(name);
+  subject.organ_name = name;
   subject.tissue_name = name.substr(0, name.find('-'));
   palpate::render::OffscreenRenderer renderer(subject, kWidth, kHeight);
   // From the front, from behind and above, from the left and above, from behind and below.
