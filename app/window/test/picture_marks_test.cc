@@ -71,7 +71,8 @@ TEST(PictureMarks, TheSectionOfANeedleNamesTheLayersAndShowsWhichTheTipIsIn) {
   EXPECT_FALSE(shapes_of(marks, {390.0F, 600.0F, 15.0F}, {}, shown, &*needle).triangles.empty());
   for (const double aside : {-22e-3, 22e-3}) {  // 8 mm from a side: its first column misses the muscle
     shown.tools[0].pose_W =
-        scene.organ_pose * Pose{Quat(0, 1, 0, 0), Vec3(aside, 0, top - 12e-3 + scene.tools[0].needle->tip.z())};
+        scene.organ_pose *
+        Pose{Quat(0, 1, 0, 0), Vec3(aside, 0, top - 12e-3 + scene.tools[0].needle->tip.z())};
     EXPECT_EQ(words_in(size), (Names{{"skin", false}, {"fat", false}, {"muscle", true}})) << aside;
   }
   marks.section = false;

@@ -9,7 +9,7 @@ const HINTS = {
   demo: ['Demonstration. Click the picture to take the tool.', 'Demonstration. Touch the picture to take the tool.'],
   replay: ['Recording. Click the picture to take the tool.', 'Recording. Touch the picture to take the tool.'],
   haply: ['The Inverse3 holds the tool.', 'The Inverse3 holds the tool.'],
-  move: ['Move: mouse.\u2003Press: wheel.', 'Move: one finger.\u2003Press: lever.'],
+  move: ['Move: mouse.\u2003Press: wheel forward.', 'Move: one finger.\u2003Press: lever.'],
   jaws: ['\u2003Grip: hold left.', '\u2003Grip: Close the jaws.'],
   search: ['\u2003Mark: left button.', '\u2003Mark: button below.'],
   pull: ['Hold left and drag to pull.', 'Close the jaws, then drag to pull.'],

@@ -107,7 +107,8 @@ void subtract_air(Insertion& insertion, const std::string& where) {
     return;
   }
   std::optional<AirReading> after;
-  if (all.depth.back() < all.depth.front() + kAirBefore) after = read_air(all, true, kAirAfter, insertion.range);
+  if (all.depth.back() < all.depth.front() + kAirBefore)
+    after = read_air(all, true, kAirAfter, insertion.range);
   const double drift = after ? after->force - before->force : 0.0;
   if (std::abs(before->force) < matters && std::abs(drift) < matters) return;
   const double slope = after ? drift / (after->time - before->time) : 0.0;
