@@ -51,6 +51,8 @@ constexpr int kNeedleIterations = 40;
 constexpr std::size_t kFirstTerms = 2;  // of relaxation, while layers are counted
 constexpr double kClearly = 6.0;        // fall of the Bayesian information criterion
 constexpr double kShortestHold = 1.0;   // s
+constexpr double kBeforeRecord = 0.02;  // of the depth, from the contact to the first row
+constexpr double kMostDrift = 0.1;      // of the range of force
 constexpr double kFreeStep = 2e-3;      // s, between ticks where the needle punctures by its force
 
 /// A solution with the problem that it solves.
@@ -224,6 +226,18 @@ void add_warnings(const std::vector<Solved>& each, NeedleFit& fit) {
       fit.warnings.push_back(fmt::format(
           "{}: the needle rests at its depth for {} s: the relaxation shows only in the motion, rest for 5 s",
           record.all.name, brief(record.hold, 2)));
+    }
+    const double before = record.all.depth.front() - one.problem.contact(one.solution.own.front());
+    if (before > kBeforeRecord * record.deepest) {
+      fit.warnings.push_back(record.all.name +
+                             ": the contact is found before the first row: start 1 mm above the tissue");
+    }
+    if (std::abs(record.drift) > kMostDrift * record.range && fit.poor.empty()) {
+      fit.poor = fmt::format(
+          "{}: the sensor drifts by {} N, must be at most {} of the range of force: nothing shows that it "
+          "drifts "
+          "along a straight line; let it warm up",
+          record.all.name, brief(record.drift), percent(kMostDrift, 0));
     }
     if (!record.withdrawn && fit.poor.empty()) {
       fit.poor =

@@ -42,15 +42,20 @@ constexpr double kFineBefore = 30e-3;  // s
 constexpr double kFineAfter = 150e-3;  // s
 
 void require_not_saturated(const NeedleRecord& record, const std::string& where) {
-  constexpr std::size_t kMost = 8;  // equal rows
+  constexpr std::size_t kMost = 8;     // depths, of equal force
+  constexpr double kFlickers = 0.001;  // of the force
   const double most = *std::max_element(record.force.begin(), record.force.end());
   std::size_t equal = 0;
-  for (std::size_t i = 0; i < record.size(); ++i) {
-    equal = record.force[i] == most && i > 0 && record.depth[i] != record.depth[i - 1] ? equal + 1 : 0;
+  for (std::size_t i = 1; i < record.size(); ++i) {
+    if (record.force[i] < (1.0 - kFlickers) * most) {
+      equal = 0;
+    } else if (record.depth[i] != record.depth[i - 1]) {  // a sensor of depth repeats its values
+      ++equal;
+    }
     if (equal < kMost) continue;
     throw InputError(fmt::format(
-        "{}: force_N is at most {} N, in {} rows one after another while the needle moves: is that the "
-        "sensor's limit? The puncture's force is not in the record then",
+        "{}: force_N is at most {} N, at {} depths one after another: is that the sensor's limit? The "
+        "puncture's force is not in the record then",
         where, brief(most), kMost));
   }
 }
@@ -111,6 +116,7 @@ void subtract_air(Insertion& insertion, const std::string& where) {
     after = read_air(all, true, kAirAfter, insertion.range);
   const double drift = after ? after->force - before->force : 0.0;
   if (std::abs(before->force) < matters && std::abs(drift) < matters) return;
+  insertion.drift = drift;
   const double slope = after ? drift / (after->time - before->time) : 0.0;
   for (std::size_t i = 0; i < all.size(); ++i)
     all.force[i] -= before->force + slope * (all.time[i] - before->time);
@@ -185,8 +191,20 @@ NeedleRecord thinned_around(const NeedleRecord& record, const std::vector<Fall>&
   return few;
 }
 
-/// The parts of a record: in, hold, out.
-void find_phases(Insertion& insertion) {
+/// Rows are missing while the needle goes in, perhaps a puncture.
+void require_no_gap(const Insertion& insertion, const std::string& where) {
+  const std::vector<double>& time = insertion.all.time;
+  for (std::size_t i = 1; i <= insertion.turn; ++i) {
+    if (time[i] - time[i - 1] <= kSlowestRows) continue;
+    throw InputError(fmt::format(
+        "{}: time_s: no rows for {} s after {} s, while the needle goes in; must be at most {} s: a puncture "
+        "there would be lost",
+        where, brief(time[i] - time[i - 1], 3), brief(time[i - 1], 4), kSlowestRows));
+  }
+}
+
+/// The parts of a record: in, hold, out. @throws InputError for several insertions
+void find_phases(Insertion& insertion, const std::string& where) {
   const NeedleRecord& all = insertion.all;
   const double most = *std::max_element(all.depth.begin(), all.depth.end());
   const double held = most - kTurned * insertion.deepest;
@@ -195,6 +213,13 @@ void find_phases(Insertion& insertion) {
   insertion.turn = static_cast<std::size_t>(first - all.depth.begin());
   const auto left = static_cast<std::size_t>(all.depth.rend() - last) - 1;
   insertion.hold = all.time[left] - all.time[insertion.turn];
+  const auto begin = all.depth.begin();
+  const double between = *std::min_element(begin + static_cast<std::ptrdiff_t>(insertion.turn),
+                                           begin + static_cast<std::ptrdiff_t>(left) + 1);
+  if (most - between > kWithdrawn * insertion.deepest) {
+    throw InputError(
+        where + ": the needle goes in more than once: give each insertion its own name in a column specimen");
+  }
   const double end =
       *std::min_element(all.depth.begin() + static_cast<std::ptrdiff_t>(left), all.depth.end());
   insertion.withdrawn = most - end > kWithdrawn * insertion.deepest;
@@ -231,7 +256,8 @@ Insertion insertion_of(Specimen specimen, const std::string& where) {
   require_not_saturated(all, where);
   made.range = ranges.force;
   made.deepest = ranges.displacement;
-  find_phases(made);
+  find_phases(made, where);
+  require_no_gap(made, where);
   subtract_air(made, where);
   const double in = mean(std::span(all.force).first(std::max<std::size_t>(1, made.turn)));
   if (made.turn < 10 || !(*std::max_element(all.force.begin(), all.force.end()) > 0.0) || in < 0.0) {

@@ -169,9 +169,36 @@ TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
   const Insertion corrected = insertion_of(drifting, "file.csv");
   for (std::size_t i = 0; i < good.size(); i += 50)
     EXPECT_NEAR(corrected.all.force[i], good.force[i], 0.03) << i;
+  EXPECT_NEAR(corrected.drift, 0.05 * good.time.back(), 0.1);
   ASSERT_EQ(corrected.notes.size(), 1U);
   EXPECT_THAT(corrected.notes[0], HasSubstr("N before the contact, "));
   EXPECT_THAT(corrected.notes[0], HasSubstr("subtracted; tare it"));
+}
+
+TEST(NeedleRecords, ALimitOfTheSensorIsSeenWhereDepthsRepeatAndTheForceFlickers) {
+  Specimen saturated = needle_record(needle_truth(1), 0.02);
+  for (std::size_t i = 0; i < saturated.size(); ++i) {
+    saturated.displacement[i] = 1e-5 * std::round(saturated.displacement[i] / 1e-5);
+    saturated.force[i] = std::min(saturated.force[i], i % 2 == 0 ? 2.0 : 1.999);
+  }
+  EXPECT_THAT(needle_refusal(saturated), HasSubstr("sensor's limit"));
+}
+
+TEST(NeedleRecords, AGapOnTheWayInAndASecondInsertionAreRefused) {
+  const Specimen good = needle_record(needle_truth(1), 0.02);
+  Specimen gap = good;
+  const auto begin = static_cast<std::ptrdiff_t>(good.size() / 5);
+  for (std::vector<double>* values : {&gap.time, &gap.displacement, &gap.force})
+    values->erase(values->begin() + begin,
+                  values->begin() + begin + static_cast<std::ptrdiff_t>(0.35 / kSampling));
+  EXPECT_THAT(needle_refusal(gap), HasSubstr("no rows for 0.35"));
+  Specimen twice = good;
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    twice.time.push_back(good.time.back() + good.time[i] + kSampling);
+    twice.displacement.push_back(good.displacement[i]);
+    twice.force.push_back(good.force[i]);
+  }
+  EXPECT_THAT(needle_refusal(twice), HasSubstr("goes in more than once"));
 }
 
 TEST(NeedleRecords, ARecordThatBeginsUnderForceWithoutRowsInTheAirIsQuestioned) {
