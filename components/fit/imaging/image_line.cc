@@ -302,7 +302,7 @@ void shrink(std::vector<bool>& trusted) {
 void agree_with_neighbours(const Candidate& line, const std::vector<bool>& trusted, SurfaceLine& surface) {
   constexpr int kHalf = 5;
   constexpr double kAlike = 2.0;   // neighbours share pixels, which increases variances by this factor
-  constexpr double kFloor = 0.03;  // px along the normal: error of the method
+  constexpr double kFloor = 0.06;  // px along the normal: error of the method at an edge as sharp as a pixel
   const auto count = static_cast<int>(line.y.size());
   surface.points.resize(line.y.size());
   for (int x = 0; x < count; ++x) {

@@ -32,9 +32,6 @@ constexpr double kDistance = 3.0;  // m, of the camera; rays are nearly parallel
 constexpr double kTop = 0.02;      // m, top of the slab
 constexpr double kBall = 5e-3;     // m
 constexpr double kDepth = 6e-3;    // m
-// m: how far the drawn edge, straight between its vertices, may be off drawn_at(); DeformedSurface allows
-// 0.05 mm
-constexpr double kDrawnOff = 1e-5;
 
 /// A slab of liver, 140 x 2 x 40 mm, so thin that all of its rows move equally.
 render::Subject slab() {
@@ -112,7 +109,7 @@ TEST_F(RenderedImage, IsMeasuredToHalfAPixel) {
   for (const imaging::ImagePoint& point : measured.points) {
     const double r = std::abs(point.x - 0.5 * (kWidth - 1)) * kPixel;
     errors.push_back(std::abs(point.u - drawn_at(r)) / kPixel);
-    within += std::abs(point.u - drawn_at(r)) <= point.uncertainty + kDrawnOff ? 1 : 0;
+    within += std::abs(point.u - drawn_at(r)) <= point.uncertainty ? 1 : 0;
   }
   EXPECT_LT(median(errors), 0.5);
   EXPECT_GT(static_cast<double>(within), 0.9 * static_cast<double>(errors.size()));

@@ -58,7 +58,7 @@ test('the page of a live run draws the heart and how the forceps lift it', async
   assert.ok(rest.red > 0.1, `${rest.red}`);
   await page.locator('[data-do=start]').click();
   // The run ends while the forceps hold the tissue up.
-  await page.waitForFunction(() => document.getElementById('words').textContent.startsWith('The run has ended'));
+  await page.waitForFunction(() => /^The run has ended: \d+ of 4800 ticks began too late\.$/.test(document.getElementById('words').textContent));
   await page.waitForTimeout(1000);
   const lifted = await shares(page);
   assert.ok(lifted.top < rest.top - 0.03, `${rest.top}, then ${lifted.top}`);
