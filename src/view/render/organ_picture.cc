@@ -18,6 +18,7 @@ namespace palpate::render {
 namespace {
 
 constexpr double kCreaseDeg = 50.0;
+constexpr double kNoCreaseDeg = 180.0;    // for organs whose sharp edges are a zigzag
 constexpr double kEdgeBand = 0.08e-3;     // m beside a sharp edge, where normals turn; a pixel or less
 constexpr double kEdgesAcross = 120.0;    // edges per organ diagonal, before contact
 constexpr double kShortestEdge = 0.8e-3;  // m, before contact
@@ -113,7 +114,10 @@ std::size_t nearest_of(std::span<const deform::Indentation> indentations, const 
 
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
                            Detail detail, const std::optional<geometry::Support>& support)
-    : reach_(reach), detail_(detail), organ_(std::make_shared<const geometry::TriangleMesh>(rest)) {
+    : reach_(reach),
+      detail_(detail),
+      crease_deg_(has_clean_creases(rest, kCreaseDeg) ? kCreaseDeg : kNoCreaseDeg),
+      organ_(std::make_shared<const geometry::TriangleMesh>(rest)) {
   if (support && detail == Detail::kLive) {
     prepare(*support);
   } else {
@@ -121,15 +125,15 @@ OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::Fall
   }
   double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
   if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
-  const RefineRule rule{kCreaseDeg, [edge](const Vec3&, double length, double) { return length > edge; }};
+  const RefineRule rule{crease_deg_, [edge](const Vec3&, double length, double) { return length > edge; }};
   base_ = refine_smoothly(rest, rule);
-  smooth_bumps(base_, kEvenShare * mean_edge(rest), kCreaseDeg);
+  smooth_bumps(base_, kEvenShare * mean_edge(rest), crease_deg_);
   take_surface(base_);
   if (detail == Detail::kLive) base_ = {};
 }
 
 void OrganPicture::take_surface(geometry::TriangleMesh rest) {
-  if (has_clean_creases(*organ_, kCreaseDeg)) narrow_creases(rest, kCreaseDeg, kEdgeBand);
+  narrow_creases(rest, crease_deg_, kEdgeBand);
   sort_by_position(rest);
   surface_ = std::make_unique<deform::DeformedSurface>(std::move(rest), reach_, kRounding);
   surface_->set_response(response_);
@@ -179,7 +183,7 @@ bool OrganPicture::divide_around(std::span<const deform::Indentation> indentatio
   for (const deform::Indentation& i : indentations) {
     if (!divided(i)) centres_.push_back(i.point);
   }
-  const RefineRule rule{kCreaseDeg, [this](const Vec3& middle, double length, double) {
+  const RefineRule rule{crease_deg_, [this](const Vec3& middle, double length, double) {
                           double nearest = std::numeric_limits<double>::infinity();
                           for (const Vec3& c : centres_) nearest = std::min(nearest, (middle - c).norm());
                           return length > kFineEdge + kCoarsening * std::max(0.0, nearest - kFineRadius);

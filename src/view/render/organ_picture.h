@@ -66,6 +66,7 @@ class OrganPicture final {
 
   model::FalloffRatios reach_;
   Detail detail_;
+  double crease_deg_;                                    // edges with a larger dihedral angle stay sharp
   std::shared_ptr<const geometry::TriangleMesh> organ_;  // as given; for responses
   geometry::TriangleMesh base_;
   std::vector<Vec3> centres_;  // where the surface is refined

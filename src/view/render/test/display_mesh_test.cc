@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -155,6 +159,30 @@ TEST(OrganPicture, DividesFinelyAroundAContactOnceAndNotAgain) {
   EXPECT_FALSE(organ.update(deform::indentations_of(with_view(0.008).hand_results())));
   EXPECT_FALSE(organ.update({}));
   EXPECT_TRUE(closed(organ.rest()));
+}
+
+/// [m] of edges whose triangles meet at more than 50 degrees.
+double sharp_length(const geometry::TriangleMesh& mesh) {
+  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> first;  // normal of an edge's first triangle
+  double sum = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const Vec3 normal = geometry::area_vector_doubled(mesh, t).normalized();
+    for (std::size_t e = 0; e < 3; ++e) {
+      const auto [a, b] = std::minmax(t[e], t[(e + 1) % 3]);
+      const auto [entry, fresh] = first.try_emplace({a, b}, normal);
+      if (fresh || normal.dot(entry->second) > std::cos(50.0 * std::numbers::pi / 180.0)) continue;
+      sum += (mesh.vertices[static_cast<std::size_t>(a)] - mesh.vertices[static_cast<std::size_t>(b)]).norm();
+    }
+  }
+  return sum;
+}
+
+TEST(OrganPicture, RoundsTheMarginOfACoarseLiverAndKeepsTheEdgesOfABox) {
+  const geometry::TriangleMesh liver = geometry::make_organ("liver");
+  ASSERT_GT(sharp_length(liver), 0.1);
+  EXPECT_LT(sharp_length(OrganPicture(liver, {}).rest()), 0.25 * sharp_length(liver));
+  const geometry::TriangleMesh box = geometry::make_box(Vec3(0.04, 0.04, 0.04), 1.0);
+  EXPECT_NEAR(sharp_length(OrganPicture(box, {}).rest()), 12 * 0.04, 1e-9);
 }
 
 TEST(IndexedCorners, AreTheGivenCornersInTheirOrder) {
