@@ -48,15 +48,28 @@ Profile profile_at(const cv::Mat& gray, double x, double y, double slope) {
 /// above, below - above, rise, offset, ln width
 using Unknowns = Eigen::Matrix<double, 5, 1>;
 
+/// Share of each sample that lies below the edge: 0 before it, 1 behind it.
+Profile shares_below(const Unknowns& at) {
+  constexpr double kNone = -8.3;  // widths; the share is below 1e-16
+  const double width = std::exp(at[4]);
+  Profile shares{};
+  for (int i = 0; i < kSamples; ++i) {
+    const double z = (i - kEdgeReach - at[3]) / width;
+    if (z > kNone) shares[static_cast<std::size_t>(i)] = normal_cdf(z);
+  }
+  return shares;
+}
+
 /// Solves for the three linear parameters, for given offset and width. @return the sum of squares
 double solve_linear(const Profile& profile, Unknowns& at) {
   constexpr double kRiseWeight = 30.0;  // regularises the rise, because light changes little over the window
+  const Profile shares = shares_below(at);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   normal(2, 2) = kRiseWeight;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const Eigen::Vector3d row(1.0, normal_cdf((t - at[3]) / std::exp(at[4])), t);
+    const Eigen::Vector3d row(1.0, shares[static_cast<std::size_t>(i)], t);
     normal += row * row.transpose();
     right += profile[static_cast<std::size_t>(i)] * row;
   }
@@ -64,7 +77,7 @@ double solve_linear(const Profile& profile, Unknowns& at) {
   double squares = 0.0;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const double miss = at[0] + at[1] * normal_cdf((t - at[3]) / std::exp(at[4])) + at[2] * t -
+    const double miss = at[0] + at[1] * shares[static_cast<std::size_t>(i)] + at[2] * t -
                         profile[static_cast<std::size_t>(i)];
     squares += miss * miss;
   }
@@ -77,12 +90,15 @@ Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
   normal.setZero();
   Unknowns right = Unknowns::Zero();
   const double width = std::exp(at[4]);
+  const Profile shares = shares_below(at);
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
     const double z = (t - at[3]) / width;
+    const double share = shares[static_cast<std::size_t>(i)];
+    const double density = normal_density(z);
     Unknowns row;
-    row << 1.0, normal_cdf(z), t, -at[1] * normal_density(z) / width, -at[1] * normal_density(z) * z;
-    const double miss = profile[static_cast<std::size_t>(i)] - (at[0] + at[1] * normal_cdf(z) + at[2] * t);
+    row << 1.0, share, t, -at[1] * density / width, -at[1] * density * z;
+    const double miss = profile[static_cast<std::size_t>(i)] - (at[0] + at[1] * share + at[2] * t);
     normal += row * row.transpose();
     right += miss * row;
   }

@@ -13,9 +13,11 @@ double normal_density(double z) noexcept {
 
 double normal_cdf(double z) noexcept {
   constexpr double kSeriesBelow = 3.0;  // above, 60 terms of the continued fraction are exact
+  constexpr double kOneAbove = 8.3;     // the tail is below half the spacing of doubles under 1
   constexpr double kFarTail = 38.5;     // the density underflows
   const double x = std::abs(z);
-  if (!(x < kFarTail)) return z > 0.0 ? 1.0 : (z < 0.0 ? 0.0 : z);
+  if (z > kOneAbove) return 1.0;
+  if (!(x < kFarTail)) return z < 0.0 ? 0.0 : z;
   const double density = normal_density(x);
   double tail = 0.0;
   if (x < kSeriesBelow) {  // Phi(x) - 1/2 = density (x + x^3/3 + x^5/(3 5) + ...) [Marsaglia 2004]
