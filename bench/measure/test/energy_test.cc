@@ -12,11 +12,10 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "core/haptics/passivity.h"
 #include "io/scene/make_world.h"
-#include "io/system/test/temporary_folder.h"
 #include "palpate/mesh.h"
-#include "palpate/organ_cache.h"
 #include "run/devices/emulated.h"
 #include "run/realtime/loop.h"
 
@@ -145,20 +144,9 @@ class EnergyWatch final : public haptics::TickObserver {
   double most_in_a_tick_ = 0.0;
 };
 
-/// All attacks press the same box: it is prepared once.
-const contact::Preparation& prepared_once() {
-  static const test::TemporaryFolder cache;
-  static const contact::Preparation how = [] {
-    contact::Preparation cached;
-    scene::use_organ_cache(cached, cache.path());
-    return cached;
-  }();
-  return how;
-}
-
 Outcome outcome_of(const Attack& attack, const scene::ToolPath& path) {
   const scene::Scene scene = setup_of(attack);
-  const haptics::SimulationWorld world = scene::make_world(scene, prepared_once());
+  const haptics::SimulationWorld world = scene::make_world(scene, contact::test::prepared_once());
   if (!scene::stability_remarks(scene, world).empty()) return {.warned = true};
   devices::EmulatedDevice device(path, scene.devices.front(), attack.rate_Hz);
   haptics::SimulationState state(world);

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/contact/test/prepared_once.h"
 #include "io/scene/make_world.h"
 #include "palpate/mesh.h"
 #include "run/devices/emulated.h"
@@ -84,7 +85,7 @@ class Rows final : public haptics::TickObserver {
 /// Runs a device to its last tick, offline or in real time. @return the rows
 inline std::vector<haptics::TickRow> run_through(const scene::Scene& scene, haptics::Device& device,
                                                  bool offline = true) {
-  const haptics::SimulationWorld world = scene::make_world(scene);
+  const haptics::SimulationWorld world = scene::make_world(scene, contact::test::prepared_once());
   haptics::SimulationState state(world);
   const std::uint64_t ticks = device.last_tick(scene.rate_Hz);
   Rows sink(ticks);
