@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Dense>
 
@@ -60,10 +61,10 @@ Profile shares_below(const Unknowns& at) {
   return shares;
 }
 
-/// Solves for the three linear parameters, for given offset and width. @return the sum of squares
-double solve_linear(const Profile& profile, Unknowns& at) {
+/// Solves for the three linear parameters, for given offset and width.
+/// @param shares shares_below(at) @return the sum of squares
+double solve_linear(const Profile& profile, const Profile& shares, Unknowns& at) {
   constexpr double kRiseWeight = 30.0;  // regularises the rise, because light changes little over the window
-  const Profile shares = shares_below(at);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   normal(2, 2) = kRiseWeight;
@@ -82,6 +83,25 @@ double solve_linear(const Profile& profile, Unknowns& at) {
     squares += miss * miss;
   }
   return squares;
+}
+
+struct Start {
+  Unknowns at = Unknowns::Zero();
+  Profile shares{};
+};
+
+/// Offsets and widths from which each edge is searched.
+std::vector<Start> starts_of_search() {
+  std::vector<Start> starts;
+  for (const double offset : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
+    for (const double width : {0.8, 2.0}) {
+      Start& start = starts.emplace_back();
+      start.at[3] = offset;
+      start.at[4] = std::log(width);
+      start.shares = shares_below(start.at);
+    }
+  }
+  return starts;
 }
 
 /// One Gauss-Newton step in all five parameters; fills the normal matrix.
@@ -111,18 +131,16 @@ Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
 }  // namespace
 
 Edge fit_edge(const cv::Mat& gray, double x, double y, double slope) {
+  static const std::vector<Start> starts = starts_of_search();
   const Profile profile = profile_at(gray, x, y, slope);
   Unknowns best = Unknowns::Zero();
   double least = 1e300;
-  for (const double offset : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
-    for (const double width : {0.8, 2.0}) {
-      Unknowns at;
-      at << 0.0, 0.0, 0.0, offset, std::log(width);
-      const double squares = solve_linear(profile, at);
-      if (squares < least) {
-        least = squares;
-        best = at;
-      }
+  for (const Start& start : starts) {
+    Unknowns at = start.at;
+    const double squares = solve_linear(profile, start.shares, at);
+    if (squares < least) {
+      least = squares;
+      best = at;
     }
   }
   Eigen::Matrix<double, 5, 5> normal;
@@ -132,7 +150,7 @@ Edge fit_edge(const cv::Mat& gray, double x, double y, double slope) {
     Unknowns next = best;
     next[3] = std::clamp(best[3] + std::clamp(step[3], -1.0, 1.0), -8.0, 8.0);
     next[4] = std::clamp(best[4] + std::clamp(step[4], -0.5, 0.5), std::log(kNarrowest), std::log(kWidest));
-    const double squares = solve_linear(profile, next);
+    const double squares = solve_linear(profile, shares_below(next), next);
     if (!(squares < least)) {
       damping = damping * 10.0 + 1e-3;
       continue;
