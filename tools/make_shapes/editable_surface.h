@@ -26,9 +26,6 @@ class EditableSurface final {
   [[nodiscard]] const std::vector<std::int32_t>& around(std::int32_t v) const {
     return around_[static_cast<std::size_t>(v)];
   }
-  [[nodiscard]] bool alive(std::int32_t triangle) const {
-    return triangles_[static_cast<std::size_t>(triangle)][0] >= 0;
-  }
   [[nodiscard]] int living_vertices() const { return living_; }
   /// All edges once, a < b, in a fixed order.
   [[nodiscard]] std::vector<Edge> edges() const;
