@@ -114,6 +114,14 @@ void subtract_air(Insertion& insertion, const std::string& where) {
   std::optional<AirReading> after;
   if (all.depth.back() < all.depth.front() + kAirBefore)
     after = read_air(all, true, kAirAfter, insertion.range);
+  if (after && after->force < before->force) {
+    // Tissue that sticks to the needle pulls it, as much as a press as deep as the needle is above its start.
+    const double mirrored = 2.0 * all.depth.front() - all.depth.back();
+    const auto row =
+        std::find_if(all.depth.begin(), all.depth.end(), [=](double z) { return z >= mirrored; });
+    const double press = all.force[static_cast<std::size_t>(row - all.depth.begin())] - before->force;
+    if (press < before->force - after->force) after.reset();
+  }
   const double drift = after ? after->force - before->force : 0.0;
   if (std::abs(before->force) < matters && std::abs(drift) < matters) return;
   insertion.drift = drift;

@@ -175,6 +175,17 @@ TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
   EXPECT_THAT(corrected.notes[0], HasSubstr("subtracted; tare it"));
 }
 
+// It ends 1 mm above the tissue, which hangs on it by 0.4 N: a press of 100 N/m has 0.1 N there.
+TEST(NeedleRecords, TissueThatSticksToTheNeedleIsNoDriftOfTheSensor) {
+  model::TissueParameters truth = needle_truth(1);
+  truth.layers[0].friction = 0.4;
+  truth.layers[0].friction_per_length = 10.0;
+  const Insertion sticks = insertion_of(needle_record(truth, 0.05), "file.csv");
+  EXPECT_LT(sticks.all.force.back(), -0.2);
+  EXPECT_EQ(sticks.drift, 0.0);
+  EXPECT_TRUE(sticks.notes.empty());
+}
+
 TEST(NeedleRecords, ALimitOfTheSensorIsSeenWhereDepthsRepeatAndTheForceFlickers) {
   Specimen saturated = needle_record(needle_truth(1), 0.02);
   for (std::size_t i = 0; i < saturated.size(); ++i) {
