@@ -15,8 +15,8 @@
 //    more or fewer is tried by the same rule.
 // 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
 //    left out with a warning. A record whose own numbers differ is fitted again with the chosen ones (alike).
-// 3. Each record's tissue predicts the others, with their own first contact and zero, by the needle that
-//    punctures by its force, not at a given time (predictions_of).
+// 3. Each record's tissue predicts the others, with their own zero and the contact that suits their press, by
+//    the needle that punctures by its force, not at a given time (predictions_of).
 // 4. One tissue for all records, from the one that predicts best (pooled_of).
 // 5. Intervals are those of least squares, or of the scatter among the records where that is wider
 //    (needle_intervals.cc).

@@ -164,6 +164,8 @@ TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
   }
   const Insertion tared = insertion_of(good, "file.csv");
   EXPECT_TRUE(tared.notes.empty());
+  EXPECT_NEAR(tared.air, 0.02, 0.01);  // over 0.5 mm at 2 mm/s, a row every 5 ms
+  EXPECT_EQ(tared.air_rows, 50.0);
   Specimen drifting = good;
   for (std::size_t i = 0; i < drifting.size(); ++i) drifting.force[i] += 3.0 + 0.05 * drifting.time[i];
   const Insertion corrected = insertion_of(drifting, "file.csv");
