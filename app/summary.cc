@@ -134,8 +134,9 @@ std::vector<std::string> remarks(const RunResult& run) {
       {contact::kJump, "the tool moved faster than a hand can: its contacts were reset"},
       {contact::kExtrapolated,
        "the tool went deeper than max_depth_mm under [tissue.source]: past it the force goes on by its "
-       "tangent "
-       "there"}};
+       "tangent there"},
+      {contact::kAtHub,
+       "the needle went in up to its hub: from there on its hub pushed the tissue; take a longer needle"}};
   for (const auto& [bit, text] : texts) {
     if ((run.statistics.status & bit) != 0) all.push_back(text);
   }

@@ -46,8 +46,9 @@ std::string moment_text(const haptics::TickRow& row, const model::TissueParamete
     return "pulling, stretched " + mm(row.depth);
   if (row.phase == static_cast<std::uint32_t>(contact::Phase::kInsert)) {
     const std::size_t layer = std::min<std::size_t>(row.layer, tissue.layers.size());
-    return fmt::format("{:.{}f} mm inside, in {}", row.inserted_mm, decimals,
-                       layer == 0 ? "the organ" : tissue.layers[layer - 1].name);
+    return fmt::format(
+        "{:.{}f} mm {}", row.inserted_mm, decimals,
+        layer == 0 ? "in, out of the far side" : "inside, in " + tissue.layers[layer - 1].name);
   }
   return mm(row.distance) + " from the tissue";
 }

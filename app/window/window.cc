@@ -208,6 +208,7 @@ std::vector<HandStatus> Window::hand_texts() const {
                    : snapshot_there_ ? moment_text(newest, now_.tissue, 1)
                                      : "begins";
     if (!run_->ended() && (newest.status & contact::kExtrapolated) != 0) status.state += ", past its range";
+    if (!run_->ended() && (newest.status & contact::kAtHub) != 0) status.state += ", up to its hub";
     status.engagement = run_->ended() ? 0.0 : newest.engagement;
     status.limited = (newest.status & (haptics::kForceClamped | haptics::kForceSlewed |
                                        haptics::kTorqueClamped | haptics::kTorqueSlewed)) != 0;

@@ -71,6 +71,7 @@ typedef int32_t palpate_status;
 #define PALPATE_GRIP_RELEASED (UINT32_C(1) << 2)   // the force exceeded the grip limit, the grasp let go
 #define PALPATE_JUMP (UINT32_C(1) << 3)            // the tool moved faster than any hand: contacts reset
 #define PALPATE_EXTRAPOLATED (UINT32_C(1) << 4)    // deeper than the tissue's source.max_depth_mm
+#define PALPATE_AT_HUB (UINT32_C(1) << 5)          // a needle is in up to its hub, which pushes
 #define PALPATE_FORCE_CLAMPED (UINT32_C(1) << 8)   // limited to palpate_info.max_force
 #define PALPATE_FORCE_SLEWED (UINT32_C(1) << 9)    // its change per tick was limited
 #define PALPATE_TORQUE_CLAMPED (UINT32_C(1) << 10)

@@ -31,6 +31,7 @@ static_assert(PALPATE_DUTY_HIGH == palpate::haptics::kDutyHigh);
 static_assert(PALPATE_DUTY_LIMITED == palpate::haptics::kDutyLimited);
 static_assert(PALPATE_JUMP == palpate::contact::kJump);
 static_assert(PALPATE_EXTRAPOLATED == palpate::contact::kExtrapolated);
+static_assert(PALPATE_AT_HUB == palpate::contact::kAtHub);
 
 /// The caller's struct of a hand. In an array of an older header's structs each has that header's size.
 template <typename Struct>

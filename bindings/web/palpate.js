@@ -7,7 +7,7 @@ const QUALITIES = ['full', 'balanced', 'fast'];
 const MARKS = ['found', 'false', 'lump'];
 const MARK_COLOURS = ['text', 'force', 'x', 'y', 'z', 'plate', 'steel', ...Array.from({length: 8}, (_, i) => `layer${i + 1}`)];
 const STATUS = Object.freeze({
-  STARTED_INSIDE: 1, CONTACTS_FULL: 2, GRIP_RELEASED: 4, JUMP: 8, EXTRAPOLATED: 16, FORCE_CLAMPED: 0x100,
+  STARTED_INSIDE: 1, CONTACTS_FULL: 2, GRIP_RELEASED: 4, JUMP: 8, EXTRAPOLATED: 16, AT_HUB: 32, FORCE_CLAMPED: 0x100,
   FORCE_SLEWED: 0x200, TORQUE_CLAMPED: 0x400, TORQUE_SLEWED: 0x800, ENERGY_DAMPED: 0x1000, DUTY_HIGH: 0x2000, DUTY_LIMITED: 0x4000,
 });
 

@@ -47,9 +47,9 @@ struct TickRow {
   double stimulus_force = 0.0;     // N, commanded force, signed along the normal
   // A needle in the tissue; 0 without one:
   std::uint64_t layer = 0;   // of its tip, from 1
-  double inserted_mm = 0.0;  // mm, of the shaft
+  double inserted_mm = 0.0;  // mm, of the shaft past its entry
   std::int64_t slip = 0;     // 1: the shaft slips inwards, -1: outwards, 0: the tissue moves with it
-  double tip_force = 0.0;    // N; the rest is friction on the shaft
+  double tip_force = 0.0;    // N; the rest is friction on the shaft, or the hub's push
 };
 
 }  // namespace palpate::haptics

@@ -18,6 +18,7 @@ inline constexpr std::uint32_t kGripReleased = 1U << 2;   // above the grip limi
 inline constexpr std::uint32_t kJump = 1U << 3;  // the tool moved faster than any hand: contact starts again
 inline constexpr std::uint32_t kExtrapolated = 1U << 4;  // deeper than the tissue's max_depth: the force goes
                                                          // on by its tangent there
+inline constexpr std::uint32_t kAtHub = 1U << 5;         // a needle is in up to its hub, which pushes
 
 inline constexpr int kContactsPerPart = 4;
 inline constexpr int kMaxViews = kContactsPerPart * static_cast<int>(kMaxParts) + 1;
@@ -43,9 +44,10 @@ struct ToolInput {
 /// A needle in the tissue at one tick.
 struct InsertedNeedle {
   std::uint32_t layer = 0;  // of the tip, from 1; 0: not in a layer
-  double length = 0.0;      // of the shaft in the tissue [m]
+  double length = 0.0;      // of the shaft past its entry, also out of the far side [m]
   int slip = 0;             // 1: the shaft slips inwards, -1: outwards, 0: the tissue moves with it
-  double tip_force = 0.0;   // on the tip; the rest is friction on the shaft [N]
+  double tip_force = 0.0;   // on the tip; the rest is friction on the shaft, or the hub's push [N]
+  bool at_hub = false;      // the whole shaft is inside
   bool punctured = false;   // a layer in this tick
   bool left = false;        // the tissue in this tick, as it had come in
 };

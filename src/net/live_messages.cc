@@ -20,12 +20,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<std::uint32_t, const char*>, 12> kStatus{{
+constexpr std::array<std::pair<std::uint32_t, const char*>, 13> kStatus{{
     {contact::kStartedInside, "started-inside"},
     {contact::kContactsFull, "contacts-full"},
     {contact::kGripReleased, "grip-released"},
     {contact::kJump, "jump"},
     {contact::kExtrapolated, "extrapolated"},
+    {contact::kAtHub, "at-hub"},
     {haptics::kForceClamped, "force-clamped"},
     {haptics::kForceSlewed, "force-slewed"},
     {haptics::kTorqueClamped, "torque-clamped"},

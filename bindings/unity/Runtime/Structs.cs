@@ -73,6 +73,8 @@ namespace Palpate
         Jump = 1u << 3,
         /// <summary>Deeper than the tissue's source.max_depth_mm.</summary>
         Extrapolated = 1u << 4,
+        /// <summary>A needle is in up to its hub, which pushes the tissue.</summary>
+        AtHub = 1u << 5,
         ForceClamped = 1u << 8,
         ForceSlewed = 1u << 9,
         TorqueClamped = 1u << 10,

@@ -15,8 +15,8 @@
 //    more or fewer is tried by the same rule.
 // 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
 //    left out with a warning. A record whose own numbers differ is fitted again with the chosen ones (alike).
-// 3. Each record's tissue predicts the others, with their own first contact and zero, by the needle that
-//    punctures by its force, not at a given time (predictions_of).
+// 3. Each record's tissue predicts the others, with their own zero and the contact that suits their press, by
+//    the needle that punctures by its force, not at a given time (predictions_of).
 // 4. One tissue for all records, from the one that predicts best (pooled_of).
 // 5. Intervals are those of least squares, or of the scatter among the records where that is wider
 //    (needle_intervals.cc).
@@ -54,6 +54,7 @@ constexpr double kShortestHold = 1.0;   // s
 constexpr double kBeforeRecord = 0.02;  // of the depth, from the contact to the first row
 constexpr double kMostDrift = 0.1;      // of the range of force
 constexpr double kFreeStep = 2e-3;      // s, between ticks where the needle punctures by its force
+constexpr double kLongStep = 0.1;       // s, where it presses
 
 /// A solution with the problem that it solves.
 struct Solved {
@@ -82,13 +83,45 @@ double own_error(const Solved& fit) {
                   fit.problem.record(0).range);
 }
 
-/// The error of the force that a tissue's needle meets on a record's path, where it punctures by its force,
-/// with that record's first contact and zero.
-double free_error(const model::TissueParameters& tissue, const Solved& own) {
-  const NeedleRecord& all = own.problem.record(0).all;
+/// Depth of first contact [m] at which a tissue's press suits a record best until its first fall. A law that
+/// begins softer begins earlier, so the contact of another tissue's fit does not suit.
+double contact_under(const model::TissueParameters& tissue, const Solved& own) {
+  constexpr double kReach = 0.15;  // of the depth
+  constexpr int kSteps = 25;       // each takes a third off
+  const Insertion& record = own.problem.record(0);
   const Point& mine = own.solution.own.front();
-  return error_of(run_needle(all, tissue, own.problem.contact(mine), {}, kFreeStep).force, all,
-                  own.problem.zero(mine), own.problem.record(0).range);
+  const std::vector<Fall>& falls = record.falls;
+  const double end = std::min_element(falls.begin(), falls.end(), [](const Fall& a, const Fall& b) {
+                       return a.time < b.time;
+                     })->time;
+  NeedleRecord press = record.thinned;
+  const auto rows = static_cast<std::size_t>(std::lower_bound(press.time.begin(), press.time.end(), end) -
+                                             press.time.begin());
+  for (std::vector<double>* column : {&press.time, &press.depth, &press.force}) column->resize(rows);
+  const auto error = [&](double contact) {
+    const std::vector<double> never{kInfinity};  // it punctures at no time
+    return error_of(run_needle(press, tissue, contact, never, kLongStep).force, press, own.problem.zero(mine),
+                    record.range);
+  };
+  double low = own.problem.contact(mine) - kReach * record.deepest;
+  double high = own.problem.contact(mine) + kReach * record.deepest;
+  for (int i = 0; i < kSteps; ++i) {
+    const double third = (high - low) / 3.0;
+    if (error(low + third) < error(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return (low + high) / 2.0;
+}
+
+/// The error of the force that a tissue's needle meets on a record's path, where it punctures by its force,
+/// with that record's zero.
+double free_error(const model::TissueParameters& tissue, double contact, const Solved& own) {
+  const NeedleRecord& all = own.problem.record(0).all;
+  return error_of(run_needle(all, tissue, contact, {}, kFreeStep).force, all,
+                  own.problem.zero(own.solution.own.front()), own.problem.record(0).range);
 }
 
 /// Fall of the Bayesian information criterion from the simple to the rich fit, with the effective number of
@@ -191,7 +224,7 @@ Predictions predictions_of(const std::vector<Solved>& fits,
     double sum = 0.0;
     for (std::size_t to = 0; to < fits.size(); ++to) {
       if (to == from) continue;
-      const double error = free_error(tissues[from], fits[to]);
+      const double error = free_error(tissues[from], contact_under(tissues[from], fits[to]), fits[to]);
       made.nrmse[to] += error / static_cast<double>(fits.size() - 1);
       sum += error;
     }
@@ -269,9 +302,10 @@ void add_repeats(const std::vector<Solved>& each, const Predictions& predictions
     made.punctures = one.problem.at(0, one.solution.shared, own).run.punctures;
     for (Puncture& puncture : made.punctures) puncture.depth += made.contact;
     made.record = record.thinned;
-    made.fitted = run_needle(made.record, fit.tissue, made.contact, {}, kFreeStep).force;
+    const double contact = contact_under(fit.tissue, one);
+    made.fitted = run_needle(made.record, fit.tissue, contact, {}, kFreeStep).force;
     for (double& force : made.fitted) force += made.zero;
-    const double error = free_error(fit.tissue, one);
+    const double error = free_error(fit.tissue, contact, one);
     squares += error * error / static_cast<double>(each.size());
     fit.repeats.push_back(std::move(made));
   }

@@ -28,8 +28,8 @@ struct NeedleRepeat {
   std::string name;
   double rms = 0.0;                       // N, of the fit to this record alone
   double nrmse = 0.0;                     // over the range of its force
-  std::optional<double> predicted_nrmse;  // mean over the fits to each other record; with its own first
-                                          // contact and zero
+  std::optional<double> predicted_nrmse;  // mean over the fits to each other record; with its own zero, and
+                                          // the first contact that suits its press
   double contact = 0.0;                   // m, depth of first contact
   double zero = 0.0;                      // N, of the sensor
   std::vector<Puncture> punctures;        // depths as in the record

@@ -137,7 +137,8 @@ NeedleProblem::Result NeedleProblem::at(std::size_t record, std::span<const doub
     const double error = (result.run.force[i] + zero(own) - rows.force[i]) / range_;
     result.residuals.push_back(error * std::sqrt(rows.rows[i]));
   }
-  result.residuals.push_back(own[1]);
+  const Insertion& insertion = *records_[record];
+  result.residuals.push_back((own[1] - insertion.air / range_) * std::sqrt(insertion.air_rows));
   for (std::size_t i = 0; i < terms_; ++i)  // shares
     result.residuals.push_back(kPriorLaw * (shared[kLawParameters + 2 * i] - log(0.2)));
   result.residuals.push_back(kPriorLaw * (shared[1] - log(2.0)));  // beta

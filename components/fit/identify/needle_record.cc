@@ -64,6 +64,7 @@ void require_not_saturated(const NeedleRecord& record, const std::string& where)
 struct AirReading {
   double force = 0.0;  // N, mean
   double time = 0.0;   // s, mean
+  double rows = 0.0;
 };
 
 /// The reading over the first or last `way` [m] of a record's motion; none where the force changes along it,
@@ -79,7 +80,7 @@ std::optional<AirReading> read_air(const NeedleRecord& record, bool at_end, doub
     for (std::size_t i = 0; i < rows; ++i) sum += values[row_of(i)];
     return sum / static_cast<double>(rows);
   };
-  const AirReading air{mean_of(record.force), mean_of(record.time)};
+  const AirReading air{mean_of(record.force), mean_of(record.time), static_cast<double>(rows)};
   const double depth = mean_of(record.depth);
   double along = 0.0;  // sums of squares and products about the means
   double both = 0.0;
@@ -114,8 +115,19 @@ void subtract_air(Insertion& insertion, const std::string& where) {
   std::optional<AirReading> after;
   if (all.depth.back() < all.depth.front() + kAirBefore)
     after = read_air(all, true, kAirAfter, insertion.range);
+  if (after && after->force < before->force) {
+    // Tissue that sticks to the needle pulls it, as much as a press as deep as the needle is above its start.
+    const double mirrored = 2.0 * all.depth.front() - all.depth.back();
+    const auto row =
+        std::find_if(all.depth.begin(), all.depth.end(), [=](double z) { return z >= mirrored; });
+    const double press = all.force[static_cast<std::size_t>(row - all.depth.begin())] - before->force;
+    if (press < before->force - after->force) after.reset();
+  }
   const double drift = after ? after->force - before->force : 0.0;
+  insertion.air = before->force;
+  insertion.air_rows = before->rows;
   if (std::abs(before->force) < matters && std::abs(drift) < matters) return;
+  insertion.air = 0.0;
   insertion.drift = drift;
   const double slope = after ? drift / (after->time - before->time) : 0.0;
   for (std::size_t i = 0; i < all.size(); ++i)

@@ -22,6 +22,8 @@ struct Insertion {
   double deepest = 0.0;     // largest depth minus the lowest [m]
   std::size_t turn = 0;     // row at which the needle has gone in
   double hold = 0.0;        // time at the largest depth [s]
+  double air = 0.0;         // what the sensor reads before the contact [N] ...
+  double air_rows = 1.0;    // ... as the mean of so many rows; 1: a guess
   double drift = 0.0;       // of the sensor from the contact to the withdrawal, subtracted as a line [N]
   bool withdrawn = false;   // by a quarter of the depth or more
   std::vector<std::string> notes;

@@ -237,6 +237,7 @@ void add_needle(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, Too
   result.cutoff_layer = needle.response().cutoff_layer;
   result.saturated = needle.response().saturated;
   if (needle.response().extrapolated) result.status |= kExtrapolated;
+  if (needle.state().at_hub) result.status |= kAtHub;
   result.contact_W = organ_W * needle.entry().point;
   result.normal_W = organ_W.rotation * -needle.direction();
 }

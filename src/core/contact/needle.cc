@@ -50,7 +50,7 @@ constexpr double kFrictionLength = 1e-3;  // m, in which the constant friction o
 constexpr double kPastBoundary = 1e-6;    // m, that a tip is past a boundary when it has crossed it
 constexpr double kRateReference = 1e-3;   // m/s, of the rate term
 constexpr int kMaxSteps = 20;             // of the search for the slip with a rate term
-constexpr double kSameSlip = 1e-9;        // m, at which it ends
+constexpr double kSameSlip = 1e-9;        // m, at which it ends, and from the hub
 constexpr int kMaxSlips = 4;              // of different bounds in one tick
 constexpr double kLeastTurn = 0.2;        // cosine between needle and channel: beyond it the needle is lost
 
@@ -139,6 +139,11 @@ double NeedleInsertion::elastic_at(const TissueLaws& laws, double displacement) 
 double NeedleInsertion::displacement_under(const TissueLaws& laws, double elastic) const noexcept {
   return elastic >= 0.0 ? laws.press.deformation_under(elastic / amplitude_).depth / slant_
                         : -laws.pull.deformation_under(-elastic / amplitude_).depth / slant_;
+}
+
+/// The whole shaft is inside: the hub takes up what the tip and the shaft's friction do not.
+bool NeedleInsertion::is_at_hub(const geometry::Needle& needle) const noexcept {
+  return needle.length - length_ < kSameSlip;
 }
 
 int NeedleInsertion::layer_at_tip() const noexcept {
@@ -243,7 +248,7 @@ void NeedleInsertion::slip_inwards(const Tick& tick, const model::Relaxation::Li
   for (int i = 0; i < kMaxSlips; ++i) {
     const double bound = tip_bound(tick) + shaft_friction(tick);
     const double elastic = (bound - line.at_zero) / line.slope;
-    if (elastic_at(laws, displacement_) <= elastic) return;
+    if (elastic_at(laws, displacement_) <= elastic || is_at_hub(tick.needle)) return;
     if (at_membrane_ && length_ >= cut_) {
       const int layer = pieces_[piece_count_ - 1].layer;
       enter(tick, beyond_, puncture_between(tick.layers, layer, beyond_) > 0.0);
@@ -262,7 +267,7 @@ void NeedleInsertion::slip_inwards(const Tick& tick, const model::Relaxation::Li
     }
     displacement_ -= way;
     state_.slip = 1;
-    if (way >= whole || length_ >= tick.needle.length) return;
+    if (way >= whole) return;
   }
 }
 
@@ -412,6 +417,8 @@ void NeedleInsertion::advance(const OrganSurface* surface, const ToolTissue& tis
   state_.layer = static_cast<std::uint32_t>(layer_at_tip() + 1);
   state_.length = std::max(0.0, length_);
   state_.tip_force = std::max(0.0, axial - friction);
+  state_.at_hub = is_at_hub(needle);
+  if (state_.at_hub) state_.tip_force = std::min(state_.tip_force, tip_bound(tick));
 }
 
 }  // namespace palpate::contact

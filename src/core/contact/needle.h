@@ -93,6 +93,7 @@ class NeedleInsertion final {
   [[nodiscard]] double shaft_friction(const Tick& tick) const noexcept;
   [[nodiscard]] double tip_bound(const Tick& tick) const noexcept;
   [[nodiscard]] int layer_at_tip() const noexcept;
+  [[nodiscard]] bool is_at_hub(const geometry::Needle& needle) const noexcept;
   [[nodiscard]] double rated_slip(const Tick& tick, const model::Relaxation::Line& line, double bound,
                                   double most) const noexcept;
   void slip_inwards(const Tick& tick, const model::Relaxation::Line& line) noexcept;

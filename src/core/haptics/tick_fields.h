@@ -121,11 +121,11 @@ inline constexpr auto kTickFields = [] {
     {{"layer"}, kU64, offsetof(TickRow, layer), "layer", "layer",
      "layer of the tissue in which a needle's tip is, from 1; 0: in none", true},
     {{"inserted_mm"}, kF64, offsetof(TickRow, inserted_mm), "inserted_mm", "inserted_mm",
-     "length of the needle's shaft in the tissue", true},
+     "length of the needle's shaft past its entry, also what is out of the far side", true},
     {{"slip"}, kI64, offsetof(TickRow, slip), "slip", "slip",
      "1: the shaft slips inwards through the tissue, -1: outwards, 0: the tissue moves with it", true},
     {{"tip_force_N"}, kF64, offsetof(TickRow, tip_force), "tip_force_N", "tip_force",
-     "on the needle's tip in the tissue; the rest of the force is friction on the shaft", true},
+     "on the needle's tip in the tissue; the rest of the force is friction on the shaft, or the hub's push", true},
   });
 }();
 // clang-format on

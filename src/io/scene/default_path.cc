@@ -125,12 +125,19 @@ std::vector<Vec3> hanging_points(const geometry::Tool& tool, const Vec3& tip) {
   return points;
 }
 
+/// Way of a needle to the scene's target.
+struct Aim {
+  Vec3 aside = Vec3::Zero();  // m, across the approach, from where the path would go in without a target
+  double depth = 0.0;         // m, along the approach, from its touch
+};
+
 /// The start of a hand's path, in the world.
 struct PressPoint {
   Approach approach;
-  double depth = kTravel;  // m, of the press or the insertion
-  std::string remark{};    // about a press at this point; empty: nothing to report
-  bool square = true;      // the tool meets the surface squarely to the whole travel
+  double depth = kTravel;    // m, of the press or the insertion
+  std::string remark{};      // about a press at this point; empty: nothing to report
+  bool square = true;        // the tool meets the surface squarely to the whole travel
+  std::optional<Aim> aim{};  // a needle goes there instead
 };
 
 std::string thin_warning(double thickness) {
@@ -146,12 +153,6 @@ std::string depth_warning(double depth) {
       "nowhere; the path presses {:.3g} mm deep",
       kTravel / kMillimetre, depth / kMillimetre);
 }
-
-/// Way of a needle to the scene's target.
-struct Aim {
-  Vec3 aside = Vec3::Zero();  // m, across the approach, from where the path would go in without a target
-  double depth = 0.0;         // m, along the approach, from its touch
-};
 
 /// Displacement [m] of the tissue under a needle with this depth inside and this force on its tip [N].
 double displacement_under(const Scene& scene, double depth, double on_tip) {
@@ -204,17 +205,35 @@ double insertion_depth(const Scene& scene, const geometry::SignedDistance& surfa
   return std::min(kInsertion, kInsideShare * thickness);
 }
 
+/// Way [m] of a needle's tip that leaves its hub out of the tissue.
+double way_to_hub(const Scene& scene, std::size_t hand) {
+  constexpr double kMargin = 1e-3;  // m
+  const double inside = scene.tools[hand].needle->length - kMargin;
+  double low = 0.0;
+  for (const model::TissueLayer& layer : scene.tissue.layers) {
+    low += layer.thickness;
+    if (inside < low) return inside + displacement_under(scene, inside, layer.cutting_force);
+  }
+  return inside;  // the last layer has no end
+}
+
 /// Depth [m] at which the surface gives way to a needle that presses it squarely.
 double entry_depth(const Scene& scene) {
   return displacement_under(scene, 0.0, scene.tissue.layers.front().puncture_force);
 }
 
-std::string insertion_warning(const PressPoint& place, double entry) {
+std::string insertion_warning(const PressPoint& place, double entry, bool is_short) {
   if (place.depth <= entry) {
     return fmt::format(
-        "the organ is so thin where the default path enters it that the needle goes only {:.2g} mm deep, and "
-        "the surface gives way at {:.3g} mm: give a path",
-        place.depth / kMillimetre, entry / kMillimetre);
+        "the {} that the needle goes only {:.2g} mm deep, and the surface gives way at {:.3g} mm: give a {}",
+        is_short ? "needle is so short" : "organ is so thin where the default path enters it",
+        place.depth / kMillimetre, entry / kMillimetre, is_short ? "longer needle" : "path");
+  }
+  if (is_short) {
+    return fmt::format(
+        "the needle is so short that the default path ends {:.2g} mm deep, where its hub stays out of the "
+        "tissue: give a longer needle",
+        (place.aim ? place.aim->depth : place.depth) / kMillimetre);
   }
   if (place.square) return {};
   return fmt::format(
@@ -272,8 +291,12 @@ PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip)
     place = square_point_of(scene, surface, tool, touch, inserts ? kEntryTravel * entry : kTravel);
   }
   if (inserts) {
-    place.depth = insertion_depth(scene, surface, place.approach);
-    place.remark = insertion_warning(place, entry);
+    const double to_hub = way_to_hub(scene, hand);
+    place.depth = std::min(insertion_depth(scene, surface, place.approach), to_hub);
+    if (scene.tools.size() == 1) place.aim = aim_of(scene, place.approach);
+    const bool is_short = std::max(place.depth, place.aim ? place.aim->depth : 0.0) >= to_hub;
+    if (place.aim) place.aim->depth = std::min(place.aim->depth, to_hub);
+    place.remark = insertion_warning(place, entry, is_short);
   }
   return place;
 }
@@ -357,10 +380,8 @@ ToolPath default_path(const Scene& scene, std::size_t hand) {
   Leg from{kClearance, scene.task == Task::kPull ? 1.0 : 0.0, 0.0};
   double start = 0.0;
   add(start, from.height, from.gripper, from.aside);
-  const std::optional<Aim> aim =
-      scene.task == Task::kInsert && scene.tools.size() == 1 ? aim_of(scene, place.approach) : std::nullopt;
   const double top = height_over(scene, place.approach) + 2.0 * kClearance;
-  for (const Leg& leg : aim ? legs_to(*aim, top) : legs_of(scene.task, place.depth)) {
+  for (const Leg& leg : place.aim ? legs_to(*place.aim, top) : legs_of(scene.task, place.depth)) {
     const int steps = std::max(1, static_cast<int>(std::ceil(leg.duration / kRowSpacing)));
     for (int i = 1; i <= steps; ++i) {
       const double u = static_cast<double>(i) / steps;

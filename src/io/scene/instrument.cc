@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::string_view kSpherePrefix = "sphere:";
 constexpr double kShaftShare = 0.9;  // of a needle's length, where its mesh must be about as wide as it says
-constexpr double kMostWidth = 2.0;   // factor between the two
+constexpr double kMostWidth = 1.5;   // factor between the two
 constexpr double kRounding = 1e-6;
 
 geometry::Tool make_sphere(const LocatedString& mesh) {

@@ -576,7 +576,7 @@ Scene load(const Overrides& request) {
     hide_inclusions(scene_file.search, scene);
   }
   if (scene.task == Task::kInsert) {
-    scene.target = target_of(scene_file.target, scene.tissue);
+    scene.target = target_of(scene_file.target, scene);
     if (scene_file.search.given) hide_inclusions(scene_file.search, scene);
   }
   load_stiffness_map(scene_file, scene, notes);

@@ -4,15 +4,18 @@
 
 #include <fmt/core.h>
 
+#include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "io/scene/emulated_reader.h"
 #include "io/scene/names.h"
+#include "io/scene/organ_distance.h"
 #include "io/scene/organ_motion_reader.h"
 #include "io/scene/scene_keys.h"
 #include "io/scene/toml_reader.h"
 #include "io/system/file_content.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
+#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {
@@ -251,18 +254,39 @@ void LocatedString::fail(const std::string& want) const {
   throw InputError(fmt::format("{} = \"{}\": {}", where, excerpt(value, kLongestName), want));
 }
 
-TargetSetup target_of(const TargetTable& table, const model::TissueParameters& tissue) {
-  std::vector<std::string> names;
-  for (const model::TissueLayer& layer : tissue.layers) names.push_back(layer.name);
-  const auto known = [&](const LocatedString& stated) {
-    if (std::find(names.begin(), names.end(), stated.value) == names.end()) {
-      stated.fail("must be a layer of the tissue '" + tissue.name + "': " + alternatives(names));
+TargetSetup target_of(const TargetTable& table, const Scene& scene) {
+  const auto mm = [](double length) { return brief(length / kMillimetre, 3) + " mm"; };
+  const auto begin_of = [&](const LocatedString& stated) {
+    std::vector<std::string> names;
+    double begin = 0.0;  // m, of the layer below the surface
+    for (const model::TissueLayer& layer : scene.tissue.layers) {
+      if (layer.name == stated.value) {
+        const double deepest = begin > 0.0 ? deepest_point(scene, begin) : kInfinity;
+        if (deepest > begin) return begin;
+        stated.fail("begins " + mm(begin) + " below the surface, and the organ's deepest point is " +
+                    mm(deepest) + " below it: must be a layer nearer to the surface, or a thicker organ");
+      }
+      names.push_back(layer.name);
+      begin += layer.thickness;
     }
-    return stated.value;
+    stated.fail("must be a layer of the tissue '" + scene.tissue.name + "': " + alternatives(names));
   };
   TargetSetup target;
-  if (table.layer) target.layer = known(*table.layer);
-  for (const LocatedString& one : table.forbidden) target.forbidden.push_back(known(one));
+  if (table.layer) {
+    target.layer = table.layer->value;
+    const double begin = begin_of(*table.layer);
+    double longest = 0.0;  // m, of the needles
+    for (const geometry::Tool& tool : scene.tools) longest = std::max(longest, tool.needle->length);
+    if (longest <= begin) {
+      table.layer->fail("begins " + mm(begin) +
+                        " below the surface: must be less than the needle's length, " + mm(longest));
+    }
+  }
+  for (const LocatedString& one : table.forbidden) {
+    static_cast<void>(begin_of(one));
+    if (one.value == target.layer) one.fail("is the target too: must be another layer");
+    target.forbidden.push_back(one.value);
+  }
   return target;
 }
 

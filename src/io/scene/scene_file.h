@@ -119,8 +119,9 @@ struct SceneFile {
 [[nodiscard]] SceneFile read_scene_text(const std::string& text, const std::filesystem::path& folder,
                                         std::span<const Setting> settings = {});
 
-/// [setup] @throws InputError for a layer that the tissue does not have
-[[nodiscard]] TargetSetup target_of(const TargetTable& table, const model::TissueParameters& tissue);
+/// [setup] @param scene with organ, tissue and tools @throws InputError for a layer that the tissue does not
+/// have or the organ has no room for, a target that no needle reaches, or one that is forbidden
+[[nodiscard]] TargetSetup target_of(const TargetTable& table, const Scene& scene);
 
 /// [setup] The task that `stated` names. @throws InputError naming where `stated` was written.
 [[nodiscard]] Task parse_task(const LocatedString& stated);

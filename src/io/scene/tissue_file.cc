@@ -3,6 +3,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "core/base/text.h"
 #include "core/model/layer_fields.h"
 #include "core/model/tissue_fields.h"
@@ -61,6 +63,9 @@ std::vector<model::TissueLayer> read_layers(const TomlTable& table) {
     }
     model::TissueLayer layer;
     layer.name = entry.text("name", kLongestName).value_or("layer " + std::to_string(i + 1));
+    for (std::size_t k = 0; k < i; ++k) {
+      if (layers[k].name == layer.name) entry.fail("name", fmt::format("layer {} has this name too", k + 1));
+    }
     const auto checked = [&entry](const char* key, const model::FieldRange& range, double value) {
       if (!range.contains(value)) entry.fail(key, "must be " + range.to_string());
       return value;

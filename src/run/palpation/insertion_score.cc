@@ -130,7 +130,7 @@ void InsertionScorer::add(const haptics::TickRow& row) {
     const double moved = -row.distance - row.inserted_mm * kMillimetre;
     if (approach_targets(row, tip_S + hand.shift_S - moved * inwards_S, hand) && !arrival_) {
       const double length = row.inserted_mm * kMillimetre;
-      arrival_ = {row.hand, length, length, row.time, length};
+      arrival_ = {row.hand, length, 0.0, row.time, length};
       score_.angle = hand.angle;
     }
   } else {
@@ -197,13 +197,15 @@ void InsertionScorer::follow(const haptics::TickRow& row) {
     arrival_->grown_at = row.time;
   }
   arrival_->stopped = arrival_->stopped || row.time - arrival_->grown_at >= kRestTime;
-  if (!arrival_->stopped) arrival_->farthest = std::max(arrival_->farthest, length);
+  if (arrival_->stopped || length <= arrival_->farthest) return;
+  if (row.layer != 0) arrival_->way += length - arrival_->farthest;  // 0: out of the far side
+  arrival_->farthest = length;
 }
 
 InsertionScore InsertionScorer::score() const {
   InsertionScore score = score_;
   score.targets = targets_.size();
-  if (arrival_) score.overshoot = arrival_->farthest - arrival_->start;
+  if (arrival_) score.overshoot = arrival_->way;
   for (const Hand& hand : hands_) {
     if (hand.at_end) score.at_end = std::min(score.at_end.value_or(*hand.at_end), *hand.at_end);
   }

@@ -64,8 +64,8 @@ class InsertionScorer final {
   /// The way of the tip beyond its first entry into a target.
   struct Arrival {
     std::uint32_t hand = 0;
-    double start = 0.0;     // m, length of the shaft inside
-    double farthest = 0.0;  // m
+    double farthest = 0.0;  // m, length of the shaft past its entry
+    double way = 0.0;       // m, through the tissue
     double grown_at = 0.0;  // s, when it had grown by kRest last
     double grown_to = 0.0;  // m
     bool stopped = false;

@@ -293,13 +293,14 @@ std::vector<std::string> faults_text(const std::vector<haptics::TickRow>& rows) 
 }
 
 std::vector<std::string> status_text(const std::vector<haptics::TickRow>& rows) {
-  static constexpr std::array<std::pair<std::uint32_t, const char*>, 11> kStatusTexts{{
+  static constexpr std::array<std::pair<std::uint32_t, const char*>, 12> kStatusTexts{{
       {contact::kStartedInside, "a part of the tool was inside at the start and gave no force until outside"},
       {contact::kContactsFull, "more than four contacts wanted on one part"},
       {contact::kGripReleased, "the grip let go, past its limit"},
       {contact::kJump, "the tool moved faster than any hand; its contacts were reset"},
       {contact::kExtrapolated,
        "deeper than the tissue's max_depth_mm: past it the force went on by its tangent"},
+      {contact::kAtHub, "the needle was in up to its hub, which pushed the tissue"},
       {haptics::kForceClamped, "the force was clamped at max_force_N"},
       {haptics::kForceSlewed, "the force's change was limited by max_slew_N_per_ms"},
       {haptics::kTorqueClamped, "the torque was clamped at max_torque_N_m"},

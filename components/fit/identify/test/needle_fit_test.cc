@@ -164,6 +164,8 @@ TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
   }
   const Insertion tared = insertion_of(good, "file.csv");
   EXPECT_TRUE(tared.notes.empty());
+  EXPECT_NEAR(tared.air, 0.02, 0.01);  // over 0.5 mm at 2 mm/s, a row every 5 ms
+  EXPECT_EQ(tared.air_rows, 50.0);
   Specimen drifting = good;
   for (std::size_t i = 0; i < drifting.size(); ++i) drifting.force[i] += 3.0 + 0.05 * drifting.time[i];
   const Insertion corrected = insertion_of(drifting, "file.csv");
@@ -173,6 +175,17 @@ TEST(NeedleRecords, WhatASensorReadsInTheAirIsSubtractedAndSaid) {
   ASSERT_EQ(corrected.notes.size(), 1U);
   EXPECT_THAT(corrected.notes[0], HasSubstr("N before the contact, "));
   EXPECT_THAT(corrected.notes[0], HasSubstr("subtracted; tare it"));
+}
+
+// It ends 1 mm above the tissue, which hangs on it by 0.4 N: a press of 100 N/m has 0.1 N there.
+TEST(NeedleRecords, TissueThatSticksToTheNeedleIsNoDriftOfTheSensor) {
+  model::TissueParameters truth = needle_truth(1);
+  truth.layers[0].friction = 0.4;
+  truth.layers[0].friction_per_length = 10.0;
+  const Insertion sticks = insertion_of(needle_record(truth, 0.05), "file.csv");
+  EXPECT_LT(sticks.all.force.back(), -0.2);
+  EXPECT_EQ(sticks.drift, 0.0);
+  EXPECT_TRUE(sticks.notes.empty());
 }
 
 TEST(NeedleRecords, ALimitOfTheSensorIsSeenWhereDepthsRepeatAndTheForceFlickers) {

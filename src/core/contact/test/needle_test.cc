@@ -236,6 +236,28 @@ TEST(Needle, OutOfTheFarSideItCutsNothingAndPunctureIsCounted) {
   EXPECT_NEAR(rig.result().force_W.z(), 0.2 + 20.0 * 30e-3, 0.01);
 }
 
+// The whole shaft is 10 mm. The tip bears the cutting force, the friction is 0.2 + 20 x 0.01 N, and the hub
+// pushes with what the law has at 40 - 10 mm above that.
+TEST(Needle, InUpToItsHubTheTipBearsItsBoundAndNothingSlips) {
+  const model::TissueParameters tissue = one_layer();
+  Rig rig(thick_block(), geometry::make_tool("needle:18G,10,bevel"), tissue);
+  const auto at = [&](double z) -> const ToolResult& {
+    return rig.tick({Quat(0.0, 1.0, 0.0, 0.0), Vec3(0, 0, z + 10e-3)});
+  };
+  std::uint32_t before = 0;  // status until 9 mm are inside
+  for (double z = 5e-3; z > -40e-3; z -= 5e-6) {
+    const ToolResult& result = at(z);
+    if (result.needle.length < 9e-3) before |= result.status;
+  }
+  EXPECT_EQ(before & kAtHub, 0U);
+  const ToolResult& pushed = at(-40e-3);
+  EXPECT_EQ(pushed.status & kAtHub, kAtHub);
+  EXPECT_NEAR(pushed.needle.length, 10e-3, 1e-9);
+  EXPECT_EQ(pushed.needle.slip, 0);
+  EXPECT_NEAR(pushed.needle.tip_force, 0.8, 1e-6);
+  EXPECT_NEAR(pushed.force_W.z(), rig.world().press_law().force_at(30e-3).force, 1e-6);
+}
+
 TEST(Needle, SidewaysTheChannelHoldsTheShaftByItsSprings) {
   NeedleRig needle(one_layer());
   needle.to(-40e-3);

@@ -442,6 +442,20 @@ TEST(DefaultPath, ANeedleStaysInTheFirstTissueBelowAndAShallowPathIsReported) {
   }
 }
 
+TEST(DefaultPath, AShortNeedleKeepsItsHubOutAndThatIsReported) {
+  for (const std::string scene_text : {"", "[target]\nlayer = \"muscle\"\n"}) {
+    Overrides request;
+    request.scene_text = {"[scene]\ntask = \"insert\"\n[organ]\nmesh = \"box\"\n" + scene_text +
+                              "[tool]\nmesh = \"needle:18G,10,bevel\"\n",
+                          {}};
+    const Scene scene = load(request);
+    EXPECT_THAT(default_path_remarks(scene), testing::ElementsAre(testing::HasSubstr("needle is so short")));
+    const Pressed press = pressed(scene, default_path(scene, 0));
+    EXPECT_GT(press.inserted, 7e-3);
+    EXPECT_LT(press.inserted, 10e-3);
+  }
+}
+
 TEST(DefaultPath, HowThinAnOrganIsUnderThePressIsReported) {
   const scene::Scene scene = press_of(geometry::make_box({120e-3, 120e-3, 6e-3}, 10e-3));
   EXPECT_THAT(default_path_remarks(scene),

@@ -149,6 +149,7 @@ TEST(LoadInstrument, AMeshWithANeedleTableHasItsTipOnTheShaftsAxisUnderTheMount)
             "here.length_mm: 120 mm is more than the mesh has along the axis, 100 mm");
   EXPECT_THAT(refusal({"here", Vec3::UnitX(), 3e-3, 80e-3}),
               HasSubstr("here.diameter_mm: 3 mm, but the mesh is 1 mm wide within 72 mm of its tip"));
+  EXPECT_THAT(refusal({"here", Vec3::UnitX(), 2e-3, 80e-3}), HasSubstr("here.diameter_mm: 2 mm"));
   EXPECT_THAT(refusal({"here", -Vec3::UnitX(), 1e-3, 80e-3}),
               HasSubstr("here.diameter_mm: 1 mm, but the mesh is 6"));
   table.mesh->value = "sphere:3";

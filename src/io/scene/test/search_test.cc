@@ -142,16 +142,42 @@ TEST(Search, AHiddenTargetDoesNotMoveTheStartOfTheDefaultPathThatGoesToIt) {
 
 TEST(Search, ATargetsLayersAreThoseOfTheTissue) {
   const Scene scene = insertion_scene(
-      "tissue = \"epidural\"\n[target]\nlayer = \"epidural space\"\nforbidden = "
-      "[\"dura\", \"spinal fluid\"]\n");
-  EXPECT_EQ(scene.target.layer, "epidural space");
-  EXPECT_THAT(scene.target.forbidden, testing::ElementsAre("dura", "spinal fluid"));
+      "tissue = \"vein\"\n[target]\nlayer = \"lumen\"\nforbidden = [\"far wall\", \"muscle\"]\n");
+  EXPECT_EQ(scene.target.layer, "lumen");
+  EXPECT_THAT(scene.target.forbidden, testing::ElementsAre("far wall", "muscle"));
   EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nlayer = \"dura\"\n"); }),
               HasSubstr("s.toml:8: target.layer = \"dura\": must be a layer of the tissue 'skin-fat-muscle': "
                         "skin, fat or muscle"));
   EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nforbidden = [\"skin\", \"bone\"]\n"); }),
               HasSubstr("s.toml:8: target.forbidden = \"bone\": must be a layer"));
   EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nlayers = \"skin\"\n"); }), HasSubstr("layer"));
+}
+
+// The box is 60 x 60 x 40 mm: its deepest point is 20 mm below the surface. The supraspinous ligament begins
+// at 3 + 8 mm, the interspinous one at 15, the flavum at 33, the dura at 42.
+TEST(Search, ATargetIsInTheOrganWithinTheNeedlesLengthAndNotForbidden) {
+  const std::string epidural = "tissue = \"epidural\"\n[target]\n";
+  EXPECT_NO_THROW((void)insertion_scene(epidural + "layer = \"interspinous ligament\"\n"));
+  EXPECT_THAT(error_of([&] { (void)insertion_scene(epidural + "layer = \"ligamentum flavum\"\n"); }),
+              HasSubstr("s.toml:9: target.layer = \"ligamentum flavum\": begins 33 mm below the surface, and "
+                        "the organ's deepest point is 20 mm below it: must be a layer nearer to the surface, "
+                        "or a thicker organ"));
+  EXPECT_THAT(error_of([&] { (void)insertion_scene(epidural + "forbidden = [\"fat\", \"dura\"]\n"); }),
+              HasSubstr("s.toml:9: target.forbidden = \"dura\": begins 42 mm below the surface"));
+  EXPECT_THAT(error_of([&] { (void)insertion_scene(epidural + "layer = \"fat\"\nforbidden = [\"fat\"]\n"); }),
+              HasSubstr("s.toml:10: target.forbidden = \"fat\": is the target too: must be another layer"));
+  const std::string short_needle = "[tool]\nmesh = \"needle:18G,10,bevel\"\n";
+  const auto with_short_needle = [&](const std::string& layer) {
+    const TemporaryFolder folder;
+    Overrides request;
+    request.scene =
+        folder.write("s.toml", "[scene]\ntask = \"insert\"\n" + short_needle + "[organ]\nmesh = \"box\"\n" +
+                                   epidural + "layer = \"" + layer + "\"\n");
+    return load(request);
+  };
+  EXPECT_EQ(with_short_needle("fat").target.layer, "fat");
+  EXPECT_THAT(error_of([&] { (void)with_short_needle("supraspinous ligament"); }),
+              HasSubstr("begins 11 mm below the surface: must be less than the needle's length, 10 mm"));
 }
 
 TEST(Search, RefusesWhatCannotBe) {

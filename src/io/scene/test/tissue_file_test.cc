@@ -310,6 +310,9 @@ TEST(TissueFile, ALayerThatCannotBeIsRefusedByItsLine) {
   const std::string one = "[[tissue.layer]]\npuncture_force_N = 1\ncutting_force_N = 1\n";
   EXPECT_THAT(refusal(one + one), HasSubstr("tissue.layer.thickness_mm"));
   EXPECT_THAT(refusal(one + "thickness_mm = 3\n"), HasSubstr("the last layer has no end"));
+  const std::string fat = "[[tissue.layer]]\nname = \"fat\"\npuncture_force_N = 1\ncutting_force_N = 1\n";
+  EXPECT_THAT(refusal(fat + "thickness_mm = 3\n" + one + "thickness_mm = 3\n" + fat),
+              HasSubstr(":19: tissue.layer.name = \"fat\": layer 1 has this name too"));
   EXPECT_THAT(refusal("[[tissue.layer]]\npuncture_force_N = -1\ncutting_force_N = 1\n"),
               HasSubstr(":10: tissue.layer.puncture_force_N = -1: must be >= 0 and <= 1000"));
   EXPECT_THAT(refusal("[[tissue.layer]]\ncutting_force_N = 1\n"), HasSubstr("puncture_force_N"));

@@ -174,6 +174,17 @@ TEST(InsertionScore, TheOvershootEndsWhereTheTipRests) {
   EXPECT_NEAR(needle.score().overshoot.value(), 2.3e-3, 1e-9);
 }
 
+// 6 mm to the far side, which is 20 mm from the entry; then 10 mm outside and 2 mm in the tissue behind.
+TEST(InsertionScore, TheOvershootIsTheWayThroughTheTissueAndNotBeyondItsFarSide) {
+  Needle needle(with_target("fluid"));
+  needle.inside(0.1, 1);
+  for (int i = 0; i <= 60; ++i) needle.inside(14.0 + 0.1 * i, 5);
+  for (int i = 1; i <= 100; ++i) needle.inside(20.0 + 0.1 * i, 0);
+  EXPECT_NEAR(needle.score().overshoot.value(), 6e-3, 1e-9);
+  for (int i = 1; i <= 20; ++i) needle.inside(30.0 + 0.1 * i, 5);
+  EXPECT_NEAR(needle.score().overshoot.value(), 8e-3, 1e-9);
+}
+
 TEST(InsertionScore, ASlowTipHasNotStopped) {
   Needle needle(with_target("space"));
   needle.inside(0.1, 1);
