@@ -105,7 +105,7 @@ std::vector<Entry> devices() {
       {"scripted", "plays a tool path (scripted:PATH.csv), or its own press or pull"},
       {"replay", "plays the device samples of a recording (replay:REC.h5)"},
       {"emulated", "a hand and a device in software, for tests of stability"},
-      {"mouse", "the mouse in the run's window"},
+      {"mouse", "the mouse in the run's window or page (run --page)"},
       {"gamepad", "a gamepad in the run's window"},
       {"forcedimension", "omega, delta and sigma of Force Dimension"},
       {"haply", "Inverse3 and VerseGrip of Haply"},
