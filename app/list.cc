@@ -106,7 +106,7 @@ std::vector<Entry> devices() {
       {"replay", "plays the device samples of a recording (replay:REC.h5)"},
       {"emulated", "a hand and a device in software, for tests of stability"},
       {"mouse", "the mouse in the run's window or page (run --page)"},
-      {"gamepad", "a gamepad in the run's window"},
+      {"gamepad", "a gamepad in the run's window or page (run --page)"},
       {"forcedimension", "omega, delta and sigma of Force Dimension"},
       {"haply", "Inverse3 and VerseGrip of Haply"},
       {"touch", "Touch and Touch X of 3D Systems (Geomagic, Phantom)"},

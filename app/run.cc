@@ -161,7 +161,7 @@ void require_window(const Session& session, const RunFlags& flags, bool window) 
                             : flags.headless ? "with --headless"
                                              : "without a display";
     throw InputError("device " + device.kind + ": needs the window of the run, and there is none " + why +
-                     (device.kind == "mouse" ? "; in a browser: palpate run --page --device mouse" : ""));
+                     "; in a browser: palpate run --page --device " + device.kind);
   }
 }
 

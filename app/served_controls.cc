@@ -151,14 +151,18 @@ void ServedRuns::measure_rate() {
 }
 
 /// Moves the tools of mice and gamepads on. Without messages of a page a mouse's tool goes to where it was
-/// sent and stays there; a gamepad counts as unplugged, which stops its tool with a fault.
+/// sent and stays there; a gamepad's tool stops, later with the fault of an unplugged one.
 void ServedRuns::move_hands() {
-  constexpr std::int64_t kUnplugged = 500'000'000;  // ns without a message
+  constexpr std::int64_t kReleased = 300'000'000;     // ns without a message: the sticks count as released,
+  constexpr std::int64_t kUnplugged = 3'000'000'000;  // and then the gamepad as unplugged
   const std::int64_t now = monotonic_ns();
   const double time = 1e-9 * static_cast<double>(now - std::exchange(moved_hands_ns_, now));
   for (MouseHand& mouse : mice_) mouse.update(run_->snapshots().value(), time, 1.0, 0);
   for (PagePad& pad : pads_) {
-    if (pad.heard_ns != 0) pad.hand.update(now - pad.heard_ns < kUnplugged ? &pad.state : nullptr, 0);
+    if (pad.heard_ns == 0) continue;
+    const std::int64_t silent = now - pad.heard_ns;
+    if (silent > kReleased) pad.state.way_W.setZero();
+    pad.hand.update(silent < kUnplugged ? &pad.state : nullptr, 0);
   }
 }
 

@@ -77,14 +77,16 @@ test('the page of a live run draws the heart and how the forceps lift it', async
 /** Force [N] and depth [mm] that the page shows. */
 const shown = page => page.locator('#now').textContent().then(text => text.match(/: ([\d.]+) N at (-?[\d.]+) mm/).slice(1).map(Number));
 
+/** Waits for more than this depth [mm]. */
+const deeper = (page, depth) => page.waitForFunction(least => Number(/at (-?[\d.]+) mm/.exec(document.getElementById('now').textContent)?.[1]) > least, depth);
+
 test('the mouse on the page presses, its recording replays, and another device follows', async context => {
   const {page, errors, folder} = await opened(context, 'run', '--page', '--json', '--device', 'mouse');
   await page.locator('#mouse').waitFor();
   const box = await page.locator('#picture canvas').boundingBox();
   await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
-  const deep = depth => page.waitForFunction(least => Number(/at (-?[\d.]+) mm/.exec(document.getElementById('now').textContent)?.[1]) > least, depth);
   for (let i = 0; i < 9; i++) await page.mouse.wheel(0, -100);
-  await deep(2);
+  await deeper(page, 2);
   const [force, depth] = await shown(page);
   assert.ok(force > 0.02 && depth < 5, `${force} N at ${depth} mm`);
   await page.waitForFunction(() => /^\d+ of 1000 ticks a second; \d+ of \d+ began too late$/.test(document.getElementById('timing').textContent));
@@ -109,5 +111,18 @@ test('the mouse on the page presses, its recording replays, and another device f
   await page.locator('#start').click();
   await page.locator('#mouse').waitFor({state: 'hidden'});
   assert.equal(await page.locator('#device').inputValue(), 'emulated');
+  assert.deepEqual(errors, []);
+});
+
+test("the browser's gamepad presses the tool into the organ", async context => {
+  const {page, errors} = await opened(context, 'run', '--page', '--json', '--device', 'gamepad');
+  await page.locator('#gamepad').waitFor();
+  await page.evaluate(() => {
+    const buttons = Array.from({length: 17}, () => ({pressed: false, value: 0}));
+    buttons[7].value = 0.6;  // the right trigger: 15 mm, from 10 mm above the organ
+    navigator.getGamepads = () => [null, {mapping: 'standard', axes: [0.1, 0, 0, 0], buttons}];
+  });
+  await deeper(page, 2);
+  assert.equal(await page.locator('#fault').isHidden(), true);
   assert.deepEqual(errors, []);
 });

@@ -30,7 +30,7 @@ std::vector<Reason> mouse_reasons(const Machine& /*machine*/) {
 }
 
 std::vector<Reason> gamepad_reasons(const Machine& /*machine*/) {
-  return {{"palpate for Windows has no window, which reads gamepads", "palpate run --page --device mouse"}};
+  return {{"palpate for Windows has no window; its page needs none", "palpate run --page --device gamepad"}};
 }
 
 }  // namespace palpate::devices
