@@ -160,7 +160,8 @@ void require_window(const Session& session, const RunFlags& flags, bool window) 
     const std::string why = flags.offline    ? "with --offline"
                             : flags.headless ? "with --headless"
                                              : "without a display";
-    throw InputError("device " + device.kind + ": needs the window of the run, and there is none " + why);
+    throw InputError("device " + device.kind + ": needs the window of the run, and there is none " + why +
+                     "; in a browser: palpate run --page --device " + device.kind);
   }
 }
 
@@ -273,14 +274,13 @@ void report_long_run(const Session& session, const RunFlags& flags) {
 int run(const RunFlags& flags, const std::string& command_line) {
   if (flags.request.scene) require_no_organ_name(*flags.request.scene);
   if (flags.page) {
-    return serve_page({flags.request,
-                       {},
-                       flags.files.recording,
-                       flags.duration_s,
-                       flags.thread,
-                       flags.no_cache,
-                       true,
-                       flags.json});
+    return serve_page({.request = flags.request,
+                       .scenes = {},
+                       .recording = flags.files.recording,
+                       .duration_s = flags.duration_s,
+                       .thread = flags.thread,
+                       .no_cache = flags.no_cache,
+                       .json = flags.json});
   }
   std::optional<StopOnSignal> signals(std::in_place);
   IgtlService igtl(flags.igtl);

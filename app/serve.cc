@@ -170,7 +170,7 @@ int serve(const ServeFlags& flags) {
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
   scene::Scene scene = scene::load(flags.runs.request);
-  require_windowless(scene);
+  if (!flags.runs.page) require_windowless(scene);
   std::vector<NamedFile> inputs = sources_of(scene);
   inputs.push_back({"--page", flags.page});
   inputs.push_back({"--token-file", flags.token_file});
@@ -223,7 +223,7 @@ void add_serve_flags(CLI::App& command, ServeFlags& flags) {
 int serve_page(ServedOptions runs) {
   ServeFlags flags;
   flags.runs = std::move(runs);
-  flags.runs.stop_when_alone = true;
+  flags.runs.stop_when_alone = flags.runs.page = true;
   flags.port = 0;
   flags.page = page_of_program();
   flags.new_token = flags.browser = flags.wait = true;  // a page that is open begins the run

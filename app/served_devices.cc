@@ -32,8 +32,10 @@ void require_windowless(const scene::Scene& scene) {
   }
 }
 
+bool is_made_up(const std::string& device) { return device == "scripted" || device == "emulated"; }
+
 void require_made_up(const std::string& device) {
-  if (device == "scripted" || device == "emulated") return;
+  if (is_made_up(device)) return;
   throw net::LiveError("refused",
                        "device = \"" + device +
                            "\": must be \"scripted\" or \"emulated\"; other devices are chosen "

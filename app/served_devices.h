@@ -11,6 +11,8 @@ namespace palpate::app {
 /// @throws InputError
 void require_windowless(const scene::Scene& scene);
 
+/// [any] Whether a kind of device is simulated, so that it opens nothing on the server.
+[[nodiscard]] bool is_made_up(const std::string& device);
 /// [setup] A client may select a simulated device, but no device that opens something on the server.
 /// @throws LiveError
 void require_made_up(const std::string& device);

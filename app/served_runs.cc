@@ -45,6 +45,7 @@ void require_inside(const scene::InclusionSetup& inclusion, const geometry::Tria
 ServedRuns::ServedRuns(ServedOptions options, std::unique_ptr<Session> first)
     : options_(std::move(options)),
       first_(std::move(first)),
+      own_device_flag_(options_.request.device),
       own_devices_(first_->scene().devices),
       now_(first_->scene()) {}
 
@@ -76,8 +77,20 @@ fs::path ServedRuns::next_recording() const {
 void ServedRuns::begin(std::unique_ptr<Session> session, fs::path recording) {
   ++runs_;
   const std::size_t hands = session->hands();
-  run_ = std::make_unique<LiveRun<net::LiveObserver>>(std::move(session), std::move(recording),
-                                                      options_.thread, nullptr, hands);
+  const double rate_Hz = session->scene().rate_Hz;
+  end_recording();
+  tape_.reset();  // it refers to the previous session
+  run_ = std::make_unique<LiveRun<ServedObserver>>(std::move(session), std::move(recording), options_.thread,
+                                                   nullptr, hands, rate_Hz);
+  if (options_.page) {
+    if (run_->recording().empty()) tape_ = std::make_unique<RunTape>(scene());
+    mice_ = mice_of(run_->session());
+    for (const GamepadHand& hand : gamepads_of(run_->session())) pads_.push_back({hand});
+    moved_hands_ns_ = monotonic_ns();
+  }
+  recording_failure_.clear();
+  rate_Hz_.reset();
+  rate_ns_ = 0;
   run_->start();
   accounted_ = false;
   surface_.reset();
@@ -113,8 +126,12 @@ ServedRuns::Answer ServedRuns::answer(const net::LiveCommand& command, const net
   if (const auto* ask = std::get_if<net::GetTool>(&command)) return tool(ask->hand);
   if (std::holds_alternative<net::GetPicture>(command)) return picture();
   if (const auto* wanted = std::get_if<net::Load>(&command)) return load(*wanted, client);
-  if (std::holds_alternative<net::Start>(command)) return start(client);
+  if (const auto* wanted = std::get_if<net::Start>(&command)) return start(*wanted, client);
   if (std::holds_alternative<net::Stop>(command)) return stop(client);
+  if (std::holds_alternative<net::GetDevices>(command)) return devices();
+  if (const auto* wanted = std::get_if<net::Record>(&command)) return record(wanted->on);
+  if (const auto* input = std::get_if<net::SteerMouse>(&command)) return steer(*input);
+  if (const auto* input = std::get_if<net::SteerGamepad>(&command)) return steer(*input);
   if (const auto* tissue = std::get_if<net::SetTissue>(&command)) return set_tissue(tissue->edit);
   if (const auto* noise = std::get_if<net::SetNoise>(&command)) return set_noise(noise->edit);
   if (const auto* inclusion = std::get_if<net::SetInclusion>(&command)) return set_inclusion(inclusion->edit);
@@ -135,7 +152,7 @@ Json ServedRuns::about_run() {
              {"scene", scene().name},
              {"rate_Hz", scene().rate_Hz}};
   if (run_ == nullptr) return about;
-  about["recording"] = run_->recording().empty() ? Json(nullptr) : Json(to_text(run_->recording()));
+  about.update(about_recording());
   if (!accounted_) return about;
   if (const std::optional<RunResult> result = run_->result()) {
     about["ticks"] = result->loop.ticks;
@@ -151,7 +168,8 @@ net::LiveState ServedRuns::newest() {
   net::LiveState state;
   if (run_ == nullptr) return state;
   state.run = runs_;
-  state.tick = run_->observer().newest();
+  state.rate_Hz = rate_Hz_;
+  state.tick = run_->observer().live.newest();
   if (state.tick == nullptr) return state;
   const haptics::SimulationWorld& world = run_->session().world();
   state.organ_W = world.organ_motion.pose_at(world.organ_W, state.tick->tick, world.rate_Hz);
@@ -269,6 +287,7 @@ scene::Overrides ServedRuns::request_of(const net::Load& wanted) const {
 
 /// Check of the next scene, which runs on the thread that reads it.
 NextSession::Check ServedRuns::check_of(bool is_clients) const {
+  if (options_.page) return {};
   if (!is_clients) return require_windowless;
   return [own = own_devices_](const scene::Scene& scene) {
     require_windowless(scene);
@@ -285,16 +304,19 @@ ServedRuns::Answer ServedRuns::load(const net::Load& wanted, const net::ClientRe
   return std::nullopt;
 }
 
-ServedRuns::Answer ServedRuns::start(const net::ClientRef& client) {
+ServedRuns::Answer ServedRuns::start(const net::Start& wanted, const net::ClientRef& client) {
   require_no_loading();
   if (running()) throw LiveError("state", "start: a run is in progress; stop it first, or load a scene");
-  const bool same_inclusions = first_ != nullptr && first_->scene().inclusions == now_.inclusions;
-  if (same_inclusions && !first_->devices().empty()) {
+  scene::Overrides request = options_.request;
+  if (wanted.device) request.device = device_flag(*wanted.device);
+  const bool same = first_ != nullptr && first_->scene().inclusions == now_.inclusions &&
+                    request.device == options_.request.device;
+  if (same && !first_->devices().empty()) {
     begin_first(next_recording());
     return Json{{"run", about_run()}};
   }
-  next_ =
-      std::make_unique<NextSession>(options_.request, now_, next_recording(), check_of(request_is_clients_));
+  next_ = std::make_unique<NextSession>(std::move(request), now_, next_recording(),
+                                        check_of(request_is_clients_));
   next_is_clients_ = request_is_clients_;
   next_client_ = client;
   return std::nullopt;
@@ -371,14 +393,18 @@ std::vector<net::Event> ServedRuns::poll(std::size_t clients) {
   if (running()) {
     const bool ended = run_->ended();  // read first: every fault event must precede the end event
     report_faults();
+    (void)run_->snapshots().refresh();
+    move_hands();
+    measure_rate();
     if (ended) account_for_run();
   }
+  poll_recording();
   poll_next();
   return std::exchange(events_, {});
 }
 
 void ServedRuns::report_faults() {
-  while (const std::optional<net::FaultTransition> turn = run_->observer().take_fault()) {
+  while (const std::optional<net::FaultTransition> turn = run_->observer().live.take_fault()) {
     const std::string last_error = run_->session().devices()[turn->hand]->last_error();
     Json fault{{"run", runs_},
                {"tick", turn->tick},
@@ -393,8 +419,12 @@ void ServedRuns::report_faults() {
 
 void ServedRuns::account_for_run() {
   run_->stop();
+  mice_.clear();
+  pads_.clear();
   run_->session().close_devices();
   accounted_ = true;
+  poll_recording();
+  end_recording();
   if (const std::optional<RunResult> result = run_->result()) {
     fault_ = fault_ || result->loop.fault != haptics::Fault::kNone;
     failed_ = failed_ || !result->recording_failure.empty();
@@ -450,10 +480,10 @@ void ServedRuns::poll_next() {
 }
 
 /// Error message for the client when the next session cannot be played. A message about a file of the command
-/// line goes to standard error instead, because it may quote a line of that file, which the client must not
-/// see.
+/// line goes to standard error instead, because it may quote a line of that file, which a client other than
+/// the user's page must not see.
 std::string ServedRuns::next_failure() const {
-  if (next_is_clients_) return next_->failure();
+  if (next_is_clients_ || options_.page) return next_->failure();
   report_error(next_->failure());
   return "the scene that the server was started with cannot be run; the server's own messages give the "
          "reason";
@@ -462,6 +492,7 @@ std::string ServedRuns::next_failure() const {
 void ServedRuns::finish() {
   if (next_ != nullptr) next_->break_off();
   if (running()) account_for_run();
+  end_recording();
   next_.reset();
 }
 

@@ -15,7 +15,10 @@
 
 #include "app/live_run.h"
 #include "app/next_session.h"
+#include "app/row_observer.h"
+#include "app/run_tape.h"
 #include "app/session.h"
+#include "app/steered_hands.h"
 
 namespace palpate::app {
 
@@ -28,7 +31,25 @@ struct ServedOptions {
   haptics::LoopThread thread;        // thread of every run's haptic loop
   bool no_cache = false;
   bool stop_when_alone = false;  // the run ends when the last client disconnects
-  bool json = false;             // print the summaries of runs as JSON
+  bool page = false;  // clients are this user's page, which chooses devices, is a mouse and records
+  bool json = false;  // print the summaries of runs as JSON
+};
+
+/// Observes a run for the streams of clients, and passes its rows on for a recording that begins later.
+struct ServedObserver final : public haptics::TickObserver {
+  ServedObserver(std::size_t hands, double rate_Hz) : live(hands, rate_Hz) {}
+  void on_start(std::int64_t started_unix_ns) noexcept override { rows.on_start(started_unix_ns); }
+  void on_update(const haptics::ParameterUpdate& update) noexcept override {
+    live.on_update(update);
+    rows.on_update(update);
+  }
+  void on_row(const haptics::TickRow& row) noexcept override {
+    live.on_row(row);
+    rows.on_row(row);
+  }
+
+  net::LiveObserver live;
+  RowObserver rows;
 };
 
 /// The successive runs of one `palpate serve`, which its clients control. All members: [setup], the server's
@@ -69,8 +90,12 @@ class ServedRuns final : public net::RunService {
   /// @throws LiveError before the first tick
   const haptics::Snapshot& newest_snapshot(const std::string& command);
   Answer load(const net::Load& wanted, const net::ClientRef& client);
-  Answer start(const net::ClientRef& client);
+  Answer start(const net::Start& wanted, const net::ClientRef& client);
   Answer stop(const net::ClientRef& client);
+  Answer devices();
+  Answer record(bool on);
+  Answer steer(const net::SteerMouse& input);
+  Answer steer(const net::SteerGamepad& input);
   Answer set_tissue(const net::TissueEdit& edit);
   Answer set_noise(const net::NoiseEdit& edit);
   Answer set_inclusion(const net::InclusionEdit& edit);
@@ -87,13 +112,34 @@ class ServedRuns final : public net::RunService {
   void poll_next();
   void account_for_run();
   void report_faults();
+  [[nodiscard]] std::optional<std::string> device_flag(const std::string& wanted) const;
+  [[nodiscard]] nlohmann::ordered_json about_recording() const;
+  void end_recording();
+  void poll_recording();
+  void move_hands();
+  void measure_rate();
   void send_event(const std::string& event, nlohmann::ordered_json members);
 
   ServedOptions options_;
   std::unique_ptr<Session> first_;  // until the first run; has no devices once another scene is prepared
-  std::vector<scene::DeviceSetup> own_devices_;      // those with which the server was started
-  std::unique_ptr<LiveRun<net::LiveObserver>> run_;  // the newest run, also after its end
-  bool accounted_ = false;                           // the newest run has ended and its summary is printed
+  std::optional<std::string> own_device_flag_;    // --device
+  std::vector<scene::DeviceSetup> own_devices_;   // those with which the server was started
+  std::unique_ptr<LiveRun<ServedObserver>> run_;  // the newest run, also after its end
+  bool accounted_ = false;                        // the newest run has ended and its summary is printed
+  std::unique_ptr<RunTape> tape_;  // of the newest run, for a page; null: whole runs are recorded
+  std::string recording_failure_;  // why the newest recording is incomplete
+  /// A gamepad of a page, and what the page sent last.
+  struct PagePad {
+    GamepadHand hand;
+    GamepadState state{};
+    std::int64_t heard_ns = 0;  // 0: nothing yet
+  };
+  std::vector<MouseHand> mice_;  // of the current run, for a page
+  std::vector<PagePad> pads_;
+  std::int64_t moved_hands_ns_ = 0;
+  std::optional<double> rate_Hz_;            // of the newest run's ticks
+  std::uint64_t rate_tick_ = 0;              // from which it is measured now
+  std::int64_t rate_ns_ = 0;                 // beginning of that tick; 0: none yet
   std::optional<net::LiveSurface> surface_;  // organ of the newest run, made when a client first asks for it
   std::int64_t moved_ns_ = 0;                // monotonic time [ns] from which moved_ may be computed again
   nlohmann::ordered_json moved_;             // the displaced points of surface_

@@ -368,6 +368,29 @@ TEST(Serve, AClientsSceneOpensNoDeviceWithWhichTheServerWasNotStarted) {
   EXPECT_EQ(serve.end().exit_code, 0);
 }
 
+TEST(Serve, AClientStartsWithMadeUpDevicesAloneAndRecordsNothing) {
+  const Folder folder;
+  Serve serve(folder, {"--wait", "--duration-s", "600"});
+  LiveClient client(serve.port());
+  client.greet();
+  const json devices = client.ask(R"({"do": "devices"})")["devices"];
+  ASSERT_EQ(devices.size(), 2U) << devices;
+  EXPECT_EQ(devices[0]["device"], "scripted");
+  EXPECT_EQ(devices[1]["device"], "emulated");
+  for (const char* const device : {"haply", "mouse"}) {
+    const json refused = client.ask(json{{"do", "start"}, {"device", device}}.dump());
+    EXPECT_EQ(refused["error"]["field"], "device") << refused;
+  }
+  ASSERT_EQ(client.ask(R"({"do": "start", "device": "emulated"})")["answer"], "start");
+  await_tick(client, 1);
+  EXPECT_EQ(client.ask(R"({"do": "scene"})")["scene"]["hands"][0]["device"], "emulated");
+  EXPECT_EQ(client.ask(R"({"do": "record", "on": true})")["error"]["words"],
+            "record: this server records only with --record FILE.h5");
+  EXPECT_EQ(client.ask(R"({"do": "mouse", "deeper_mm": 1})")["error"]["code"], "state");
+  serve.end();
+  EXPECT_TRUE(folder.names().empty());
+}
+
 TEST(Serve, WhatIsWrongWithAFileOfTheCommandLineIsReportedThereAndNotToClients) {
   const Folder folder;
   (void)folder.write("mine.toml",

@@ -1,17 +1,15 @@
 #pragma once
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include <SDL.h>
 
-#include "core/haptics/workspace.h"
 #include "palpate/tick_observer.h"
-#include "run/devices/surface_rider.h"
 #include "run/devices/window_device.h"
 
 #include "app/session.h"
+#include "app/steered_hands.h"
 #include "app/window/orbit_camera.h"
 
 namespace palpate::app {
@@ -20,11 +18,8 @@ namespace palpate::app {
 /// thread.
 class Steering final {
  public:
-  static constexpr double kNotch = 1e-3;          // m per notch of the wheel
-  static constexpr double kFine = 0.2;            // factor while Shift is held
-  static constexpr double kStickSpeed = 0.04;     // m/s at full deflection of a stick
-  static constexpr double kTriggerReach = 25e-3;  // m at full press of the trigger
-  static constexpr int kClickFrames = 2;          // that a click or key holds a button at least
+  static constexpr double kNotch = 1e-3;  // m per notch of the wheel
+  static constexpr double kFine = 0.2;    // factor while Shift is held
 
   Steering() = default;
   ~Steering();
@@ -69,28 +64,8 @@ class Steering final {
   void rumble(double tissue_force, double noise);
 
  private:
-  struct Mouse {
-    devices::MouseDevice* device = nullptr;
-    std::size_t hand = 0;
-    haptics::WorkspaceMapping mapping;
-    std::unique_ptr<devices::SurfaceRider> rider;
-    double rest = 0.0;  // opening of the gripper while no button is held
-    bool held = false;
-    int least_frames = 0;  // for which a click still counts as held, however short it was
-  };
-  struct Pad {
-    devices::GamepadDevice* device = nullptr;
-    Quat world_D;
-    double scale = 1.0;
-    Vec3 axis_W;
-    double rest = 0.0;
-  };
-
-  void update_mouse(Mouse& mouse, const haptics::Snapshot& shown, double time) const;
-  void update_gamepad(Pad& pad, SDL_GameController* controller, const OrbitCamera& camera) const;
-
-  std::vector<Mouse> mice_;
-  std::vector<Pad> pads_;
+  std::vector<MouseHand> mice_;
+  std::vector<GamepadHand> pads_;
   std::vector<SDL_GameController*> controllers_;
   std::vector<SDL_JoystickID> ids_;  // of the controllers
   std::size_t chosen_ = 0;

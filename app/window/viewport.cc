@@ -1,10 +1,8 @@
 #include "app/window/viewport.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <utility>
 
 #include <backends/imgui_impl_opengl3.h>
@@ -18,6 +16,7 @@
 #include "view/render/painter.h"
 
 #include "app/numbers.h"
+#include "app/run_tape.h"
 #include "app/window/run_in_window.h"
 #include "app/window/theme.h"
 
@@ -284,15 +283,6 @@ float Viewport::draw_overlay(const Rectangle& picture, const std::vector<Banner>
   const float top = picture.y + picture.height - strip_height(picture.width, message_);
   draw_strip(picture.x, top, picture.width, message_, false);
   return y;
-}
-
-std::filesystem::path named_by_time(const std::string& ending) {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  localtime_r(&now, &parts);
-  std::array<char, 64> text{};
-  (void)std::strftime(text.data(), text.size(), "palpate-%Y%m%d-%H%M%S", &parts);
-  return std::filesystem::current_path() / (text.data() + ending);
 }
 
 }  // namespace palpate::app

@@ -115,7 +115,4 @@ class Viewport final {
   InputQueue input_;  // for the panels
 };
 
-/// [setup] "palpate-DATE-TIME" with this file name extension, in the working folder.
-[[nodiscard]] std::filesystem::path named_by_time(const std::string& ending);
-
 }  // namespace palpate::app

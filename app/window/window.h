@@ -18,6 +18,7 @@
 
 #include "app/live_run.h"
 #include "app/next_session.h"
+#include "app/run_tape.h"
 #include "app/session.h"
 #include "app/window/camera_controller.h"
 #include "app/window/choices.h"
@@ -27,7 +28,6 @@
 #include "app/window/panels.h"
 #include "app/window/parameter_history.h"
 #include "app/window/run_in_window.h"
-#include "app/window/run_tape.h"
 #include "app/window/search.h"
 #include "app/window/steering.h"
 #include "app/window/support_editor.h"

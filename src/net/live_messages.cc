@@ -130,6 +130,8 @@ Json state_json(const LiveState& state) {
           {"tick", state.tick->tick},
           {"time_s", state.tick->rows[0].time},
           {"change", state.tick->change},
+          {"ticks_per_s", state.rate_Hz ? Json(*state.rate_Hz) : Json(nullptr)},
+          {"missed_deadlines", state.tick->missed},
           {"organ_m", {p.x(), p.y(), p.z()}},
           {"organ_wxyz", {q.w(), q.x(), q.y(), q.z()}},
           {"hands", hands}};

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -19,6 +20,7 @@ struct LiveState {
   std::uint64_t run = 0;  // number of the run, from 1 on
   Pose organ_W;           // at that tick
   const LiveTick* tick = nullptr;
+  std::optional<double> rate_Hz{};  // of the ticks, over the last second; none at first
 };
 
 /// Tissue and noise with the names and units of tissue and scene files.

@@ -4,8 +4,8 @@
 
 namespace palpate::net {
 
-LiveObserver::LiveObserver(std::size_t hands)
-    : hands_(static_cast<std::uint32_t>(std::min(hands, kMaxHands))) {}
+LiveObserver::LiveObserver(std::size_t hands, double rate_Hz)
+    : hands_(static_cast<std::uint32_t>(std::min(hands, kMaxHands))), period_ns_(1e9 / rate_Hz) {}
 
 void LiveObserver::on_update(const haptics::ParameterUpdate& change) noexcept { change_ = change.number; }
 
@@ -20,6 +20,8 @@ void LiveObserver::on_row(const haptics::TickRow& row) noexcept {
   if (row.hand + 1 < hands_) return;
   tick.tick = row.tick;
   tick.change = change_;
+  if (static_cast<double>(row.late_ns) >= period_ns_) ++missed_;  // all rows of a tick carry its times
+  tick.missed = missed_;
   tick.hands = hands_;
   ticks_.publish();
 }

@@ -13,6 +13,7 @@ namespace palpate::net {
 struct LiveTick {
   std::uint64_t tick = 0;
   std::uint64_t change = 0;  // number of the newest parameter update in effect; 0: none
+  std::uint64_t missed = 0;  // ticks so far that began a full period or more late
   std::uint32_t hands = 0;
   std::array<haptics::TickRow, kMaxHands> rows{};
 };
@@ -28,8 +29,8 @@ struct FaultTransition {
 /// waits.
 class LiveObserver final : public haptics::TickObserver {
  public:
-  /// [setup] @param hands of the scene
-  explicit LiveObserver(std::size_t hands);
+  /// [setup] @param hands of the scene @param rate_Hz of its ticks
+  LiveObserver(std::size_t hands, double rate_Hz);
   void on_update(const haptics::ParameterUpdate& change) noexcept override;
   void on_row(const haptics::TickRow& row) noexcept override;
 
@@ -42,7 +43,9 @@ class LiveObserver final : public haptics::TickObserver {
   static constexpr std::size_t kMaxTransitions = 256;  // more between two calls are dropped
 
   std::uint32_t hands_;
+  double period_ns_;
   std::uint64_t change_ = 0;
+  std::uint64_t missed_ = 0;
   std::array<std::uint32_t, kMaxHands> faults_{};
   TripleBuffer<LiveTick> ticks_;
   SpscQueue<FaultTransition> transitions_{kMaxTransitions};

@@ -193,11 +193,11 @@ std::uint32_t read_number(const json& value, const std::string& path) {
   return static_cast<std::uint32_t>(number);
 }
 
-Vec3 read_position(const json& value, const std::string& path) {
+Vec3 read_vector(const json& value, const std::string& path) {
   const bool numbers = value.is_array() && value.size() == 3 &&
                        std::all_of(value.begin(), value.end(), [](const json& n) { return n.is_number(); });
   if (!numbers) fail(path, value, "an array of three numbers");
-  return Vec3(value[0].get<double>(), value[1].get<double>(), value[2].get<double>()) * kMillimetre;
+  return Vec3(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
 }
 
 InclusionEdit read_inclusion(Members& root) {
@@ -215,7 +215,7 @@ InclusionEdit read_inclusion(Members& root) {
     edit.number = read_number(*number, inclusion.path_of("number"));
   }
   if (const json* position = inclusion.find("position_mm")) {
-    edit.centre_S = read_position(*position, inclusion.path_of("position_mm"));
+    edit.centre_S = read_vector(*position, inclusion.path_of("position_mm")) * kMillimetre;
   }
   edit.ratio = inclusion.number("stiffness_ratio");
   inclusion.allow_no_more();
@@ -264,12 +264,66 @@ Stream read_stream(Members& root) {
   return {rate};
 }
 
-GetTool read_tool(Members& root) {
+std::uint32_t read_hand(Members& root) {
   const double hand = root.number("hand").value_or(0.0);
   if (!(hand >= 0.0 && hand < kMaxHands) || hand != std::floor(hand)) {
     throw LiveError("field", "hand = " + shortest(hand) + ": must be the number of a hand, from 0", "hand");
   }
-  return {static_cast<std::uint32_t>(hand)};
+  return static_cast<std::uint32_t>(hand);
+}
+
+Record read_record(Members& root) {
+  const std::optional<bool> on = root.flag("on");
+  if (!on) throw LiveError("field", "on: missing, must be true or false", "on");
+  return {*on};
+}
+
+geometry::Ray read_ray(const json& value) {
+  constexpr double kFarthest = 100.0;  // m
+  Members ray(value, "ray");
+  const auto vector = [&ray](const char* key) {
+    const json* found = ray.find(key);
+    return found == nullptr ? Vec3(Vec3::Zero()) : read_vector(*found, ray.path_of(key));
+  };
+  geometry::Ray read{vector("origin_m"), vector("direction")};
+  ray.allow_no_more();
+  if (!(read.origin.cwiseAbs().maxCoeff() <= kFarthest))
+    fail("ray.origin_m", value["origin_m"], "within 100 m");
+  const double length = read.direction.norm();
+  if (!(length > 0.5 && length < 2.0)) fail("ray", value, "origin_m and a direction of length 1");
+  read.direction /= length;
+  return read;
+}
+
+SteerMouse read_mouse(Members& root) {
+  SteerMouse mouse;
+  mouse.hand = read_hand(root);
+  if (const json* ray = root.find("ray")) {
+    mouse.elsewhere = ray->is_null();
+    if (!mouse.elsewhere) mouse.ray_W = read_ray(*ray);
+  }
+  mouse.deeper = root.number("deeper_mm").value_or(0.0) * kMillimetre;
+  mouse.grip = root.flag("grip");
+  mouse.park = root.flag("park");
+  return mouse;
+}
+
+SteerGamepad read_gamepad(Members& root) {
+  SteerGamepad pad;
+  const auto share = [&root](const char* key, double most) {
+    const double value = root.number(key).value_or(0.0);
+    if (!(value >= 0.0 && value <= most)) fail(key, value, "0 to " + shortest(most));
+    return value;
+  };
+  pad.hand = read_hand(root);
+  if (const json* way = root.find("way")) {
+    pad.way_W = read_vector(*way, "way");
+    if (!(pad.way_W.norm() <= 2.0)) fail("way", *way, "no longer than 2");
+  }
+  pad.press = share("press", 1.0);
+  pad.close = share("close", 1.0);
+  pad.buttons = static_cast<std::uint32_t>(share("buttons", 15.0));
+  return pad;
 }
 
 Load read_load(Members& root) {
@@ -305,12 +359,16 @@ const std::map<std::string, Reader>& readers() {
       {"scene", [](Members&) { return LiveCommand(GetScene{}); }},
       {"surface",
        [](Members& root) { return LiveCommand(GetSurface{root.flag("at_rest").value_or(false)}); }},
-      {"tool", [](Members& root) { return LiveCommand(read_tool(root)); }},
+      {"tool", [](Members& root) { return LiveCommand(GetTool{read_hand(root)}); }},
       {"picture", [](Members&) { return LiveCommand(GetPicture{}); }},
       {"stream", [](Members& root) { return LiveCommand(read_stream(root)); }},
       {"load", [](Members& root) { return LiveCommand(read_load(root)); }},
-      {"start", [](Members&) { return LiveCommand(Start{}); }},
+      {"start", [](Members& root) { return LiveCommand(Start{root.text("device", kLongestText)}); }},
       {"stop", [](Members&) { return LiveCommand(Stop{}); }},
+      {"devices", [](Members&) { return LiveCommand(GetDevices{}); }},
+      {"record", [](Members& root) { return LiveCommand(read_record(root)); }},
+      {"mouse", [](Members& root) { return LiveCommand(read_mouse(root)); }},
+      {"gamepad", [](Members& root) { return LiveCommand(read_gamepad(root)); }},
       {"set_tissue", [](Members& root) { return LiveCommand(SetTissue{read_tissue(root)}); }},
       {"set_noise", [](Members& root) { return LiveCommand(SetNoise{read_noise(root)}); }},
       {"set_inclusion", [](Members& root) { return LiveCommand(SetInclusion{read_inclusion(root)}); }},

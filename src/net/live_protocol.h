@@ -11,6 +11,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "core/geometry/ray.h"
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/parameter_updates.h"
@@ -97,8 +98,31 @@ struct Load {
   std::optional<std::uint64_t> seed;
   bool no_noise = false;
 };
-struct Start {};
+struct GetDevices {};
+struct Start {
+  std::optional<std::string> device;  // replaces the scene's
+};
 struct Stop {};
+struct Record {
+  bool on = false;
+};
+/// Input of a hand whose device is a mouse; values that are not set stay.
+struct SteerMouse {
+  std::uint32_t hand = 0;
+  std::optional<geometry::Ray> ray_W;  // the pointer's line of sight
+  bool elsewhere = false;              // the pointer is not over the picture
+  double deeper = 0.0;                 // m, added to the set depth
+  std::optional<bool> grip;            // the button of the jaws is held
+  std::optional<bool> park;
+};
+/// State of the gamepad of a hand, which a page sends several times a second.
+struct SteerGamepad {
+  std::uint32_t hand = 0;
+  Vec3 way_W = Vec3::Zero();  // where the sticks lead the tool, by their deflection
+  double press = 0.0;         // of the trigger that presses, 0 to 1
+  double close = 0.0;         // of the trigger that closes the jaws, 0 to 1
+  std::uint32_t buttons = 0;  // one bit per button
+};
 struct SetTissue {
   TissueEdit edit;
 };
@@ -111,7 +135,8 @@ struct SetInclusion {
 struct ResetFaults {};
 
 using LiveCommand = std::variant<Hello, GetVersion, GetState, GetScene, GetSurface, GetTool, GetPicture,
-                                 Stream, Load, Start, Stop, SetTissue, SetNoise, SetInclusion, ResetFaults>;
+                                 GetDevices, Stream, Load, Start, Stop, Record, SteerMouse, SteerGamepad,
+                                 SetTissue, SetNoise, SetInclusion, ResetFaults>;
 
 /// The message that an answer belongs to.
 struct LiveReference {

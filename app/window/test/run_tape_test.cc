@@ -1,5 +1,5 @@
 // Recordings that begin during a run. They need no display.
-#include "app/window/run_tape.h"
+#include "app/run_tape.h"
 
 #include <fstream>
 

@@ -359,7 +359,7 @@ TEST(Steering, AClickThatEndsWithinOnePictureStillCounts) {
   run.buttons = 0;
   run.frames(1);
   EXPECT_EQ(run.buttons, 1U);
-  run.frames(Steering::kClickFrames + 1);
+  run.frames(MouseHand::kClickFrames + 1);
   run.buttons = 0;
   run.frames(1);
   EXPECT_EQ(run.buttons, 0U) << "released again";

@@ -1,7 +1,12 @@
 // The program's own picture on the page of `palpate serve` (examples/live/index.html), drawn from the live interface.
 import {loadPalpate} from './palpate/palpate.js';
+import {listen} from './pointer.js';
+import {add, norm, placeOf, scaled} from './vectors.js';
 
 const ROOM = 1.15;  // factor of the distance, for tissue that a pull lifts
+const PERIOD = 40;  // ms between messages of a mouse or gamepad; a server reads 100 messages a second
+const DEAD_ZONE = 0.15;  // of a stick's range
+const BUTTONS = 4;  // of a gamepad: A, B, X, Y
 
 const numbersOf = object => Object.entries(object).filter(([, value]) => typeof value === 'number');
 const lineOf = ([key, value]) => `${key} = ${typeof value === 'string' ? JSON.stringify(value) : value}`;
@@ -29,6 +34,8 @@ export class LivePicture {
   #palpate; #sim = null; #view = null; #canvas = null; #place; #say; #failed;
   #scene = null; #tissue = null; #organ = null; #tools = []; #opened = '';
   #asked = false; #news = false;
+  #axis = null;  // of the gamepad's tool, towards its tip
+  #contact = null; #aimed = false; #parked = false; #mouse = {};  // what the mouse did since its last message
 
   /** @param place element that gets the canvas @param say sends a command @param failed is told why there is no picture */
   static async create(place, say, failed) {
@@ -37,35 +44,80 @@ export class LivePicture {
 
   constructor(palpate, place, say, failed) {
     [this.#palpate, this.#place, this.#say, this.#failed] = [palpate, place, say, failed];
-    const drags = new Map();
-    place.addEventListener('pointerdown', event => {
-      place.setPointerCapture(event.pointerId);
-      drags.set(event.pointerId, event);
+    listen(place, place, {
+      view: () => this.#view, looks: () => !this.steers, take: () => this.steers, takeByLever: () => this.#aim(),
+      nearest: () => this.#contact, send: (what, fields) => this.#move(what, fields), moved() {}, touched() {},
+      primary: down => this.#grip(down),
+      commands: {f: () => { if (this.steers) Object.assign(this.#mouse, {park: this.#parked = !this.#parked}); }},
     });
-    for (const end of ['pointerup', 'pointercancel']) place.addEventListener(end, event => drags.delete(event.pointerId));
-    place.addEventListener('pointermove', event => {
-      if (!this.#view || !drags.has(event.pointerId)) return;
-      if (event.buttons & 2) this.#view.pan(-event.movementX / place.clientHeight, event.movementY / place.clientHeight);
-      else this.#view.orbit(-0.01 * event.movementX, 0.01 * event.movementY);
-    });
-    place.addEventListener('contextmenu', event => event.preventDefault());
-    place.addEventListener('wheel', event => {
-      event.preventDefault();
-      this.#view?.zoom(Math.exp(0.001 * event.deltaY));
-    }, {passive: false});
+    setInterval(() => { this.#flush(); this.#pad(); }, PERIOD);
     requestAnimationFrame(() => this.#animate());
   }
 
   get active() { return this.#view !== null; }
 
+  /** First hand with this device, -1: none. */
+  #handOf(kind) { return this.active ? this.#scene.hands.findIndex(({device}) => device === kind) : -1; }
+  get #hand() { return this.#handOf('mouse'); }
+  get steers() { return this.#hand >= 0; }
+
+  /** Presses deeper [m], as the wheel does. */
+  press(deeper) { if (this.#aim()) this.#move('press', {deeper}); }
+
+  /** Points at the place nearest to the tool where the pointer was nowhere yet. @return whether the mouse is the device */
+  #aim() {
+    const at = this.steers && !this.#aimed && this.#contact &&
+      placeOf(this.#view.camera, this.#place.clientWidth / this.#place.clientHeight, this.#contact);
+    if (at) this.#move('point', {ray: this.#view.ray(at.x, at.y)});
+    return this.steers;
+  }
+
+  #move(what, {ray, deeper}) {
+    if (what === 'press') {
+      this.#mouse.deeper_mm = (this.#mouse.deeper_mm ?? 0) + 1e3 * deeper;
+    } else {
+      this.#mouse.ray = ray && {origin_m: ray.origin, direction: ray.direction};
+      this.#aimed = true;
+    }
+  }
+
+  #grip(grip) {
+    if (!this.steers) return;
+    this.#mouse.grip = grip;
+    this.#flush();  // a click is shorter than the period
+  }
+
+  /** Sends the state of the first gamepad that the browser shows, which it does once a button of it was pressed. */
+  #pad() {
+    const hand = this.#handOf('gamepad'), pad = hand < 0 ? null : navigator.getGamepads().find(one => one?.mapping === 'standard');
+    if (!pad || !this.#axis) return;
+    const beyond = value => Math.sign(value) * Math.max(0, Math.abs(value) - DEAD_ZONE) / (1 - DEAD_ZONE);
+    const along = (right, up) => { const way = this.#view.steer(hand, right, up); return scaled(1 / norm(way), way); };
+    const [x, y, , z] = pad.axes.map(beyond);
+    this.#say('gamepad', {
+      hand, way: add(add(scaled(x, along(1, 0)), scaled(-y, along(0, 1))), scaled(z, this.#axis)),
+      press: pad.buttons[7].value, close: pad.buttons[6].value,
+      buttons: pad.buttons.slice(0, BUTTONS).reduce((bits, {pressed}, bit) => bits | pressed << bit, 0),
+    });
+  }
+
+  #flush() {
+    if (this.steers && Object.keys(this.#mouse).length) this.#say('mouse', {hand: this.#hand, ...this.#mouse});
+    this.#mouse = {};
+  }
+
   /** Takes a message of the server. */
   hear(message) {
     if (message.left_out !== undefined) {
       this.#news = true;
+      const {hands} = message.state, [w, x, y, z] = hands[Math.max(0, this.#handOf('gamepad'))].tool_wxyz;
+      this.#contact = hands[Math.max(0, this.#hand)].contact_m;
+      this.#axis = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
       return;
     }
     if (message.answer === 'scene' && message.scene) {
       [this.#scene, this.#tissue, this.#organ, this.#tools] = [message.scene, message.tissue, null, []];
+      [this.#aimed, this.#parked] = [false, false];
       this.#scene.hands.forEach((_, hand) => this.#say('tool', {hand}));
     } else if (message.event === 'tissue') {
       this.#tissue = message.tissue;

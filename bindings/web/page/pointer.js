@@ -13,10 +13,10 @@ const NEARER = 0.88;         // factor of the distance per notch
  * Listens on the stage. @param page {view(): View or null, take(fromDemonstration): whether the pointer holds the tool,
  *   takeByLever(): takes it without a place, send(what, fields): to the worker, nearest(): place of the organ nearest to the
  *   tool [m, world], moved(): the user moved the view, primary(down): left button of the mouse, touched(): a finger was used,
- *   commands: {KEY: function}}
+ *   looks(): whether the pointer moves the view alone (absent: never), commands: {KEY: function}}
  */
 export function listen(stage, picture, page) {
-  const fingers = new Map();
+  const fingers = new Map(), looks = () => page.looks?.() ?? false;
   let spread = 0;
   let place = null;  // of the pointer over the picture, 0 to 1; null: it is elsewhere
 
@@ -62,7 +62,7 @@ export function listen(stage, picture, page) {
     if (fingers.size === 2) {
       spread = distance();
       freeze();
-    } else if (fingers.size === 1 && event.button === 0) {
+    } else if (fingers.size === 1 && event.button === 0 && !looks()) {
       const had = page.take(false);
       page.take(true);
       point(event);
@@ -83,7 +83,7 @@ export function listen(stage, picture, page) {
       turn(0.5 * TURN * right, 0.5 * TURN * down);
       zoom(clamp(spread / Math.max(1, distance()), 0.5, 2));
       spread = distance();
-    } else if (finger.button === 0) {
+    } else if (finger.button === 0 && !looks()) {
       point(event);
     } else if (finger.button === 1) {
       page.view()?.pan(right / height, -down / height);
@@ -104,7 +104,7 @@ export function listen(stage, picture, page) {
   picture.addEventListener('wheel', event => {
     event.preventDefault();
     const notches = -clamp(event.deltaY / (event.deltaMode === 0 ? WHEEL_NOTCH : 3), -MOST_NOTCHES, MOST_NOTCHES);
-    if (event.ctrlKey) {
+    if (event.ctrlKey || looks()) {
       zoom(NEARER ** notches);
       aim();
     } else {

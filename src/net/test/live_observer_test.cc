@@ -1,5 +1,7 @@
 #include "net/live_observer.h"
 
+#include <cstdint>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -22,7 +24,7 @@ haptics::TickRow row_of(std::uint64_t tick, std::uint32_t hand,
 }
 
 TEST(LiveObserver, ATickIsSeenWhenAllItsHandsAreThere) {
-  LiveObserver observer(2);
+  LiveObserver observer(2, 1000.0);
   EXPECT_EQ(observer.newest(), nullptr);
   observer.on_row(row_of(0, 0));
   EXPECT_EQ(observer.newest(), nullptr) << "the second hand's row is missing";
@@ -37,7 +39,7 @@ TEST(LiveObserver, ATickIsSeenWhenAllItsHandsAreThere) {
 }
 
 TEST(LiveObserver, TheNewestTickKnowsTheChangeInForce) {
-  LiveObserver observer(1);
+  LiveObserver observer(1, 1000.0);
   haptics::ParameterUpdate change;
   change.number = 3;
   observer.on_row(row_of(0, 0));
@@ -47,8 +49,28 @@ TEST(LiveObserver, TheNewestTickKnowsTheChangeInForce) {
   EXPECT_EQ(observer.newest()->change, 3U);
 }
 
+TEST(LiveObserver, ATickThatBeganAPeriodLateIsCountedOnceForAllItsHands) {
+  LiveObserver observer(2, 500.0);
+  std::uint64_t tick = 0;
+  for (const std::int64_t late_ns : {0, 1'999'999, 2'000'000, 100, 7'000'000}) {
+    for (std::uint32_t hand = 0; hand < 2; ++hand) {
+      haptics::TickRow row = row_of(tick, hand);
+      row.late_ns = late_ns;
+      observer.on_row(row);
+    }
+    ++tick;
+  }
+  EXPECT_EQ(observer.newest()->missed, 2U);
+  LiveState state;
+  state.tick = observer.newest();
+  EXPECT_EQ(state_json(state)["missed_deadlines"], 2);
+  EXPECT_TRUE(state_json(state)["ticks_per_s"].is_null());
+  state.rate_Hz = 499.5;
+  EXPECT_EQ(state_json(state)["ticks_per_s"], 499.5);
+}
+
 TEST(LiveObserver, EveryTurnOfAFaultIsKeptInItsOrder) {
-  LiveObserver observer(2);
+  LiveObserver observer(2, 1000.0);
   observer.on_row(row_of(0, 0));
   observer.on_row(row_of(0, 1, haptics::Fault::kStale));
   observer.on_row(row_of(1, 0));
@@ -68,7 +90,7 @@ TEST(LiveObserver, EveryTurnOfAFaultIsKeptInItsOrder) {
 }
 
 TEST(LiveMessages, AStateSaysWhatTheRowsDo) {
-  LiveObserver observer(1);
+  LiveObserver observer(1, 1000.0);
   haptics::TickRow row = row_of(1500, 0, haptics::Fault::kDevice);
   row.phase = 1;
   row.status = contact::kJump | haptics::kForceClamped;

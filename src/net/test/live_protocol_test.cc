@@ -71,7 +71,11 @@ TEST(LiveProtocol, EveryCommandIsReadWithItsFields) {
   (void)read_as<GetPicture>(R"({"do": "picture"})");
   EXPECT_FALSE(read_as<GetSurface>(R"({"do": "surface"})").at_rest);
   EXPECT_TRUE(read_as<GetSurface>(R"({"do": "surface", "at_rest": true})").at_rest);
-  (void)read_as<Start>(R"({"do": "start"})");
+  EXPECT_EQ(read_as<Start>(R"({"do": "start"})").device, std::nullopt);
+  EXPECT_EQ(read_as<Start>(R"({"do": "start", "device": "haply"})").device, "haply");
+  (void)read_as<GetDevices>(R"({"do": "devices"})");
+  EXPECT_TRUE(read_as<Record>(R"({"do": "record", "on": true})").on);
+  EXPECT_FALSE(read_as<Record>(R"({"do": "record", "on": false})").on);
   (void)read_as<Stop>(R"({"do": "stop"})");
   (void)read_as<ResetFaults>(R"({"do": "reset_faults"})");
 }
@@ -157,6 +161,48 @@ TEST(LiveProtocol, ANumberOutOfRangeIsReportedWithTheRange) {
   expect_refusal(R"({"do": "load", "seed": -1})", "field", "seed", "2^53");
   expect_refusal(R"({"do": "load", "seed": 0.5})", "field", "seed", "whole number");
   expect_refusal(R"({"do": "load", "seed": 1e300})", "field", "seed", "2^53");
+}
+
+TEST(LiveProtocol, AMouseSendsALineOfSightOrThatItIsElsewhereAndNothingIsNoChange) {
+  const auto aims = read_as<SteerMouse>(
+      R"({"do":"mouse","hand":1,"ray":{"origin_m":[1,2,3],"direction":[0,0,-1.5]},"deeper_mm":-2,"grip":true})");
+  EXPECT_EQ(aims.hand, 1U);
+  ASSERT_TRUE(aims.ray_W);
+  EXPECT_EQ(aims.ray_W->origin, Vec3(1, 2, 3));
+  EXPECT_EQ(aims.ray_W->direction, Vec3(0, 0, -1)) << "of unit length";
+  EXPECT_FALSE(aims.elsewhere);
+  EXPECT_DOUBLE_EQ(aims.deeper, -2e-3);
+  EXPECT_EQ(aims.grip, true);
+  EXPECT_TRUE(read_as<SteerMouse>(R"({"do":"mouse","ray":null})").elsewhere);
+  const auto nothing = read_as<SteerMouse>(R"({"do":"mouse"})");
+  EXPECT_FALSE(nothing.ray_W || nothing.elsewhere || nothing.grip || nothing.park);
+  EXPECT_EQ(nothing.deeper, 0.0);
+  expect_refusal(R"({"do":"mouse","ray":{"origin_m":[0,0,101],"direction":[0,0,1]}})", "field",
+                 "ray.origin_m", "within 100 m");
+  for (const char* direction : {"[0,0,0]", "[0,0,3]", "[1e308,1e308,0]"}) {
+    expect_refusal(std::string(R"({"do":"mouse","ray":{"origin_m":[0,0,0],"direction":)") + direction + "}}",
+                   "field", "ray", "a direction of length 1");
+  }
+  expect_refusal(R"({"do":"mouse","ray":{"origin_m":[0,0,0]}})", "field", "ray", "a direction of length 1");
+  expect_refusal(R"({"do":"mouse","ray":{"direction":[0,0,1],"origin":[0,0,0]}})", "field", "ray.origin",
+                 "did you mean origin_m?");
+  expect_refusal(R"({"do":"mouse","ray":[0,0,0]})", "field", "ray", "must be an object");
+  expect_refusal(R"({"do":"record"})", "field", "on", "missing");
+}
+
+TEST(LiveProtocol, AGamepadSendsItsSticksTriggersAndButtonsWithinTheirRanges) {
+  const auto pad = read_as<SteerGamepad>(
+      R"({"do":"gamepad","hand":1,"way":[0.5,0,-1],"press":0.25,"close":1,"buttons":9})");
+  EXPECT_EQ(pad.hand, 1U);
+  EXPECT_EQ(pad.way_W, Vec3(0.5, 0.0, -1.0));
+  EXPECT_EQ(pad.press, 0.25);
+  EXPECT_EQ(pad.close, 1.0);
+  EXPECT_EQ(pad.buttons, 9U);
+  EXPECT_EQ(read_as<SteerGamepad>(R"({"do":"gamepad"})").way_W, Vec3(0.0, 0.0, 0.0)) << "at rest";
+  expect_refusal(R"({"do":"gamepad","way":[2,1,0]})", "field", "way", "no longer than 2");
+  expect_refusal(R"({"do":"gamepad","press":1.5})", "field", "press", "0 to 1");
+  expect_refusal(R"({"do":"gamepad","close":-0.1})", "field", "close", "0 to 1");
+  expect_refusal(R"({"do":"gamepad","buttons":16})", "field", "buttons", "0 to 15");
 }
 
 TEST(LiveProtocol, AnotherVersionIsRefusedByName) {

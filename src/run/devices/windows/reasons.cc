@@ -26,9 +26,11 @@ std::vector<Reason> haply_reasons(const Machine& /*machine*/) {
 }
 
 std::vector<Reason> mouse_reasons(const Machine& /*machine*/) {
-  return {{"palpate for Windows has no window", "palpate run --device scripted"}};
+  return {{"palpate for Windows has no window; its page needs none", "palpate run --page --device mouse"}};
 }
 
-std::vector<Reason> gamepad_reasons(const Machine& machine) { return mouse_reasons(machine); }
+std::vector<Reason> gamepad_reasons(const Machine& /*machine*/) {
+  return {{"palpate for Windows has no window; its page needs none", "palpate run --page --device gamepad"}};
+}
 
 }  // namespace palpate::devices

@@ -1,16 +1,16 @@
-#include "app/window/run_tape.h"
+#include "app/run_tape.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
+#include <ctime>
+#include <system_error>
 #include <utility>
 
+#include <fmt/chrono.h>
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include "io/system/file_exists.h"
-#include "io/system/temporary.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 
 namespace palpate::app {
@@ -20,30 +20,19 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kBlockRows = 1024;  // half a megabyte
 
-/// Opens a file that has no name, so that nothing is left of it after the program ends. @return -1: none
-int open_nameless_file() {
-  std::error_code error;
-  const fs::path folder = fs::temp_directory_path(error);
-  std::string name = (folder / "palpate-run-").string();
-  const int descriptor = error ? -1 : open_temporary_file(name);
-  if (descriptor >= 0) ::unlink(name.c_str());
-  return descriptor;
-}
-
 }  // namespace
 
 RunTape::RunTape(const scene::Scene& scene, std::uint64_t max_bytes)
-    : scene_(scene), max_rows_(max_bytes / sizeof(haptics::TickRow)), descriptor_(open_nameless_file()) {
+    : scene_(scene), max_rows_(max_bytes / sizeof(haptics::TickRow)) {
   block_.reserve(kBlockRows);
-  if (descriptor_ < 0) {
-    gap_ = fmt::format("no temporary file can be made in {}: {}", fs::temp_directory_path().string(),
-                       std::strerror(errno));
+  if (!folder_.path().empty()) {
+    (void)disk_.open(folder_.path() / "rows",
+                     std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
   }
-}
-
-RunTape::~RunTape() {
-  recorder_.reset();
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!disk_.is_open()) gap_ = "no temporary file can be made in " + to_text(fs::temp_directory_path());
+  // The open file needs no name, so that nothing remains when the program is killed. Windows keeps the name.
+  std::error_code ignored;
+  fs::remove_all(folder_.path(), ignored);
 }
 
 void RunTape::add(const haptics::TickRow& row) {
@@ -60,7 +49,7 @@ void RunTape::add(const haptics::TickRow& row) {
   }
   if (!gap_.empty()) return;
   if (row.tick * hands + row.hand != rows()) {
-    gap_ = fmt::format("the window was too slow: rows after {:.1f} s are missing",
+    gap_ = fmt::format("this computer was too busy: rows after {:.1f} s are missing",
                        static_cast<double>(rows() / hands) / scene_.rate_Hz);
     return;
   }
@@ -74,12 +63,10 @@ void RunTape::add(const haptics::TickRow& row) {
 }
 
 void RunTape::write_block() {
-  const std::size_t bytes = block_.size() * sizeof(haptics::TickRow);
-  const auto offset = static_cast<off_t>(on_disk_ * sizeof(haptics::TickRow));
-  const ssize_t written = ::pwrite(descriptor_, block_.data(), bytes, offset);
-  if (written != static_cast<ssize_t>(bytes)) {
-    gap_ = std::string("the temporary file of the run cannot be written: ") +
-           (written < 0 ? std::strerror(errno) : "the disk is full");
+  const auto bytes = static_cast<std::streamsize>(block_.size() * sizeof(haptics::TickRow));
+  (void)disk_.pubseekpos(static_cast<std::streamoff>(on_disk_ * sizeof(haptics::TickRow)));
+  if (disk_.sputn(reinterpret_cast<const char*>(block_.data()), bytes) != bytes || disk_.pubsync() != 0) {
+    gap_ = "the temporary file of the run cannot be written: is the disk full?";
     return;
   }
   on_disk_ += block_.size();
@@ -87,14 +74,12 @@ void RunTape::write_block() {
 }
 
 /// Fills `rows` with kept rows from number `from` on.
-void RunTape::read_rows(std::uint64_t from, std::vector<haptics::TickRow>& rows) const {
+void RunTape::read_rows(std::uint64_t from, std::vector<haptics::TickRow>& rows) {
   const std::uint64_t in_file = from < on_disk_ ? std::min<std::uint64_t>(rows.size(), on_disk_ - from) : 0;
-  const std::size_t bytes = in_file * sizeof(haptics::TickRow);
-  const auto offset = static_cast<off_t>(from * sizeof(haptics::TickRow));
-  if (::pread(descriptor_, rows.data(), bytes, offset) != static_cast<ssize_t>(bytes)) {
-    throw InputError(file_.string() +
-                     ": the temporary file of the run cannot be read: " + std::strerror(errno));
-  }
+  const auto bytes = static_cast<std::streamsize>(in_file * sizeof(haptics::TickRow));
+  (void)disk_.pubseekpos(static_cast<std::streamoff>(from * sizeof(haptics::TickRow)));
+  if (disk_.sgetn(reinterpret_cast<char*>(rows.data()), bytes) != bytes)
+    throw InputError(to_text(file_) + ": the temporary file of the run cannot be read");
   const std::uint64_t first = from + in_file - on_disk_;
   std::copy_n(block_.begin() + static_cast<std::ptrdiff_t>(first), rows.size() - in_file,
               rows.begin() + static_cast<std::ptrdiff_t>(in_file));
@@ -154,7 +139,7 @@ void RunTape::end(const haptics::LoopReport* report) {
   }
   const std::unique_ptr<record::Recorder> recorder = std::move(recorder_);
   recorder->finish(report != nullptr ? *report : report_so_far());
-  if (!gap_.empty()) throw InputError(file_.string() + ": the recording ends before its run: " + gap_);
+  if (!gap_.empty()) throw InputError(to_text(file_) + ": the recording ends before its run: " + gap_);
 }
 
 std::string RunTape::failure() const {
@@ -167,9 +152,15 @@ fs::path free_name(const fs::path& file, bool allow_itself) {
   if (allow_itself && !file_exists(file)) return file;
   for (int number = 2;; ++number) {
     fs::path name = file;
-    name.replace_filename(file.stem().string() + "-" + std::to_string(number) + file.extension().string());
+    name.replace_filename(
+        to_path(to_text(file.stem()) + "-" + std::to_string(number) + to_text(file.extension())));
     if (!file_exists(name)) return name;
   }
+}
+
+fs::path named_by_time(const std::string& ending) {
+  return fs::current_path() /
+         fmt::format("palpate-{:%Y%m%d-%H%M%S}{}", fmt::localtime(std::time(nullptr)), ending);
 }
 
 }  // namespace palpate::app

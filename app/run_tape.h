@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "io/record/recorder.h"
+#include "io/system/temporary.h"
 #include "palpate/histogram.h"
 #include "palpate/parameter_updates.h"
 #include "palpate/run_control.h"
@@ -17,8 +19,8 @@
 
 namespace palpate::app {
 
-/// The rows and parameter updates of a run since its first tick, in a nameless temporary file, so that a
-/// recording can begin at any time without a restart of the run. A recording has all rows from tick 0 on,
+/// The rows and parameter updates of a run since its first tick, in a temporary file, so that a recording can
+/// begin at any time without a restart of the run. A recording has all rows from tick 0 on,
 /// because a replay needs them. All members: [setup], one thread.
 class RunTape final {
  public:
@@ -27,9 +29,6 @@ class RunTape final {
 
   /// @param scene of the run; must outlive this @param max_bytes of rows that are kept
   explicit RunTape(const scene::Scene& scene, std::uint64_t max_bytes = kMaxBytes);
-  ~RunTape();
-  RunTape(const RunTape&) = delete;
-  RunTape& operator=(const RunTape&) = delete;
 
   /// Keeps a row, in the order of the run.
   void add(const haptics::TickRow& row);
@@ -53,13 +52,14 @@ class RunTape final {
  private:
   [[nodiscard]] std::uint64_t rows() const noexcept { return on_disk_ + block_.size(); }
   void write_block();
-  void read_rows(std::uint64_t from, std::vector<haptics::TickRow>& rows) const;
+  void read_rows(std::uint64_t from, std::vector<haptics::TickRow>& rows);
   [[nodiscard]] haptics::LoopReport report_so_far() const;
 
   const scene::Scene& scene_;
   std::uint64_t max_rows_;
-  int descriptor_ = -1;
-  std::uint64_t on_disk_ = 0;            // rows in the temporary file
+  ScratchFolder folder_{"palpate-run-"};
+  std::filebuf disk_;                    // in that folder
+  std::uint64_t on_disk_ = 0;            // rows in it
   std::vector<haptics::TickRow> block_;  // rows after those
   std::vector<haptics::ParameterUpdate> updates_;
   std::string gap_;  // why later rows are not kept; empty: all are
@@ -72,15 +72,18 @@ class RunTape final {
   std::int64_t late_before_ns_ = 0;
 
   std::filesystem::path file_;
-  std::unique_ptr<record::Recorder> recorder_;
   std::uint64_t fed_ = 0;  // rows that the recorder has
   std::size_t updates_fed_ = 0;
   mutable std::mutex mutex_;  // guards writing_failure_, which the recorder's thread sets
   std::string writing_failure_;
+  std::unique_ptr<record::Recorder> recorder_;  // last: its thread ends before the members above
 };
 
 /// [setup] "FOLDER/NAME-2.h5" for FOLDER/NAME.h5, or with the first higher number for which there is no file.
 /// @param allow_itself whether `file` itself is returned when it does not exist
 [[nodiscard]] std::filesystem::path free_name(const std::filesystem::path& file, bool allow_itself);
+
+/// [setup] A file of the current folder named by the local time, such as "palpate-20260131-154500.h5".
+[[nodiscard]] std::filesystem::path named_by_time(const std::string& ending);
 
 }  // namespace palpate::app
