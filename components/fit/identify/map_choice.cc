@@ -114,8 +114,9 @@ void add_factors(FittedMap& map, const Values& weights, const std::vector<MapRow
   FactorField best;
   double least = std::numeric_limits<double>::infinity();
   const std::size_t step = (points.size() + FactorField::kMostPoints - 1) / FactorField::kMostPoints;
+  const Eigen::MatrixXd kernels = FactorField::kernels_of(points);
   for (const double tolerance : {FactorField::kOrganTolerance, 0.02, 0.1, 0.5}) {
-    FactorField field(points, tolerance);
+    FactorField field(points, tolerance, kernels);
     double sum = 0.0;
     for (std::size_t i = 0; i < points.size(); i += step) {
       sum += sizes[probes[i].probe] * std::pow(field.without(i / step) - points[i].factor, 2);
@@ -366,34 +367,56 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
   return map;
 }
 
-FactorField::FactorField(std::span<const model::StiffnessPoint> points, double tolerance) {
+namespace {
+
+std::size_t step_of(std::span<const model::StiffnessPoint> points) {
+  return (points.size() + FactorField::kMostPoints - 1) / FactorField::kMostPoints;
+}
+
+}  // namespace
+
+Eigen::MatrixXd FactorField::kernels_of(std::span<const model::StiffnessPoint> points) {
+  std::vector<Vec3> used;
+  for (std::size_t i = 0; i < points.size(); i += step_of(points)) used.push_back(points[i].point_S);
+  const auto n = static_cast<Eigen::Index>(used.size());
+  Eigen::MatrixXd kernels(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j <= i; ++j) {
+      kernels(i, j) =
+          plate_kernel((used[static_cast<std::size_t>(i)] - used[static_cast<std::size_t>(j)]).norm());
+      kernels(j, i) = kernels(i, j);
+    }
+  }
+  return kernels;
+}
+
+FactorField::FactorField(std::span<const model::StiffnessPoint> points, double tolerance,
+                         const Eigen::MatrixXd& kernels) {
   if (points.empty()) return;
-  const std::size_t step = (points.size() + kMostPoints - 1) / kMostPoints;
   std::vector<double> logarithms;
-  for (std::size_t i = 0; i < points.size(); i += step) {
+  for (std::size_t i = 0; i < points.size(); i += step_of(points)) {
     points_.push_back(points[i].point_S);
     logarithms.push_back(std::log(points[i].factor));
   }
   const auto n = static_cast<Eigen::Index>(points_.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Ones(n + 1, n + 1);  // the last row: the weights' sum is 0
   matrix(n, n) = 0.0;
+  matrix.topLeftCorner(n, n) = kernels;
+  matrix.diagonal().head(n).array() += tolerance;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n + 1);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    right[i] = logarithms[row];
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      matrix(i, j) = plate_kernel((points_[row] - points_[static_cast<std::size_t>(j)]).norm());
-      matrix(j, i) = matrix(i, j);
-    }
-    matrix(i, i) += tolerance;
-  }
+  std::copy(logarithms.begin(), logarithms.end(), right.begin());
   const Eigen::MatrixXd inverse = matrix.partialPivLu().inverse();
   weights_ = inverse * right;
-  for (Eigen::Index i = 0; i < n; ++i) without_.push_back(std::exp(right[i] - weights_[i] / inverse(i, i)));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    own_.push_back(std::exp(right[i] - tolerance * weights_[i]));
+    without_.push_back(std::exp(right[i] - weights_[i] / inverse(i, i)));
+  }
 }
 
 double FactorField::at(const Vec3& point) const {
   if (points_.empty()) return 1.0;
+  const auto own = std::find(points_.begin(), points_.end(), point);
+  if (own != points_.end()) return own_[static_cast<std::size_t>(own - points_.begin())];
   double logarithm = weights_[weights_.size() - 1];
   for (std::size_t i = 0; i < points_.size(); ++i) {
     logarithm += weights_[static_cast<Eigen::Index>(i)] * plate_kernel((point - points_[i]).norm());

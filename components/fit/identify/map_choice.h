@@ -66,7 +66,14 @@ class FactorField final {
   /// The factor is 1 everywhere.
   FactorField() = default;
   /// [setup] @param tolerance >= 0, how little the points hold the function; by default as in an organ
-  explicit FactorField(std::span<const model::StiffnessPoint> points, double tolerance = kOrganTolerance);
+  explicit FactorField(std::span<const model::StiffnessPoint> points, double tolerance = kOrganTolerance)
+      : FactorField(points, tolerance, kernels_of(points)) {}
+  /// [setup] The same. @param kernels kernels_of(points)
+  FactorField(std::span<const model::StiffnessPoint> points, double tolerance,
+              const Eigen::MatrixXd& kernels);
+
+  /// [setup] The kernels between the points that a field uses.
+  [[nodiscard]] static Eigen::MatrixXd kernels_of(std::span<const model::StiffnessPoint> points);
 
   /// [setup] The factor at a point.
   [[nodiscard]] double at(const Vec3& point) const;
@@ -79,6 +86,7 @@ class FactorField final {
  private:
   std::vector<Vec3> points_;
   Eigen::VectorXd weights_;  // of the points' kernels, then the constant
+  std::vector<double> own_;  // the factors at the points
   std::vector<double> without_;
 };
 

@@ -37,15 +37,21 @@ Estimate derived(const Values& values, const Eigen::MatrixXd& covariance, std::s
   return made;
 }
 
+/// The largest sum of squares that the data allow beside the least, that of `values` (95 %).
+double allowed_sum(const MapProblem& map, const Values& values) {
+  const double least = map.sum_of_squares(values);
+  return least + kChiSquared * least / static_cast<double>(map.rows().size() - values.size());
+}
+
 /// The values of one parameter that the data allow, by profile likelihood.
 Interval profile_of(const MapProblem& map, const Values& values, std::size_t k) {
   const MapBounds bounds = map.bounds(values.size());
-  const double least = map.sum_of_squares(values);
-  const double variance = least / static_cast<double>(map.rows().size() - values.size());
+  const double enough = allowed_sum(map, values);
   const auto allowed = [&](double value, Values& start) {
+    constexpr int kIterations = 60;
     start[k] = value;
-    start = solve_map(map, start, k);
-    return map.sum_of_squares(start) <= least + kChiSquared * variance;
+    start = solve_map(map, start, k, kIterations, enough);
+    return map.sum_of_squares(start) <= enough;
   };
   const auto end = [&](double bound) {
     Values start = values;
@@ -102,12 +108,10 @@ Values moved_off_bounds(const MapProblem& map, Values values) {
       if (parameter != kLogThickness && parameter != kLogRatio) continue;
       const MapBounds bounds = map.bounds(values.size());
       const std::size_t k = from + parameter;
-      const double least = map.sum_of_squares(values);
-      const double variance = least / static_cast<double>(map.rows().size() - values.size());
       Values moved = values;
       moved[k] = std::clamp(values[k], bounds.low[k] + kInside, bounds.high[k] - kInside);
       moved = solve_map(map, moved, k);
-      if (map.sum_of_squares(moved) <= least + kChiSquared * variance) values = std::move(moved);
+      if (map.sum_of_squares(moved) <= allowed_sum(map, values)) values = std::move(moved);
     }
   }
   return values;

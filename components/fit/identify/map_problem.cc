@@ -60,56 +60,85 @@ MapBounds MapProblem::bounds(std::size_t size) const {
 
 namespace {
 
-/// Residuals and their derivatives for Ceres.
+/// Residuals and their derivatives for Ceres, by all values but the one that is held.
 class MapCost final : public ceres::CostFunction {
  public:
-  MapCost(const MapProblem& map, std::size_t size) : map_(map), size_(size) {
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(size));
+  MapCost(const MapProblem& map, Values start, std::size_t held)
+      : map_(map), start_(std::move(start)), held_(held) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(without_held(start_).size()));
     set_num_residuals(static_cast<int>(map.rows().size()));
+  }
+
+  [[nodiscard]] Values without_held(Values values) const {
+    if (held_ < values.size()) values.erase(values.begin() + static_cast<std::ptrdiff_t>(held_));
+    return values;
+  }
+  [[nodiscard]] Values with_held(const double* free) const {
+    Values values = start_;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (k != held_) values[k] = *free++;
+    }
+    return values;
   }
 
   bool Evaluate(double const* const* blocks, double* out, double** derivatives) const override {
     const auto finite = [](double value) { return std::isfinite(value); };
-    const std::span<const double> values(blocks[0], size_);
+    const Values values = with_held(blocks[0]);
     if (derivatives == nullptr || derivatives[0] == nullptr) {
       const Values all = map_.residuals(values);
       std::copy(all.begin(), all.end(), out);
       return std::all_of(all.begin(), all.end(), finite);
     }
     const Values slopes = map_.slopes(values);
-    std::copy(slopes.begin(), slopes.end(), derivatives[0]);
+    double* derivative = derivatives[0];
     for (std::size_t i = 0; i < map_.rows().size(); ++i) {
-      const double force = slopes[i * size_];  // the force is proportional to K, whose logarithm is first
-      out[i] = force - map_.weighted_force(i);
+      const double* line = slopes.data() + i * values.size();
+      out[i] = line[0] - map_.weighted_force(i);  // the force is proportional to K, whose logarithm is first
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (k != held_) *derivative++ = line[k];
+      }
     }
     return std::all_of(slopes.begin(), slopes.end(), finite);
   }
 
  private:
   const MapProblem& map_;
-  std::size_t size_;
+  Values start_;
+  std::size_t held_;
+};
+
+/// Ends a search whose sum of squares is small enough.
+class Enough final : public ceres::IterationCallback {
+ public:
+  explicit Enough(double sum) : sum_(sum) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
+    return 2.0 * step.cost <= sum_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  double sum_;
 };
 
 }  // namespace
 
-Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t> held, int iterations) {
+Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t> held, int iterations,
+                 double enough) {
   const MapBounds bounds = map.bounds(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = std::clamp(values[i], bounds.low[i], bounds.high[i]);
   }
-  auto cost = std::make_unique<MapCost>(map, values.size());
+  auto owned = std::make_unique<MapCost>(map, values, held.value_or(values.size()));
+  const MapCost& cost = *owned;
+  Values free = cost.without_held(values);
+  const Values low = cost.without_held(bounds.low);
+  const Values high = cost.without_held(bounds.high);
   ceres::Problem problem;
-  problem.AddResidualBlock(cost.release(), nullptr, values.data());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(bounds.low[i])) {
-      problem.SetParameterLowerBound(values.data(), static_cast<int>(i), bounds.low[i]);
-      problem.SetParameterUpperBound(values.data(), static_cast<int>(i), bounds.high[i]);
+  problem.AddResidualBlock(owned.release(), nullptr, free.data());
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    if (std::isfinite(low[i])) {
+      problem.SetParameterLowerBound(free.data(), static_cast<int>(i), low[i]);
+      problem.SetParameterUpperBound(free.data(), static_cast<int>(i), high[i]);
     }
-  }
-  if (held) {
-    auto manifold = std::make_unique<ceres::SubsetManifold>(static_cast<int>(values.size()),
-                                                            std::vector<int>{static_cast<int>(*held)});
-    problem.SetManifold(values.data(), manifold.release());  // the problem owns it
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -118,9 +147,11 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
   options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC takes a Jacobian at every trial
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
+  Enough callback(enough);
+  options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return values;
+  return cost.with_held(free.data());
 }
 
 Values weights_of(const std::vector<MapRow>& rows) {

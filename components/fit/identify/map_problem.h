@@ -45,9 +45,11 @@ class MapProblem final {
   MapModel model_;
 };
 
-/// [setup] Least squares from `values`. @param held a parameter that stays as it is
+/// [setup] Least squares from `values`. @param held a parameter that stays as it is @param enough a sum of
+/// squares at which the search ends
 [[nodiscard]] Values solve_map(const MapProblem& map, Values values,
-                               std::optional<std::size_t> held = std::nullopt, int iterations = 60);
+                               std::optional<std::size_t> held = std::nullopt, int iterations = 60,
+                               double enough = 0.0);
 
 /// [setup] Weights of the rows, 1 / sigma with sigma^2 = s^2 + (c F)^2. The noise is that of the third
 /// differences along each probe, which a smooth force over depth hardly has; the residuals of a fit would
