@@ -101,7 +101,8 @@ std::unique_ptr<haptics::Device> open_in_window(const scene::Scene& scene, std::
 
 Probe probe_mouse(const Machine& machine) {
   std::vector<Reason> reasons = mouse_reasons(machine);
-  if (!reasons.empty()) return {"mouse", false, "needs the window of a run, or its page", true, std::move(reasons)};
+  if (!reasons.empty())
+    return {"mouse", false, "needs the window of a run, or its page", true, std::move(reasons)};
   return {"mouse", true,
           "holds the tool under its pointer in the window or page of `palpate run`; the wheel presses"};
 }
