@@ -33,7 +33,7 @@ function tissueFile(tissue) {
 export class LivePicture {
   #palpate; #sim = null; #view = null; #canvas = null; #place; #say; #failed;
   #scene = null; #tissue = null; #organ = null; #tools = []; #opened = '';
-  #asked = false; #news = false;
+  #asked = false; #news = false;  // of the state, the view or the size
   #axis = null;  // of the gamepad's tool, towards its tip
   #contact = null; #aimed = false; #parked = false; #mouse = {};  // what the mouse did since its last message
 
@@ -46,10 +46,11 @@ export class LivePicture {
     [this.#palpate, this.#place, this.#say, this.#failed] = [palpate, place, say, failed];
     listen(place, place, {
       view: () => this.#view, looks: () => !this.steers, take: () => this.steers, takeByLever: () => this.#aim(),
-      nearest: () => this.#contact, send: (what, fields) => this.#move(what, fields), moved() {}, touched() {},
+      nearest: () => this.#contact, send: (what, fields) => this.#move(what, fields), moved: () => { this.#news = true; }, touched() {},
       primary: down => this.#grip(down),
       commands: {f: () => { if (this.steers) Object.assign(this.#mouse, {park: this.#parked = !this.#parked}); }},
     });
+    new ResizeObserver(() => { this.#news = true; }).observe(place);
     setInterval(() => { this.#flush(); this.#pad(); }, PERIOD);
     requestAnimationFrame(() => this.#animate());
   }

@@ -71,6 +71,21 @@ test('the page of a live run draws the heart and how the forceps lift it', async
   const lifted = await shares(page);
   assert.ok(lifted.top < rest.top - 0.03, `${rest.top}, then ${lifted.top}`);
   assert.equal(await page.locator('#organ').isHidden(), true);
+
+  // The picture of an ended run still follows the window's size and the view.
+  await page.setViewportSize({width: 390, height: 800});
+  await page.waitForFunction(() => {
+    const canvas = document.querySelector('#picture canvas');
+    return Math.abs(canvas.width / canvas.height - canvas.clientWidth / canvas.clientHeight) < 0.02;
+  });
+  const box = await page.locator('#picture canvas').boundingBox();
+  const before = await page.locator('#picture canvas').screenshot();
+  await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.5 * box.height);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.6 * box.width, box.y + 0.5 * box.height, {steps: 4});
+  await page.mouse.up();
+  await page.waitForTimeout(1000);
+  assert.notDeepEqual(await page.locator('#picture canvas').screenshot(), before);
   assert.deepEqual(errors, []);
 });
 
