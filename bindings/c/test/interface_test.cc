@@ -394,6 +394,11 @@ TEST(Library, HasTheInterfacesVersionAsItsName) {
               HasSubstr("libpalpate.so." + std::to_string(PALPATE_ABI_VERSION) + "\n"));
 }
 
+// Its dependency TBB has threads that outlive a call, and would run code that is no longer there.
+TEST(Library, StaysLoadedWhenItsHostClosesIt) {
+  EXPECT_THAT(output_of("readelf -d '" PALPATE_LIBRARY "'"), HasSubstr("NODELETE"));
+}
+
 TEST(Fork, AChildNeitherUsesNorClosesASimulationOfItsParent) {
   const Folder folder;
   const std::string file = folder / "run.h5";
