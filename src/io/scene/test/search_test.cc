@@ -102,9 +102,14 @@ TEST(Search, AnotherTaskHidesNothing) {
 }
 
 // A scene of task insert, with `content` from line 7 on.
-Scene insertion_scene(const std::string& content, std::uint64_t seed = 1) {
+/// @param organ an OFF file in mm, in place of the built-in box of 60 x 60 x 40 mm
+Scene insertion_scene(const std::string& content, std::uint64_t seed = 1, const std::string& organ = "") {
   const TemporaryFolder folder;
   Overrides request;
+  if (!organ.empty()) {
+    request.organ = folder.write("organ.off", organ);
+    request.organ_unit = "mm";
+  }
   request.scene = folder.write("s.toml",
                                "[scene]\ntask = \"insert\"\n[tool]\nmesh = \"needle\"\n[organ]\nmesh = "
                                "\"box\"\n" +
@@ -142,9 +147,14 @@ TEST(Search, AHiddenTargetDoesNotMoveTheStartOfTheDefaultPathThatGoesToIt) {
 
 TEST(Search, ATargetsLayersAreThoseOfTheTissue) {
   const Scene scene = insertion_scene(
-      "tissue = \"vein\"\n[target]\nlayer = \"lumen\"\nforbidden = [\"far wall\", \"muscle\"]\n");
-  EXPECT_EQ(scene.target.layer, "lumen");
-  EXPECT_THAT(scene.target.forbidden, testing::ElementsAre("far wall", "muscle"));
+      "tissue = \"epidural\"\n[target]\nlayer = \"epidural space\"\nforbidden = "
+      "[\"dura\", \"spinal fluid\"]\n",
+      1,
+      "OFF\n8 12 0\n0 0 0\n99 0 0\n99 99 0\n0 99 0\n0 0 99\n99 0 99\n99 99 99\n0 99 99\n"
+      "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n3 2 3 7\n3 2 7 6\n3 3 0 4\n"
+      "3 3 4 7\n");
+  EXPECT_EQ(scene.target.layer, "epidural space");
+  EXPECT_THAT(scene.target.forbidden, testing::ElementsAre("dura", "spinal fluid"));
   EXPECT_THAT(error_of([] { (void)insertion_scene("[target]\nlayer = \"dura\"\n"); }),
               HasSubstr("s.toml:8: target.layer = \"dura\": must be a layer of the tissue 'skin-fat-muscle': "
                         "skin, fat or muscle"));

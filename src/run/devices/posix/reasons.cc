@@ -208,10 +208,6 @@ void add_touch_setup_reasons(const Machine& machine, std::vector<Reason>& reason
   }
 }
 
-bool has_display(const Machine& machine) {
-  return !machine.variable("DISPLAY").empty() || !machine.variable("WAYLAND_DISPLAY").empty();
-}
-
 }  // namespace
 
 std::string Machine::variable_of_process(const char* name) {
@@ -307,17 +303,13 @@ std::vector<Reason> haply_reasons(const Machine& machine) {
 }
 
 std::vector<Reason> mouse_reasons(const Machine& machine) {
-  if (has_display(machine)) return {};
-  return {{"there is no display for the window of `palpate run`; its page needs none",
-           "palpate run --page --device mouse"}};
+  if (!machine.variable("DISPLAY").empty() || !machine.variable("WAYLAND_DISPLAY").empty()) return {};
+  return {{"there is no display, and the window of `palpate run` needs one (not its page: run --page)",
+           "ssh -X HOST"}};
 }
 
 std::vector<Reason> gamepad_reasons(const Machine& machine) {
-  std::vector<Reason> reasons;
-  if (!has_display(machine)) {
-    reasons.push_back({"there is no display, and the window of `palpate run` needs one", "ssh -X HOST"});
-  }
-  const std::vector<Reason> of_display = reasons;
+  std::vector<Reason> reasons = mouse_reasons(machine);
   bool pad = false;
   bool open = false;
   for (const fs::path& input : entries_of(machine.root / "sys/class/input")) {
@@ -334,7 +326,7 @@ std::vector<Reason> gamepad_reasons(const Machine& machine) {
                                         : "docker run --device /dev/input"});
     }
   }
-  if (open) return of_display;
+  if (open) return mouse_reasons(machine);
   if (!pad) reasons.push_back({"no gamepad is plugged in or paired", "ls /sys/class/input/ | grep js"});
   if (!pad && !is_there(machine.root / "sys/module/joydev")) {
     reasons.push_back({"the kernel's module for gamepads is not loaded", "sudo modprobe joydev"});

@@ -26,11 +26,9 @@ std::vector<Reason> haply_reasons(const Machine& /*machine*/) {
 }
 
 std::vector<Reason> mouse_reasons(const Machine& /*machine*/) {
-  return {{"palpate for Windows has no window; its page needs none", "palpate run --page --device mouse"}};
+  return {{"palpate for Windows has no window: use its page", "palpate run --page"}};
 }
 
-std::vector<Reason> gamepad_reasons(const Machine& /*machine*/) {
-  return {{"palpate for Windows has no window; its page needs none", "palpate run --page --device gamepad"}};
-}
+std::vector<Reason> gamepad_reasons(const Machine& machine) { return mouse_reasons(machine); }
 
 }  // namespace palpate::devices
