@@ -128,8 +128,7 @@ void IgtlServer::frame(std::int64_t now, bool last) {
 /// time.
 std::int64_t IgtlServer::stamp() const noexcept {
   const std::int64_t taken = published_.cell().value().taken_ns;
-  const std::int64_t now = unix_ns();
-  return taken == 0 ? now : now - monotonic_ns() + taken;
+  return taken == 0 ? unix_ns() : wall_time_of(taken);
 }
 
 bool IgtlServer::faults_changed() noexcept {

@@ -107,7 +107,7 @@ void RosPublisher::run() {
 void RosPublisher::publish_queued() {
   QueuedTick tick;
   while (queue_.pop(tick)) {
-    const std::int64_t unix_time = unix_ns() - monotonic_ns() + tick.taken_ns;
+    const std::int64_t unix_time = wall_time_of(tick.taken_ns);
     for (std::size_t i = 0; i < hands_.size(); ++i) publish(hands_[i], tick.hands[i], unix_time);
   }
 }

@@ -226,7 +226,7 @@ bool Markers::write_all(const Marker& marker, std::int64_t due) {
                                     {"trial", marker.number},
                                     {"practice", marker.practice},
                                     {"tick", marker.tick},
-                                    {"unix_ns", due + unix_ns() - monotonic_ns()}};
+                                    {"unix_ns", wall_time_of(due)}};
   const std::string line = json.dump() + '\n';
   bool complete = true;
   for (const std::unique_ptr<Port>& port : ports_) {
@@ -248,8 +248,8 @@ void Markers::run() {
     if (waiting_.empty()) return;
     const Marker marker = waiting_.front();
     lock.unlock();
-    sleep_until_ns(time_of(marker.tick));
-    const std::int64_t due = time_of(marker.tick);  // again: a late tick may have moved it
+    std::int64_t due = time_of(marker.tick);
+    for (; monotonic_ns() < due; due = time_of(marker.tick)) sleep_until_ns(due);  // a late tick may move it
     const bool complete = write_all(marker, due);
     const std::int64_t late = monotonic_ns() - due;
     lock.lock();

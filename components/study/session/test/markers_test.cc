@@ -237,6 +237,28 @@ TEST_F(MarkedSession, SendsEachIntervalAndAnswerAtTheTimeOfItsTick) {
   EXPECT_THAT(events("session")[0].value("markers"), HasSubstr(server.target()));
 }
 
+TEST(Markers, AMarkerWhoseTickIsDelayedWhileItWaitsLeavesAtItsNewTime) {
+  const TcpStandIn server;
+  std::int64_t due = 0;
+  {
+    Markers markers({parse_marker_target(server.target(), "")});
+    markers.begin_block(1000.0);
+    const std::int64_t began = monotonic_ns();
+    markers.note_tick(0, began);
+    markers.send({MarkerCode::kFirstInterval, 30, 1, 1, "weak", 1, false});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    due = began + 130'000'000;
+    markers.note_tick(10, due - 20'000'000);  // 100 ms late
+    EXPECT_EQ(markers.finish_block().sent, 1U);
+    EXPECT_GE(monotonic_ns(), due);
+  }
+  Receiver lines(::accept(server.listener, nullptr, nullptr));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto messages = lines_of(lines.bytes());
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_NEAR(messages[0].first["unix_ns"].get<double>(), static_cast<double>(wall_time_of(due)), 1e6);
+}
+
 TEST_F(MarkedSession, AServerThatGoesAwayIsLoggedAndTheExperimenterIsAsked) {
   const TcpStandIn server;
   std::thread away([&] {

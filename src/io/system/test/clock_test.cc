@@ -35,5 +35,15 @@ TEST(Clock, SleepingTakesNoProcessorTimeOfTheThread) {
 
 TEST(Clock, WallTimeIsPastTheYear2020) { EXPECT_GT(unix_ns(), 1'577'836'800'000'000'000); }
 
+TEST(Clock, WallTimeOfAMonotonicTimeIsTheWallTimeThen) {
+  for (int i = 0; i < 1000; ++i) {
+    const std::int64_t before = unix_ns();
+    const std::int64_t wall = wall_time_of(monotonic_ns());
+    EXPECT_GE(wall, before - 1'000'000);
+    EXPECT_LE(wall, unix_ns() + 1'000'000);
+  }
+  EXPECT_EQ(wall_time_of(5'000'000'000) / 1'000'000'000 - wall_time_of(0) / 1'000'000'000, 5);
+}
+
 }  // namespace
 }  // namespace palpate
