@@ -103,9 +103,9 @@ OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
   arrays.mesh = std::move(mesh);
   share(0.0, "neighbours");
   arrays.neighbours = geometry::edge_neighbours(arrays.mesh);
-  arrays.face_normals = face_normals_of(arrays.mesh);
+  const std::vector<Vec3> face_normals = face_normals_of(arrays.mesh);
   {
-    const SurfaceView view{arrays.mesh, arrays.neighbours, arrays.face_normals};
+    const SurfaceView view{arrays.mesh, arrays.neighbours, face_normals};
     const Sides sides = find_sides(view);
     const double radius = reference_radius / 2.0;
     const std::vector<NormalAndSlope> averaged = averaged_normals(
@@ -115,7 +115,7 @@ OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
     store_sides(sides, arrays);
   }
   share(kNormalsTo, "edges");
-  list_sharp_edges(arrays);
+  list_sharp_edges(face_normals, arrays);
   return arrays;
 }
 

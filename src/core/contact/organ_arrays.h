@@ -32,7 +32,6 @@ inline constexpr double kBendUnit = kMaxBend / 32767.0;  // an error below 0.000
 struct OrganArrays {
   geometry::TriangleMesh mesh;
   std::vector<std::array<std::int32_t, 3>> neighbours;  // geometry::edge_neighbours
-  std::vector<Vec3> face_normals;                       // unit
   std::vector<Vec3> normals;       // averaged: first sides of all vertices, then further sides
   std::vector<NormalBends> bends;  // per triangle
   std::vector<std::int32_t>
@@ -73,7 +72,7 @@ class OrganStore {
 [[nodiscard]] OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
                                        const std::function<void(double, const std::string&)>& share);
 
-/// [setup] Fills sharp_edges, sharp_start and sharp_near from mesh, neighbours and face_normals.
-void list_sharp_edges(OrganArrays& arrays);
+/// [setup] Fills sharp_edges, sharp_start and sharp_near from mesh and neighbours.
+void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays);
 
 }  // namespace palpate::contact

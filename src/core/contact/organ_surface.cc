@@ -108,14 +108,13 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
                                 const Vec3& normal) const noexcept {
   SurfacePoint here = from;
   // Rotate the step from the tangent plane of `normal` into the triangle's plane; its length stays.
-  const Vec3& start_normal = face_normal(here.triangle);
-  const double one_plus_cosine = 1.0 + normal.dot(start_normal);
+  Vec3 face = face_normal(here.triangle);
+  const double one_plus_cosine = 1.0 + normal.dot(face);
   if (one_plus_cosine < 1e-3) return here;  // opposite normals: the direction is undefined
-  Vec3 left = step - (start_normal.dot(step) / one_plus_cosine) * (normal + start_normal);
+  Vec3 left = step - (face.dot(step) / one_plus_cosine) * (normal + face);
   std::int32_t came_from = -1;
   for (int crossing = 0; crossing < kMaxCrossings; ++crossing) {
     const geometry::Triangle& corners = arrays_.mesh.triangles[at(here.triangle)];
-    const Vec3& face = face_normal(here.triangle);
     double stop = 1.0;
     int exit_edge = -1;
     for (int e = 0; e < 3; ++e) {
@@ -140,8 +139,8 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
     const Vec3& a = arrays_.mesh.vertices[at(corners[at(exit_edge)])];
     const Vec3 edge = (arrays_.mesh.vertices[at(corners[at((exit_edge + 1) % 3)])] - a).normalized();
     const Vec3 across = edge.cross(face);
-    const Vec3 across_next = edge.cross(face_normal(next));
-    left = left.dot(edge) * edge + left.dot(across) * across_next;
+    face = face_normal(next);
+    left = left.dot(edge) * edge + left.dot(across) * edge.cross(face);
     here.point = a + (here.point - a).dot(edge) * edge;  // back onto the edge, so that errors do not add up
     came_from = here.triangle;
     here.triangle = next;

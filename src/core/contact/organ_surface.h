@@ -69,8 +69,10 @@ class OrganSurface final {
                                   const Vec3& normal) const noexcept;
 
   /// [rt] Unit normal of a triangle.
-  [[nodiscard]] const Vec3& face_normal(std::int32_t triangle) const noexcept {
-    return arrays_.face_normals[static_cast<std::size_t>(triangle)];
+  [[nodiscard]] Vec3 face_normal(std::int32_t triangle) const noexcept {
+    return geometry::area_vector_doubled(arrays_.mesh,
+                                         arrays_.mesh.triangles[static_cast<std::size_t>(triangle)])
+        .normalized();
   }
 
  private:

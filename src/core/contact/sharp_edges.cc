@@ -30,7 +30,7 @@ struct NearEdge {
 
 }  // namespace
 
-void list_sharp_edges(OrganArrays& arrays) {
+void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays) {
   const geometry::TriangleMesh& mesh = arrays.mesh;
   const std::size_t triangle_count = mesh.triangles.size();
   std::vector<NearEdge> near;
@@ -42,7 +42,7 @@ void list_sharp_edges(OrganArrays& arrays) {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::int32_t other = arrays.neighbours[t][e];
       if (other < triangle) continue;  // boundary, or already listed by the other triangle
-      if (arrays.face_normals[t].dot(arrays.face_normals[at(other)]) >= kSharpCosine) continue;
+      if (face_normals[t].dot(face_normals[at(other)]) >= kSharpCosine) continue;
       const auto& back = arrays.neighbours[at(other)];
       const std::int32_t edge_of_other = back[0] == triangle ? 0 : (back[1] == triangle ? 1 : 2);
       const auto index = static_cast<std::int32_t>(arrays.sharp_edges.size());

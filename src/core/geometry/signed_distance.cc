@@ -150,32 +150,45 @@ struct ShearedSegment {
   }
 };
 
+std::vector<std::array<std::int32_t, 3>> neighbours_of_closed(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) throw InputError("the mesh has no triangles");
+  auto neighbours = edge_neighbours(mesh);
+  int open_edges = 0;
+  for (const auto& around : neighbours)
+    open_edges += static_cast<int>(std::count(around.begin(), around.end(), -1));
+  if (open_edges > 0) {
+    throw InputError("the mesh is not closed: " + std::to_string(open_edges) + " boundary edges");
+  }
+  return neighbours;
+}
+
 }  // namespace
 
 struct SignedDistance::Tree {
   struct Best {
     OnTriangle on;
-    std::int32_t slot = -1;
     std::int32_t triangle = -1;
   };
 
-  explicit Tree(const TriangleMesh& mesh) : discs(mesh) {}
+  explicit Tree(const TriangleMesh& of) : neighbours(neighbours_of_closed(of)), mesh(of), discs(of) {}
 
-  DiscBvh discs;
-  std::vector<Corners> corners;                         // by slot, in the order of the leaves
-  std::vector<Vec3> plane_normals;                      // by slot
-  std::vector<std::int32_t> slot_of;                    // by triangle
-  std::vector<Triangle> triangles;                      // vertex indices, by triangle
   std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edges, by triangle
+  TriangleMesh mesh;
+  DiscBvh discs;
+  std::vector<Vec3> plane_normals;  // by triangle
   std::vector<Vec3> vertex_normals;
   double scale = 0.0;  // largest coordinate [m], for rounding bounds
 
-  void consider(std::int32_t slot, const Vec3& p, Best& best) const noexcept {
-    const OnTriangle on = nearest_on(corners[at(slot)], plane_normals[at(slot)], p);
-    const std::int32_t triangle = discs.triangle_of()[at(slot)];
+  [[nodiscard]] Corners corners(std::int32_t triangle) const noexcept {
+    const Triangle& vertex = mesh.triangles[at(triangle)];
+    return {mesh.vertices[at(vertex[0])], mesh.vertices[at(vertex[1])], mesh.vertices[at(vertex[2])]};
+  }
+
+  void consider(std::int32_t triangle, const Vec3& p, Best& best) const noexcept {
+    const OnTriangle on = nearest_on(corners(triangle), plane_normals[at(triangle)], p);
     const bool is_nearer = on.distance_squared < best.on.distance_squared ||
                            (on.distance_squared == best.on.distance_squared && triangle < best.triangle);
-    if (is_nearer) best = {on, slot, triangle};
+    if (is_nearer) best = {on, triangle};
   }
 
   /// The nearest of the triangles visited. Triangles beyond `share` of the smallest squared distance so far
@@ -183,15 +196,12 @@ struct SignedDistance::Tree {
   [[nodiscard]] Best search(const Vec3& p, std::int32_t guess, double share) const noexcept {
     Best best;
     if (!p.allFinite()) return best;
-    std::int32_t guessed = -1;
-    if (guess >= 0 && at(guess) < slot_of.size()) {
-      guessed = slot_of[at(guess)];
-      consider(guessed, p, best);
-    }
+    if (guess >= 0 && at(guess) < mesh.triangles.size()) consider(guess, p, best);
     discs.each_within(
         p,
         [&](std::int32_t slot) {
-          if (slot != guessed) consider(slot, p, best);
+          const std::int32_t triangle = discs.triangle_of()[at(slot)];
+          if (triangle != guess) consider(triangle, p, best);
         },
         [&best, share] { return share * best.on.distance_squared; });
     return best;
@@ -207,18 +217,6 @@ namespace {
 Vec3 unit_or_zero(const Vec3& v) {
   const double norm = v.norm();
   return norm > 0.0 ? Vec3(v / norm) : Vec3(Vec3::Zero());
-}
-
-std::vector<std::array<std::int32_t, 3>> neighbours_of_closed(const TriangleMesh& mesh) {
-  if (mesh.triangles.empty()) throw InputError("the mesh has no triangles");
-  auto neighbours = edge_neighbours(mesh);
-  int open_edges = 0;
-  for (const auto& around : neighbours)
-    open_edges += static_cast<int>(std::count(around.begin(), around.end(), -1));
-  if (open_edges > 0) {
-    throw InputError("the mesh is not closed: " + std::to_string(open_edges) + " boundary edges");
-  }
-  return neighbours;
 }
 
 /// Unit sums of the face normals around each vertex, weighted by the angles there.
@@ -242,7 +240,6 @@ std::vector<Vec3> angle_weighted_normals(const TriangleMesh& mesh, const std::ve
 }  // namespace
 
 SignedDistance::SignedDistance(const TriangleMesh& mesh) {
-  auto neighbours = neighbours_of_closed(mesh);
   auto tree = std::make_shared<Tree>(mesh);
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3> face_normals(count);
@@ -256,18 +253,10 @@ SignedDistance::SignedDistance(const TriangleMesh& mesh) {
     tree->scale = std::max(tree->scale, vertex.cwiseAbs().maxCoeff());
   }
   tree->vertex_normals = angle_weighted_normals(mesh, face_normals);
-  tree->triangles = mesh.triangles;
-  tree->neighbours = std::move(neighbours);
-  tree->slot_of.resize(count);
-  tree->corners.resize(count);
   tree->plane_normals.resize(count);
   for_ranges(count, kAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t slot = begin; slot < end; ++slot) {
-      const std::int32_t t = tree->discs.triangle_of()[slot];
-      tree->slot_of[at(t)] = static_cast<std::int32_t>(slot);
-      const Triangle& triangle = mesh.triangles[at(t)];
-      for (std::size_t k = 0; k < 3; ++k) tree->corners[slot][k] = mesh.vertices[at(triangle[k])];
-      tree->plane_normals[slot] = plane_normal(tree->corners[slot]);
+    for (std::size_t t = begin; t < end; ++t) {
+      tree->plane_normals[t] = plane_normal(tree->corners(static_cast<std::int32_t>(t)));
     }
   });
   tree_ = std::move(tree);
@@ -277,25 +266,17 @@ SignedDistance::SignedDistance(const TriangleMesh& mesh) {
 std::uint64_t SignedDistance::builds() noexcept { return built; }
 
 bool SignedDistance::is_of(const TriangleMesh& mesh) const {
-  if (mesh.triangles != tree_->triangles) return false;
-  if (mesh.vertices.size() != tree_->vertex_normals.size()) return false;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Corners& corners = tree_->corners[at(tree_->slot_of[t])];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (corners[k] != mesh.vertices[at(mesh.triangles[t][k])]) return false;
-    }
-  }
-  return true;
+  return mesh.triangles == tree_->mesh.triangles && mesh.vertices == tree_->mesh.vertices;
 }
 
 Vec3 SignedDistance::Tree::face_normal(std::int32_t triangle) const noexcept {
-  const Corners& corner = corners[at(slot_of[at(triangle)])];
+  const Corners corner = corners(triangle);
   return unit_or_zero((corner[1] - corner[0]).cross(corner[2] - corner[0]));
 }
 
 Vec3 SignedDistance::Tree::pseudonormal(const Best& best) const noexcept {
   if (best.on.feature < kFirstEdge) {
-    return vertex_normals[at(triangles[at(best.triangle)][at(best.on.feature)])];
+    return vertex_normals[at(mesh.triangles[at(best.triangle)][at(best.on.feature)])];
   }
   Vec3 own = face_normal(best.triangle);
   if (best.on.feature == kFace) return own;
@@ -304,17 +285,17 @@ Vec3 SignedDistance::Tree::pseudonormal(const Best& best) const noexcept {
 
 NearestPoint SignedDistance::Tree::finish(const Vec3& p, const Best& best) const noexcept {
   NearestPoint found;
-  if (best.slot < 0) {  // p is not finite
+  if (best.triangle < 0) {  // p is not finite
     found.distance = kNaN;
     return found;
   }
   found.point = best.on.point;
   found.normal = pseudonormal(best);
   found.triangle = best.triangle;
-  const Corners& corner = corners[at(best.slot)];
   // On a face, the height above its plane gives the sign even when the projection rounds to p.
-  const double side = best.on.feature == kFace ? (p - corner[0]).dot(plane_normals[at(best.slot)])
-                                               : (p - found.point).dot(found.normal);
+  const double side = best.on.feature == kFace
+                          ? (p - corners(best.triangle)[0]).dot(plane_normals[at(best.triangle)])
+                          : (p - found.point).dot(found.normal);
   const double distance = std::sqrt(best.on.distance_squared);
   found.distance = side < 0.0 ? -distance : distance;
   return found;
@@ -328,7 +309,7 @@ NearestPoint SignedDistance::nearest(const Vec3& p, std::int32_t guess) const no
 
 Clearance SignedDistance::clearance(const Vec3& p, std::int32_t guess) const noexcept {
   const Tree::Best best = tree_->search(p, guess, kClearanceShare * kClearanceShare);
-  if (best.slot < 0) return {};
+  if (best.triangle < 0) return {};
   // Skipped triangles were farther than this fraction of the smallest distance then, which was at least the
   // final one.
   return {kClearanceShare * std::sqrt(best.on.distance_squared), best.triangle};
@@ -345,8 +326,8 @@ std::optional<Entry> SignedDistance::first_entry(const Vec3& a, const Vec3& b) c
   double fraction = 1.0 + slack_fraction;
   std::int32_t triangle = -1;
   tree.discs.each_along(a, b, slack, [&](std::int32_t slot) {
-    const double where = segment.entry_fraction(tree.corners[at(slot)]);
     const std::int32_t index = tree.discs.triangle_of()[at(slot)];
+    const double where = segment.entry_fraction(tree.corners(index));
     if (where < -slack_fraction) return;
     if (where < fraction || (where == fraction && index < triangle)) {
       fraction = where;

@@ -188,7 +188,6 @@ std::optional<OrganArrays> get(const ArrayFileReader& file) {
                      file.get("side_rows", arrays.side_rows) && file.get("sharp_edges", arrays.sharp_edges) &&
                      file.get("sharp_start", arrays.sharp_start) && file.get("sharp_near", arrays.sharp_near);
   if (!whole || !hangs_together(arrays)) return std::nullopt;
-  arrays.face_normals = contact::face_normals_of(arrays.mesh);
   return arrays;
 }
 

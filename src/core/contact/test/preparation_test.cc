@@ -332,7 +332,7 @@ std::string hash_of(const OrganArrays& arrays) {
   hasher.add(std::span<const Vec3>(arrays.mesh.vertices));
   hasher.add(std::span<const geometry::Triangle>(arrays.mesh.triangles));
   hasher.add(std::span<const geometry::Triangle>(arrays.neighbours));
-  hasher.add(std::span<const Vec3>(arrays.face_normals)).add(std::span<const Vec3>(arrays.normals));
+  hasher.add(std::span<const Vec3>(face_normals_of(arrays.mesh))).add(std::span<const Vec3>(arrays.normals));
   hasher.add(std::span<const NormalBends>(arrays.bends));
   hasher.add(std::span<const std::int32_t>(rows(arrays.row_of)));
   hasher.add(std::span<const geometry::Triangle>(arrays.side_rows));
@@ -410,9 +410,8 @@ TEST(Preparation, KeepsUnder110BytesATriangleBesidesTheDistances) {
   const OrganArrays& a = surface.arrays();
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const std::size_t all = bytes(a.mesh.vertices) + bytes(a.mesh.triangles) + bytes(a.neighbours) +
-                          bytes(a.face_normals) + bytes(a.normals) + bytes(a.bends) + bytes(a.row_of) +
-                          bytes(a.side_rows) + bytes(a.sharp_edges) + bytes(a.sharp_start) +
-                          bytes(a.sharp_near);
+                          bytes(a.normals) + bytes(a.bends) + bytes(a.row_of) + bytes(a.side_rows) +
+                          bytes(a.sharp_edges) + bytes(a.sharp_start) + bytes(a.sharp_near);
   EXPECT_LT(static_cast<double>(all), 110.0 * static_cast<double>(a.mesh.triangles.size()));
 }
 

@@ -43,7 +43,8 @@ std::string hash_of(const OrganArrays& arrays) {
   hasher.add(std::span<const Vec3>(arrays.mesh.vertices));
   hasher.add(std::span<const geometry::Triangle>(arrays.mesh.triangles));
   hasher.add(std::span<const geometry::Triangle>(arrays.neighbours));
-  hasher.add(std::span<const Vec3>(arrays.face_normals)).add(std::span<const Vec3>(arrays.normals));
+  hasher.add(std::span<const Vec3>(contact::face_normals_of(arrays.mesh)))
+      .add(std::span<const Vec3>(arrays.normals));
   hasher.add(std::span<const contact::NormalBends>(arrays.bends));
   hasher.add(std::span<const std::int32_t>(rows(arrays.row_of)));
   hasher.add(std::span<const geometry::Triangle>(arrays.side_rows));
