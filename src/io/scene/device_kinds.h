@@ -16,6 +16,11 @@ enum class DevicePath {
   kNone,     // it takes no path
 };
 
+/// [any] Whether a device's path is a file, or a name that could be one.
+[[nodiscard]] constexpr bool names_file(DevicePath path) noexcept {
+  return path != DevicePath::kAddress && path != DevicePath::kClient;
+}
+
 /// One kind of device that a scene can name.
 struct DeviceKind {
   std::string_view name;
