@@ -1,10 +1,6 @@
 #include "net/igtl_clients.h"
 
 #include <algorithm>
-#include <cerrno>
-
-#include <poll.h>
-#include <sys/socket.h>
 
 #include "io/system/clock.h"
 
@@ -27,8 +23,8 @@ bool IgtlClients::busy() const noexcept {
 
 void IgtlClients::let_in() {
   for (;;) {
-    Descriptor socket = accept_from(listener_, kSendBuffer);
-    if (socket.number() < 0) return;
+    Socket socket = accept_from(listener_, kSendBuffer);
+    if (!socket.is_open()) return;
     if (clients_.size() >= limits_.most_clients) {
       ++statistics_.refused;
       continue;
@@ -42,10 +38,10 @@ void IgtlClients::let_in() {
 void IgtlClients::discard_input(Client& client) {
   std::array<unsigned char, kMaxReadAtOnce> received;
   if (!client.talks) return;
-  const ssize_t got = recv(client.socket.number(), received.data(), received.size(), MSG_DONTWAIT);
-  if (got > 0) recognise(client, std::span(received).first(static_cast<std::size_t>(got)));
-  if (got == 0) client.talks = false;  // the client has ended its sending side; it may still receive
-  if (got < 0 && errno != EAGAIN && errno != EINTR) client.gone = true;
+  const Transfer got = receive_from(client.socket, received);
+  recognise(client, std::span(received).first(got.bytes));
+  if (got.ended) client.talks = false;
+  if (!got.broken.empty()) client.gone = true;
 }
 
 void IgtlClients::recognise(Client& client, std::span<const unsigned char> received) {
@@ -81,14 +77,10 @@ void IgtlClients::remove_closed() {
 
 void IgtlClients::send_on(Client& client) {
   while (client.busy()) {
-    const ssize_t sent = send(client.socket.number(), client.pending.data() + client.sent,
-                              client.pending.size() - client.sent, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0) {
-      client.gone = errno != EAGAIN;
-      return;
-    }
-    client.sent += static_cast<std::size_t>(sent);
+    const Transfer sent = send_to(client.socket, std::span(client.pending).subspan(client.sent));
+    client.gone = !sent.broken.empty();
+    if (sent.bytes == 0) return;
+    client.sent += sent.bytes;
     client.last_progress_ns = monotonic_ns();
   }
 }
@@ -118,31 +110,25 @@ void IgtlClients::offer(const IgtlChannels& channels) {
   remove_closed();
 }
 
-void IgtlClients::send_until(std::int64_t deadline_ns, int wake) {
-  std::vector<pollfd> waited_for;
-  for (;;) {
-    waited_for.assign(1, {wake, POLLIN, 0});
+void IgtlClients::send_until(std::int64_t deadline_ns) {
+  std::vector<Awaited> busy;
+  do {
+    busy.clear();
     for (const Client& client : clients_) {
-      // poll() ignores a negative descriptor.
-      waited_for.push_back({client.busy() ? client.socket.number() : -1, POLLOUT, 0});
+      if (client.busy()) busy.push_back({client.socket, true});
     }
-    const std::int64_t left = std::max<std::int64_t>(0, deadline_ns - monotonic_ns());
-    const timespec limit{left / 1'000'000'000, left % 1'000'000'000};
-    const int ready = ppoll(waited_for.data(), waited_for.size(), &limit, nullptr);
-    for (std::size_t i = 0; ready > 0 && i < clients_.size(); ++i) {
-      if (waited_for[i + 1].revents != 0) send_on(clients_[i]);
-    }
+    wait_for(busy, deadline_ns);
+    for (Client& client : clients_) send_on(client);
     remove_closed();
-    if (left == 0 || (ready > 0 && waited_for[0].revents != 0)) return;
-  }
+  } while (monotonic_ns() < deadline_ns);
 }
 
 /// Closes all connections. Closing a connection with unread input would reset it, and data under way would be
 /// lost. So each input is read first.
 void IgtlClients::close_all() {
-  listener_ = Descriptor(-1);
+  listener_ = Socket();
   for (Client& client : clients_) {
-    (void)shutdown(client.socket.number(), SHUT_WR);
+    end_sending(client.socket);
     discard_input(client);
   }
   clients_.clear();

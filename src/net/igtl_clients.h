@@ -60,8 +60,8 @@ class IgtlClients final {
   void poll();
   /// Starts to send new channel data to every client that is not busy.
   void offer(const IgtlChannels& channels);
-  /// Continues sending until that monotonic time [ns], or until the descriptor `wake` is readable.
-  void send_until(std::int64_t deadline_ns, int wake);
+  /// Continues sending until that monotonic time [ns].
+  void send_until(std::int64_t deadline_ns);
   /// Closes all connections and stops listening.
   void close_all();
 
@@ -69,8 +69,8 @@ class IgtlClients final {
   static constexpr std::size_t kHeadBytes = 34;  // start of a message header: version 2, type 12, name 20
 
   struct Client {
-    explicit Client(Descriptor connection) noexcept : socket(std::move(connection)) {}
-    Descriptor socket;
+    explicit Client(Socket connection) noexcept : socket(std::move(connection)) {}
+    Socket socket;
     std::array<std::uint64_t, kIgtlChannels> had{};  // last number sent of each channel
     Bytes pending;
     std::size_t sent = 0;                          // of pending
@@ -91,7 +91,7 @@ class IgtlClients final {
   void remove_closed();
 
   Limits limits_;
-  Descriptor listener_;
+  Socket listener_;
   int port_ = 0;
   std::vector<Client> clients_;
   IgtlStatistics statistics_;

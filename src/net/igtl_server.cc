@@ -4,10 +4,6 @@
 #include <exception>
 #include <utility>
 
-#include <sys/eventfd.h>
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 
@@ -18,13 +14,11 @@ constexpr std::int64_t period_ns(double rate_Hz) { return static_cast<std::int64
 
 /// Packing surfaces takes at most 1/kShareOfSurface of the thread's time.
 constexpr std::int64_t kShareOfSurface = 4;
-/// Nice value of the thread. The rest of the run has a higher priority.
-constexpr int kNiceness = 5;
 
 }  // namespace
 
 IgtlServer::IgtlServer(const IgtlAddress& address, const IgtlClients::Limits& limits)
-    : clients_(address, limits), wake_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    : clients_(address, limits) {
   const realtime::BlockedSignals held;
   thread_ = std::thread([this] { serve(); });
 }
@@ -45,14 +39,13 @@ IgtlStatistics IgtlServer::finish() {
   return tally;
 }
 
-/// Passes a request to the server's thread and waits until the thread has answered it.
+/// Passes a request to the server's thread and waits until the thread has answered it, which takes as long as
+/// the wait for its next frame.
 void IgtlServer::ask(Ask what, std::unique_ptr<IgtlStream> stream) {
   std::unique_lock lock(mutex_);
   if (!serving_) return;
   asked_ = what;
   next_ = std::move(stream);
-  const std::uint64_t one = 1;
-  (void)!write(wake_.number(), &one, sizeof one);
   answered_.wait(lock, [this] { return asked_ == Ask::kNothing || !serving_; });
 }
 
@@ -63,7 +56,7 @@ void IgtlServer::answer() {
 }
 
 void IgtlServer::serve() {
-  (void)setpriority(PRIO_PROCESS, 0, kNiceness);  // Linux changes this thread alone
+  realtime::yield_to_loop();
   try {
     serve_until_finish();
   } catch (const std::exception& error) {
@@ -78,9 +71,7 @@ void IgtlServer::serve() {
 void IgtlServer::serve_until_finish() {
   std::int64_t due = monotonic_ns();
   for (;;) {
-    clients_.send_until(due, wake_.number());
-    std::uint64_t ignored = 0;
-    (void)!read(wake_.number(), &ignored, sizeof ignored);
+    clients_.send_until(due);
     Ask asked{};
     std::unique_ptr<IgtlStream> next;
     {
@@ -171,7 +162,7 @@ void IgtlServer::send_goodbye() {
   clients_.poll();
   clients_.offer(channels_);
   while (clients_.busy() && monotonic_ns() < until) {
-    clients_.send_until(monotonic_ns() + period_ns(kStateRate), wake_.number());
+    clients_.send_until(monotonic_ns() + period_ns(kStateRate));
     clients_.offer(channels_);
   }
 }

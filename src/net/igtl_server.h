@@ -63,7 +63,6 @@ class IgtlServer final : public haptics::TickObserver {
   [[nodiscard]] bool faults_changed() noexcept;
 
   IgtlClients clients_;
-  Descriptor wake_;
   haptics::SnapshotPublisher published_;
   std::mutex mutex_;
   std::condition_variable answered_;

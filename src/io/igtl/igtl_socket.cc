@@ -1,18 +1,17 @@
 #include "io/igtl/igtl_socket.h"
 
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <vector>
 
-#include <arpa/inet.h>
 #include <fmt/core.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
+#include "io/system/clock.h"
 #include "palpate/error.h"
+
+#include "system_sockets.h"
 
 namespace palpate::net {
 namespace {
@@ -23,8 +22,21 @@ InputError wrong_address(const std::string& who, const std::string& text, const 
   return InputError(fmt::format("{} {}: {}", who, text, why));
 }
 
-void set_option(int socket, int level, int name, int value) {
-  (void)setsockopt(socket, level, name, &value, sizeof value);
+constexpr std::size_t kMaxBytesAtOnce = std::size_t{1} << 30U;  // Windows counts them by an int
+
+SocketHandle handle_of(const Socket& socket) noexcept { return static_cast<SocketHandle>(socket.handle()); }
+
+Socket socket_of(SocketHandle handle) noexcept { return Socket(static_cast<std::intptr_t>(handle)); }
+
+void set_option(const Socket& socket, int level, int name, int value) {
+  (void)setsockopt(handle_of(socket), level, name, reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// @param result of a call that sent or received: a number of bytes; negative: failed
+Transfer transfer_of(std::ptrdiff_t result) {
+  if (result >= 0) return {static_cast<std::size_t>(result), false, {}};
+  const int error = socket_error();
+  return {0, false, would_wait(error) ? std::string() : describe_socket_error(error)};
 }
 
 sockaddr_in socket_address(const IgtlAddress& address, const std::string& who) {
@@ -39,23 +51,19 @@ sockaddr_in socket_address(const IgtlAddress& address, const std::string& who) {
 
 /// Describes why the server cannot listen at a port.
 std::string describe(int error, const IgtlAddress& address) {
-  switch (error) {
-    case EADDRINUSE:
-      return "the port is taken by another program; choose another port";
-    case EACCES:
-      return "this user may not listen at that port; choose one from 1024 on";
-    case EADDRNOTAVAIL:
-      return "this machine has no address " + address.host +
-             "; 127.0.0.1 is this machine alone, 0.0.0.0 all its addresses";
-    default:
-      return std::string("the port cannot be listened at: ") + std::strerror(error);
+  if (error == kPortTaken) return "the port is taken by another program; choose another port";
+  if (error == kNotPermitted) return kNotPermittedText;
+  if (error == kNoSuchAddress) {
+    return "this machine has no address " + address.host +
+           "; 127.0.0.1 is this machine alone, 0.0.0.0 all its addresses";
   }
+  return "the port cannot be listened at: " + describe_socket_error(error);
 }
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) close(number_);
+Socket::~Socket() {
+  if (is_open()) close_socket(handle_of(*this));
 }
 
 IgtlAddress parse_igtl_address(const std::string& text, const std::string& who) {
@@ -75,31 +83,55 @@ IgtlAddress parse_igtl_address(const std::string& text, const std::string& who) 
   return address;
 }
 
-Descriptor listen_at(const IgtlAddress& address, const std::string& who) {
+Socket listen_at(const IgtlAddress& address, const std::string& who) {
   const sockaddr_in where = socket_address(address, who);
-  Descriptor listener(socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  set_option(listener.number(), SOL_SOCKET, SO_REUSEADDR, 1);  // the port of a previous run is free at once
-  if (listener.number() < 0 ||
-      bind(listener.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
-      listen(listener.number(), SOMAXCONN) != 0) {
-    throw wrong_address(who, address.text(), describe(errno, address));
+  Socket listener = socket_of(open_socket());
+  set_option(listener, SOL_SOCKET, kListenOption, 1);
+  const SocketHandle handle = handle_of(listener);
+  if (!listener.is_open() || bind(handle, reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0 ||
+      listen(handle, SOMAXCONN) != 0) {
+    throw wrong_address(who, address.text(), describe(socket_error(), address));
   }
   return listener;
 }
 
-int port_of(const Descriptor& listener) {
+int port_of(const Socket& listener) {
   sockaddr_in where{};
   socklen_t size = sizeof where;
-  (void)getsockname(listener.number(), reinterpret_cast<sockaddr*>(&where), &size);
+  (void)getsockname(handle_of(listener), reinterpret_cast<sockaddr*>(&where), &size);
   return ntohs(where.sin_port);
 }
 
-Descriptor accept_from(const Descriptor& listener, int send_buffer) {
-  Descriptor socket(accept4(listener.number(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-  if (socket.number() < 0) return socket;
-  set_option(socket.number(), IPPROTO_TCP, TCP_NODELAY, 1);
-  set_option(socket.number(), SOL_SOCKET, SO_SNDBUF, send_buffer);
+Socket accept_from(const Socket& listener, int send_buffer) {
+  Socket socket = socket_of(accept_socket(handle_of(listener)));
+  if (!socket.is_open()) return socket;
+  set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
+  set_option(socket, SOL_SOCKET, SO_SNDBUF, send_buffer);
   return socket;
+}
+
+Transfer receive_from(const Socket& socket, std::span<unsigned char> bytes) {
+  const std::ptrdiff_t got = recv(handle_of(socket), reinterpret_cast<char*>(bytes.data()), bytes.size(), 0);
+  Transfer received = transfer_of(got);
+  received.ended = got == 0;
+  return received;
+}
+
+Transfer send_to(const Socket& socket, std::span<const unsigned char> bytes) {
+  const std::size_t most = std::min(bytes.size(), kMaxBytesAtOnce);
+  return transfer_of(send(handle_of(socket), reinterpret_cast<const char*>(bytes.data()), most, kSendFlags));
+}
+
+void end_sending(const Socket& socket) noexcept { (void)shutdown(handle_of(socket), kEndSending); }
+
+void wait_for(std::span<const Awaited> sockets, std::int64_t deadline_ns) {
+  std::vector<pollfd> polled;
+  for (const Awaited& awaited : sockets) {
+    if (!awaited.socket.is_open()) continue;
+    polled.push_back({handle_of(awaited.socket), awaited.to_send ? short{POLLOUT} : short{POLLIN}, 0});
+  }
+  if (polled.empty()) return sleep_until_ns(deadline_ns);  // Windows cannot wait for no socket
+  poll_sockets(polled, deadline_ns);
 }
 
 }  // namespace palpate::net

@@ -27,33 +27,35 @@ class BareClient final {
  public:
   explicit BareClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     const int small = 4096;  // bytes: a buffer that is full soon
-    (void)setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    (void)setsockopt(handle(), SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
     sockaddr_in where{};
     where.sin_family = AF_INET;
     where.sin_port = htons(static_cast<std::uint16_t>(port));
     where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    connected_ = connect(socket_.number(), reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
+    connected_ = connect(handle(), reinterpret_cast<const sockaddr*>(&where), sizeof where) == 0;
   }
   [[nodiscard]] bool connected() const { return connected_; }
   /// Receives at most `most` bytes. @return their number; 0 at the end of the stream
   [[nodiscard]] ssize_t receive(std::size_t most) {
     Bytes bytes(most);
-    return recv(socket_.number(), bytes.data(), bytes.size(), 0);
+    return recv(handle(), bytes.data(), bytes.size(), 0);
   }
   /// Sends the bytes that the system takes without a wait. @return their number
   std::size_t send_what_goes(const Bytes& bytes) {
-    const ssize_t sent = send(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    const ssize_t sent = send(handle(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     return sent < 0 ? 0 : static_cast<std::size_t>(sent);
   }
   /// Receives all bytes that have arrived.
   void receive_what_is_there() {
     Bytes bytes(1 << 16);
-    while (recv(socket_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) continue;
+    while (recv(handle(), bytes.data(), bytes.size(), MSG_DONTWAIT) > 0) continue;
   }
-  void send_no_more() { (void)shutdown(socket_.number(), SHUT_WR); }
+  void send_no_more() { (void)shutdown(handle(), SHUT_WR); }
 
  private:
-  Descriptor socket_;
+  [[nodiscard]] int handle() const { return static_cast<int>(socket_.handle()); }
+
+  Socket socket_;
   bool connected_ = false;
 };
 

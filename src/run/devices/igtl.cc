@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <exception>
 #include <utility>
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <sys/socket.h>
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
@@ -131,10 +127,8 @@ void IgtlDevice::run() noexcept {
 
 /// Waits for bytes from the client or the next message to it, and handles them.
 void IgtlDevice::serve() {
-  std::array<pollfd, 2> awaited{{{listener_.number(), POLLIN, 0}, {client_.number(), POLLIN, 0}}};
-  const std::int64_t left = next_send_ns_ - monotonic_ns();
-  const timespec limit{0, static_cast<long>(std::clamp<std::int64_t>(left, 0, times_.period))};
-  (void)ppoll(awaited.data(), awaited.size(), &limit, nullptr);
+  const std::array<net::Awaited, 2> awaited = {{{listener_}, {client_}}};
+  net::wait_for(awaited, next_send_ns_);
   const std::int64_t now = monotonic_ns();
   let_in(now);
   receive(now);
@@ -143,10 +137,10 @@ void IgtlDevice::serve() {
 
 void IgtlDevice::let_in(std::int64_t now) {
   for (;;) {
-    net::Descriptor socket = net::accept_from(listener_, kIgtlSendBuffer);
-    if (socket.number() < 0) return;
+    net::Socket socket = net::accept_from(listener_, kIgtlSendBuffer);
+    if (!socket.is_open()) return;
     receive(now);  // the present client may have closed its connection before
-    if (client_.number() >= 0) {
+    if (client_.is_open()) {
       if (now - received_ns_ <= times_.replaced) continue;  // closes the new connection
       drop("another client has replaced one that sent nothing");
     }
@@ -160,16 +154,16 @@ void IgtlDevice::let_in(std::int64_t now) {
 }
 
 void IgtlDevice::receive(std::int64_t now) {
-  if (client_.number() < 0) return;
+  if (!client_.is_open()) return;
   std::array<unsigned char, kMaxReceived> bytes;
-  const ssize_t got = recv(client_.number(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-  if (got < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  if (got < 0) return drop(std::string("the connection broke: ") + std::strerror(errno));
-  if (got == 0) return drop("the client closed the connection");
+  const net::Transfer got = net::receive_from(client_, bytes);
+  if (!got.broken.empty()) return drop("the connection broke: " + got.broken);
+  if (got.ended) return drop("the client closed the connection");
+  if (got.bytes == 0) return;
   received_ns_ = now;
   try {
     reader_.read(
-        std::span(bytes).first(static_cast<std::size_t>(got)),
+        std::span(bytes).first(got.bytes),
         [this, now](const std::optional<Pose>& pose, const std::string& status) { take(pose, status, now); });
   } catch (const InputError& error) {
     return drop(std::string(error.what()) + "; the client was disconnected");
@@ -194,7 +188,7 @@ void IgtlDevice::take(const std::optional<Pose>& pose, const std::string& status
 void IgtlDevice::send_if_due(std::int64_t now) {
   if (now < next_send_ns_) return;
   next_send_ns_ = now + times_.period;
-  if (client_.number() < 0) return;
+  if (!client_.is_open()) return;
   if (sent_ == pending_.size()) pack(forces_.wanted(now, times_.write_timeout));
   send_pending();
 }
@@ -214,12 +208,10 @@ void IgtlDevice::pack(const haptics::ForceCommand& command_D) {
 /// Sends what the system takes. A client that reads too slowly gets the newest command after the present one.
 void IgtlDevice::send_pending() {
   while (sent_ < pending_.size()) {
-    const ssize_t sent =
-        send(client_.number(), pending_.data() + sent_, pending_.size() - sent_, MSG_DONTWAIT | MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && errno == EAGAIN) return;
-    if (sent < 0) return drop(std::string("the connection broke: ") + std::strerror(errno));
-    sent_ += static_cast<std::size_t>(sent);
+    const net::Transfer sent = net::send_to(client_, std::span(pending_).subspan(sent_));
+    if (!sent.broken.empty()) return drop("the connection broke: " + sent.broken);
+    if (sent.bytes == 0) return;
+    sent_ += sent.bytes;
   }
 }
 
@@ -227,7 +219,7 @@ void IgtlDevice::send_pending() {
 void IgtlDevice::drop(const std::string& why) {
   set_error(why);
   poses_.break_off();
-  client_ = net::Descriptor(-1);
+  client_ = net::Socket();
   pending_.clear();
   sent_ = 0;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -238,7 +230,7 @@ void IgtlDevice::drop(const std::string& why) {
 void IgtlDevice::let_go() noexcept {
   try {
     const std::int64_t deadline = monotonic_ns() + kFarewellLimit;
-    for (bool zero = false; client_.number() >= 0 && monotonic_ns() < deadline;) {
+    for (bool zero = false; client_.is_open() && monotonic_ns() < deadline;) {
       send_pending();
       if (sent_ < pending_.size()) {
         sleep_until_ns(monotonic_ns() + kMillisecond);
@@ -250,10 +242,11 @@ void IgtlDevice::let_go() noexcept {
       }
     }
     // Closing a connection with unread input would reset it, and the zero force could be lost.
-    if (client_.number() >= 0) (void)shutdown(client_.number(), SHUT_WR);
+    if (!client_.is_open()) return;
+    net::end_sending(client_);
     std::array<unsigned char, kMaxReceived> ignored;
     while (monotonic_ns() < deadline) {
-      if (recv(client_.number(), ignored.data(), ignored.size(), MSG_DONTWAIT) <= 0) break;
+      if (net::receive_from(client_, ignored).bytes == 0) break;
     }
   } catch (const std::exception&) {
     return;  // no memory is left for a message; the connection is closed

@@ -94,8 +94,8 @@ class IgtlDevice final : public haptics::Device {
   bool connected_ = false;
 
   // Used only by the thread once it runs:
-  net::Descriptor listener_;
-  net::Descriptor client_{-1};
+  net::Socket listener_;
+  net::Socket client_;
   net::IgtlReader reader_;
   std::int64_t received_ns_ = 0;  // when the client last sent anything
   std::int64_t next_send_ns_ = 0;

@@ -153,7 +153,7 @@ TEST(IgtlSource, OtherFormsAreRefusedWithTheRequiredOne) {
 }
 
 TEST(IgtlDevice, APortThatIsTakenIsRefused) {
-  const net::Descriptor other = net::listen_at({"127.0.0.1", 0});
+  const net::Socket other = net::listen_at({"127.0.0.1", 0});
   EXPECT_THAT(opening_refusal(source_at(net::port_of(other))),
               HasSubstr("the port is taken by another program"));
 }
