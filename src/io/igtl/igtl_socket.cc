@@ -22,7 +22,10 @@ InputError wrong_address(const std::string& who, const std::string& text, const 
   return InputError(fmt::format("{} {}: {}", who, text, why));
 }
 
-constexpr std::size_t kMaxBytesAtOnce = std::size_t{1} << 30U;  // Windows counts them by an int
+/// The number of bytes of one call. Windows counts them by an int.
+ByteCount count_of(std::size_t bytes) noexcept {
+  return static_cast<ByteCount>(std::min(bytes, std::size_t{1} << 30U));
+}
 
 SocketHandle handle_of(const Socket& socket) noexcept { return static_cast<SocketHandle>(socket.handle()); }
 
@@ -111,15 +114,16 @@ Socket accept_from(const Socket& listener, int send_buffer) {
 }
 
 Transfer receive_from(const Socket& socket, std::span<unsigned char> bytes) {
-  const std::ptrdiff_t got = recv(handle_of(socket), reinterpret_cast<char*>(bytes.data()), bytes.size(), 0);
+  const std::ptrdiff_t got =
+      recv(handle_of(socket), reinterpret_cast<char*>(bytes.data()), count_of(bytes.size()), 0);
   Transfer received = transfer_of(got);
   received.ended = got == 0;
   return received;
 }
 
 Transfer send_to(const Socket& socket, std::span<const unsigned char> bytes) {
-  const std::size_t most = std::min(bytes.size(), kMaxBytesAtOnce);
-  return transfer_of(send(handle_of(socket), reinterpret_cast<const char*>(bytes.data()), most, kSendFlags));
+  return transfer_of(send(handle_of(socket), reinterpret_cast<const char*>(bytes.data()),
+                          count_of(bytes.size()), kSendFlags));
 }
 
 void end_sending(const Socket& socket) noexcept { (void)shutdown(handle_of(socket), kEndSending); }

@@ -2,6 +2,7 @@
 // The sockets of POSIX systems, for igtl_socket.cc.
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -19,6 +20,7 @@
 namespace palpate::net {
 
 using SocketHandle = int;
+using ByteCount = std::size_t;
 
 inline constexpr int kListenOption = SO_REUSEADDR;  // the port of a previous run is free at once
 inline constexpr int kSendFlags = MSG_NOSIGNAL;

@@ -13,6 +13,7 @@
 namespace palpate::net {
 
 using SocketHandle = SOCKET;
+using ByteCount = int;
 using pollfd = WSAPOLLFD;
 
 // With SO_REUSEADDR a second program could take over a port that a first one listens at.
