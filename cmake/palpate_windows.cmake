@@ -1,4 +1,4 @@
-# palpate.exe (preset windows-program), without a window, pictures, assimp, TBB, OpenIGTLink and MPI, and palpate-fit.exe, without
+# palpate.exe (preset windows-program), without a window, pictures, assimp, TBB and MPI, and palpate-fit.exe, without
 # photographs. tools/make_windows_libraries makes HDF5 and Ceres; zlib is Debian's for mingw-w64.
 include(palpate_headers)
 palpate_headers_of(eigen3/Eigen fmt toml++ stb CLI nlohmann boost

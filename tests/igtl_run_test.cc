@@ -91,7 +91,9 @@ class PressingTracker final {
     }
   }
   void receive() {
-    while (const std::optional<Received> received = client_->next()) {
+    while (!ending) {
+      const std::optional<Received> received = client_->next();
+      if (!received) return;
       if (received->type != "SENSOR" || received->name != "PalpateHandForce") continue;
       const std::vector<double> values = received->values();
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -115,6 +117,38 @@ bool wait_for(const std::function<bool()>& wanted) {
   return false;
 }
 
+/// Waits until the client has pressed. A machine that halts for 0.1 s makes the stream stale, which is a
+/// fault. It is reset, and the next press is used.
+bool await_force(const Program& program, PressingTracker& tracker) {
+  return wait_for([&] {
+    if (takes_resets(program.id())) program.signal(SIGUSR1);
+    return tracker.newest_are(10, [](double force) { return force > 0.1; });
+  });
+}
+
+bool await_zero_force(PressingTracker& tracker, std::size_t count) {
+  return wait_for([&] { return tracker.newest_are(count, [](double force) { return force == 0.0; }); });
+}
+
+TEST(IgtlRun, AClientThatClosesIsAFaultAndTheNextOneReceivesZeroForceThroughAPress) {
+  const Folder folder;
+  const int port = net::port_of(net::listen_at({"127.0.0.1", 0}));
+  Program program(folder.path(), {"run", "--device", "igtl:" + std::to_string(port) + "/Hand", "--headless"});
+  {
+    PressingTracker tracker(port);
+    EXPECT_TRUE(await_force(program, tracker)) << program.err_so_far();
+  }
+  PressingTracker next(port);
+  EXPECT_TRUE(await_zero_force(next, 400)) << "4 s, in which its tool presses";
+  program.signal(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  // A client that closes before it has read all resets the connection.
+  EXPECT_TRUE(outcome.err.find("the client closed the connection") != std::string::npos ||
+              outcome.err.find("the connection broke: Connection reset by peer") != std::string::npos)
+      << outcome.err;
+}
+
 TEST(IgtlRun, AClientMovesTheToolAndReceivesTheRecordedForceAndItsSilenceIsAFault) {
   const Folder folder;
   const int port = net::port_of(net::listen_at({"127.0.0.1", 0}));
@@ -124,16 +158,11 @@ TEST(IgtlRun, AClientMovesTheToolAndReceivesTheRecordedForceAndItsSilenceIsAFaul
   std::vector<PressingTracker::Force> forces;
   {
     PressingTracker tracker(port);
-    // A machine that halts for 0.1 s makes the stream stale, which is a fault. It is reset, and the next
-    // press is used.
-    EXPECT_TRUE(wait_for([&] {
-      if (takes_resets(program.id())) program.signal(SIGUSR1);
-      return tracker.newest_are(10, [](double force) { return force > 0.1; });
-    })) << program.err_so_far();
+    EXPECT_TRUE(await_force(program, tracker)) << program.err_so_far();
     net::test::Client second(port);
     EXPECT_FALSE(second.next()) << "refused";
     tracker.silent = true;
-    EXPECT_TRUE(wait_for([&] { return tracker.newest_are(10, [](double force) { return force == 0.0; }); }));
+    EXPECT_TRUE(await_zero_force(tracker, 10));
     program.signal(SIGINT);
     outcome = program.wait();
     forces = tracker.forces();
