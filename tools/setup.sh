@@ -79,3 +79,9 @@ build_release() {
   configure release
   build "$@"
 }
+
+# install_playwright: playwright-core in build/page-tools, once (14 MB of the npm registry). It drives a browser that is installed.
+install_playwright() {
+  [[ -d build/page-tools/node_modules/playwright-core ]] ||
+    npm install --prefix build/page-tools --no-save --no-audit --no-fund --loglevel=error playwright-core@1.65.1
+}

@@ -115,7 +115,8 @@ test('the mouse on the page presses, its recording replays, and another device f
   await page.locator('#record').click();
   await page.waitForFunction(() => document.getElementById('recording').textContent.startsWith('Recorded in '));
   const [file] = await readdir(folder);
-  assert.equal(await page.locator('#recording').textContent(), `Recorded in ${join(folder, file)}`);
+  const path = process.env.WINEPREFIX ? `Z:${join(folder, file)}`.replaceAll('/', '\\') : join(folder, file);
+  assert.equal(await page.locator('#recording').textContent(), `Recorded in ${path}`);
   const replay = spawnSync(process.env.PALPATE_PROGRAM, ['replay', file, '--verify'], {cwd: folder, encoding: 'utf8'});
   assert.equal(replay.status, 0, replay.stderr);
 

@@ -4,8 +4,14 @@
 #include "run/devices/test/stand_in/dhd_stand_in.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
 #include <iterator>
+#include <limits>
 #include <mutex>
+#include <string>
+#include <thread>
 
 namespace {
 
@@ -42,6 +48,36 @@ Device* find(char id) {
   }
 }
 
+// For a test of a whole program: a hand of 0.25 kg presses with 0.5 N from command kPress on, and at command
+// kFault the fault comes that PALPATE_STAND_IN_FAULT names.
+constexpr unsigned long kPress = 900;
+constexpr unsigned long kFault = 1300;
+
+std::string scripted_fault() {
+  const char* name = std::getenv("PALPATE_STAND_IN_FAULT");
+  return name == nullptr ? "" : name;
+}
+
+void rest_above_the_organ(Device& device) {
+  device.mass = 0.25;
+  device.damping = 5.0;
+  device.position[2] = 0.03;
+}
+
+[[maybe_unused]] void play_script(Device& device) {
+  const std::string fault = scripted_fault();
+  if (fault.empty()) return;
+  if (device.writes == kPress) device.hand_force[2] = -0.5;
+  if (device.writes != kFault) return;
+  device.error = 2;
+  if (fault == "unreadable") device.pose_result = -1;
+  if (fault == "refused") device.write_result = -1;
+  if (fault == "stale") device.pose_result = 1;
+  if (fault == "nan") device.position[1] = std::numeric_limits<double>::quiet_NaN();
+  if (fault == "too-fast") device.force_off_cause = 2;
+  if (fault == "usb-lost") device.force_off_cause = 5;
+}
+
 /// Calls `use(device)` with the open device `id`. @return its result, or -1 when no such device is open
 template <typename Use>
 int with(char id, Use use) {
@@ -56,6 +92,7 @@ int open_number(int index) {
   if (device.open_result < 0) return fail(device.error);
   device.open = true;
   ++device.opens;
+  if (!scripted_fault().empty()) rest_above_the_organ(device);
   return index;
 }
 
@@ -176,6 +213,9 @@ int dhdGetButton(int index, char id) {
 #ifndef STAND_IN_NO_FORCE
 int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz,
                                         double gripper, char id) {
+  static std::atomic<unsigned long> commands{0};
+  if (++commands == kFault && scripted_fault() == "hung")
+    std::this_thread::sleep_for(std::chrono::seconds(1));
   return with(id, [=](Device& device) {
     if (device.write_result < 0) return fail(device.error);
     const double force[3] = {fx, fy, fz};
@@ -184,6 +224,7 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
     std::copy_n(torque, 3, device.torque);
     device.gripper_force = gripper;
     ++device.writes;
+    play_script(device);
     take_step(device);
     return device.write_result;
   });

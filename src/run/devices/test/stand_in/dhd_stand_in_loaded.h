@@ -2,8 +2,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <dlfcn.h>
-
+#include "io/system/shared_library.h"
 #include "run/devices/test/stand_in/dhd_stand_in.h"
 
 namespace palpate::devices::stand_in {
@@ -12,12 +11,12 @@ namespace palpate::devices::stand_in {
 /// the values that the test sets here.
 class Loaded final {
  public:
-  explicit Loaded(std::string file) : path(std::move(file)), handle_(dlopen(path.c_str(), RTLD_NOW)) {
-    if (handle_ == nullptr) throw std::runtime_error(dlerror());  // NOLINT(concurrency-mt-unsafe): one thread
-    library = reinterpret_cast<Entry>(dlsym(handle_, kEntry))();
+  explicit Loaded(std::string file) : path(std::move(file)), opened_(open_library(path)) {
+    if (opened_.handle == nullptr) throw std::runtime_error(opened_.error);
+    library = reinterpret_cast<Entry>(find_function(opened_.handle, kEntry))();
     *library = Library{};
   }
-  ~Loaded() { dlclose(handle_); }
+  ~Loaded() { close_library(opened_.handle); }
   Loaded(const Loaded&) = delete;
   Loaded& operator=(const Loaded&) = delete;
 
@@ -27,12 +26,12 @@ class Loaded final {
   Library* library = nullptr;
 
  private:
-  void* handle_;
+  SharedLibrary opened_;
 };
 
 /// File of a variant of the library. src/run/devices/CMakeLists.txt gives the names.
 inline std::string file_of(const std::string& variant) {
-  return std::string(PALPATE_STAND_IN_FOLDER) + "/lib" + variant + ".so";
+  return std::string(PALPATE_STAND_IN_FOLDER) + "/lib" + variant + PALPATE_STAND_IN_SUFFIX;
 }
 
 }  // namespace palpate::devices::stand_in

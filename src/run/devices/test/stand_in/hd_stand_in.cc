@@ -64,10 +64,8 @@ HdArm* framed_arm() {
 bool next_frame_is_due() {
   std::unique_lock lock(world.mutex);
   if (world.stepped) {
-    const bool due = world.done < world.asked;
-    lock.unlock();
-    if (!due) std::this_thread::sleep_for(std::chrono::microseconds(20));
-    return due;
+    const auto due = [] { return world.stepped && world.done < world.asked; };
+    return world.changed.wait_for(lock, std::chrono::milliseconds(1), due);
   }
   lock.unlock();
   std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -87,6 +85,7 @@ void serve() {
     for (const Scheduled& one : now) one.callback(one.data);
     const std::lock_guard lock(world.mutex);
     if (world.stepped) ++world.done;
+    world.changed.notify_all();
   }
 }
 

@@ -2,6 +2,7 @@
 // The stand-in for OpenHaptics' HD library as a test sees it: simulated arms, the calls that they received,
 // and a scheduler with its own thread. It is plain data behind one exported function. `mutex` guards all of
 // it.
+#include <condition_variable>
 #include <mutex>
 #include <vector>
 
@@ -50,7 +51,8 @@ struct HdWorld {
   bool silent = false;   // the scheduler runs but does not call back
   bool stepped = false;  // it calls back once per step in `asked` instead of at 1 kHz
   unsigned long asked = 0;
-  unsigned long done = 0;  // callbacks of stepped frames
+  unsigned long done = 0;           // callbacks of stepped frames
+  std::condition_variable changed;  // asked or done
   bool running = false;
   unsigned long rate = 0;  // Hz, as requested
   int starts = 0;

@@ -1,23 +1,21 @@
 #pragma once
-#include <chrono>
+#include <mutex>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
-#include <dlfcn.h>
-
+#include "io/system/shared_library.h"
 #include "run/devices/test/stand_in/hd_stand_in.h"
 
 namespace palpate::devices::stand_in {
 
-/// Keeps the stand-in for libHD.so open for a test. The code under test finds the same library in memory by
-/// its name, and finds the values that the test sets here. No arm may be open when an object of this class
-/// begins or ends.
+/// Keeps the stand-in for libHD.so or hd.dll open for a test. The code under test finds the same library in
+/// memory by its name, and finds the values that the test sets here. No arm may be open when an object of
+/// this class begins or ends.
 class LoadedHd final {
  public:
-  LoadedHd() : handle_(dlopen(PALPATE_HD_STAND_IN, RTLD_NOW)) {
-    if (handle_ == nullptr) throw std::runtime_error(dlerror());  // NOLINT(concurrency-mt-unsafe): one thread
-    world_ = reinterpret_cast<HdEntry>(dlsym(handle_, kHdEntry))();
+  LoadedHd() : opened_(open_library(PALPATE_HD_STAND_IN)) {
+    if (opened_.handle == nullptr) throw std::runtime_error(opened_.error);
+    world_ = reinterpret_cast<HdEntry>(find_function(opened_.handle, kHdEntry))();
     const std::lock_guard lock(world_->mutex);
     for (HdArm& arm : world_->arms) arm = {};
     world_->arms[1].name = "Left";
@@ -27,7 +25,7 @@ class LoadedHd final {
     world_->starts = world_->illegal = 0;
     world_->order.clear();
   }
-  ~LoadedHd() { dlclose(handle_); }
+  ~LoadedHd() { close_library(opened_.handle); }
   LoadedHd(const LoadedHd&) = delete;
   LoadedHd& operator=(const LoadedHd&) = delete;
 
@@ -44,14 +42,14 @@ class LoadedHd final {
   }
   /// Lets a stepped scheduler call back once, and waits for it.
   void step() const {
-    const unsigned long asked = set([](HdWorld& world) { return ++world.asked; });
-    while (set([&](const HdWorld& world) { return world.done < asked; })) {
-      std::this_thread::sleep_for(std::chrono::microseconds(20));
-    }
+    std::unique_lock lock(world_->mutex);
+    const unsigned long asked = ++world_->asked;
+    world_->changed.notify_all();
+    world_->changed.wait(lock, [&] { return world_->done >= asked; });
   }
 
  private:
-  void* handle_;
+  SharedLibrary opened_;
   HdWorld* world_ = nullptr;
 };
 
