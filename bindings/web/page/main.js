@@ -208,8 +208,8 @@ async function copyLink() {
 // ---- The search
 
 function mark() {
-  if (task() !== 'palpate' || state.ended || !state.result || state.marks.length >= MOST_MARKS) return;
-  if (state.result.phase === 0) return controls.note('Nothing is marked: the tool does not touch the tissue.');
+  if (task() !== 'palpate' || state.ended || state.marks.length >= MOST_MARKS) return;
+  if (!state.result?.phase) return controls.note('Nothing is marked: the tool does not touch the tissue.');
   state.marks.push(rotatedBack(state.organ.orientation, sub(state.result.contact, state.organ.position)));
   send('mark');
   showMarks(state.marks.map(position => ({position, kind: 'found'})));  // no mark shows whether it is right
