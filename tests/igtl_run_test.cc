@@ -118,12 +118,15 @@ bool wait_for(const std::function<bool()>& wanted) {
 }
 
 /// Waits until the client has pressed. A machine that halts for 0.1 s makes the stream stale, which is a
-/// fault. It is reset, and the next press is used.
+/// fault. It is reset, and the next press is used. palpate.exe cannot reset it. @return whether it pressed
 bool await_force(const Program& program, PressingTracker& tracker) {
-  return wait_for([&] {
+  bool stays = false;
+  const bool came = wait_for([&] {
     if (takes_resets(program.id())) program.signal(SIGUSR1);
-    return tracker.newest_are(10, [](double force) { return force > 0.1; });
+    stays = program.err_so_far().find("the force stays zero until the run ends") != std::string::npos;
+    return stays || tracker.newest_are(10, [](double force) { return force > 0.1; });
   });
+  return came && !stays;
 }
 
 bool await_zero_force(PressingTracker& tracker, std::size_t count) {
