@@ -93,6 +93,8 @@ def test_layers_of_a_tissue_are_read_and_set(tmp_path):
         tissue.layers = [{'colour': 1.0}]
     with pytest.raises(palpate.InputError, match='layer 1: cutting_force_N'):
         tissue.layers = [{'cutting_force': -1.0}]
+    with pytest.raises(palpate.InputError, match='layer 3: name = "skin": layer 1 has this name too'):
+        tissue.layers = [layers[0], layers[1], layers[0], layers[-1]]
 
 
 def test_tissue_refuses_in_the_programs_words(program):

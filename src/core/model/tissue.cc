@@ -155,6 +155,11 @@ void validate_layers(const std::vector<TissueLayer>& layers) {
   }
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const std::string path = "layer " + std::to_string(i + 1) + ": ";
+    for (std::size_t k = 0; k < i && !layers[i].name.empty(); ++k) {
+      if (layers[k].name != layers[i].name) continue;
+      throw InputError(path + "name = \"" + layers[i].name + "\": layer " + std::to_string(k + 1) +
+                       " has this name too");
+    }
     const double thickness = layers[i].thickness / kMillimetre;
     if (i + 1 == layers.size()) {
       if (thickness != std::numeric_limits<double>::infinity()) {

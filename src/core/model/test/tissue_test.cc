@@ -161,6 +161,19 @@ TEST(ValidateTissue, RefusesRatiosOfTheReachOutsideTheirRange) {
   EXPECT_NO_THROW(validate(tissue));
 }
 
+TEST(ValidateTissue, RefusesTwoLayersOfOneNameButNotTwoWithout) {
+  TissueParameters tissue = tissue_preset("vein");
+  for (TissueLayer& layer : tissue.layers) layer.name.clear();
+  validate(tissue);
+  tissue.layers[0].name = tissue.layers[2].name = "wall";
+  try {
+    validate(tissue);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "layer 3: name = \"wall\": layer 1 has this name too");
+  }
+}
+
 TEST(TissueParameters, FirstLimitIsByDirection) {
   TissueParameters tissue;
   tissue.rest_length = 14e-3;
