@@ -34,7 +34,9 @@ ServedRuns::Answer ServedRuns::devices() {
   if (running()) throw LiveError("state", "devices: a run is in progress; stop it first");
   const std::string own = text_of(own_devices_.front());
   Json list = Json::array();
-  list.push_back({{"device", own}, {"available", true}, {"words", own_device_flag_ ? "chosen by --device" : "the scene's own"}});
+  list.push_back({{"device", own},
+                  {"available", true},
+                  {"words", own_device_flag_ ? "chosen by --device" : "the scene's own"}});
   if (own_devices_.size() > 1) return Json{{"devices", list}};  // a scene of several hands names them itself
   for (const devices::Probe& probe : devices::probe_devices()) {
     const scene::DeviceKind& kind = *scene::find_device_kind(probe.kind);
