@@ -96,12 +96,14 @@ const shown = page => page.locator('#now').textContent().then(text => text.match
 const deeper = (page, depth) => page.waitForFunction(least => Number(/at (-?[\d.]+) mm/.exec(document.getElementById('now').textContent)?.[1]) > least, depth);
 
 test('the mouse on the page presses, its recording replays, and another device follows', async context => {
+  const began = performance.now();
   const {page, errors, folder} = await opened(context, 'run', '--page', '--json', '--device', 'mouse');
   await page.locator('#mouse').waitFor();
   const box = await page.locator('#picture canvas').boundingBox();
   await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
   for (let i = 0; i < 9; i++) await page.mouse.wheel(0, -100);
   await deeper(page, 2);
+  context.diagnostic(`2 mm deep ${((performance.now() - began) / 1000).toFixed(1)} s after the start of the program`);
   const [force, depth] = await shown(page);
   assert.ok(force > 0.02 && depth < 5, `${force} N at ${depth} mm`);
   await page.waitForFunction(() => /^\d+ of 1000 ticks a second; \d+ of \d+ began too late$/.test(document.getElementById('timing').textContent));
