@@ -13,7 +13,6 @@
 #include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
 #include "io/scene/organ_distance.h"
-#include "io/scene/organ_motion_reader.h"
 #include "io/scene/plausibility.h"
 #include "io/scene/scene_file.h"
 #include "io/scene/scene_keys.h"
