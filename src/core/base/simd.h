@@ -70,9 +70,15 @@ struct Float4 {
   }
   /// [any] Four integers as numbers.
   static Float4 converted(const std::int16_t* from) noexcept {
-    std::int16_t four __attribute__((vector_size(8)));
+    // Each integer twice, then shifted down as one of 32 bits: g++ 12 would convert four of 16 bits one by
+    // one.
+    using Eight = std::int16_t __attribute__((vector_size(16)));
+    using Two = std::int64_t __attribute__((vector_size(16)));
+    std::int64_t four = 0;
     std::memcpy(&four, from, sizeof(four));
-    return Float4(__builtin_convertvector(four, Value));
+    const auto all = reinterpret_cast<Eight>(Two{four, 0});
+    const auto twice = reinterpret_cast<Int4>(__builtin_shufflevector(all, all, 0, 0, 1, 1, 2, 2, 3, 3));
+    return Float4(__builtin_convertvector(twice >> 16, Value));
   }
   void store_unaligned(float* to) const noexcept { std::memcpy(to, &v, sizeof(v)); }
   [[nodiscard]] float get(std::size_t lane) const noexcept { return v[lane]; }

@@ -186,11 +186,17 @@ void BlockInverse::add_rows(std::size_t block, Weights weights, ByAxis& sums) co
   const std::size_t height = rows() - first_[block];
   for (std::size_t column = first_[block]; column < first_[block + 1]; ++column) {
     const std::int16_t* const from = &panels_[block][(column - first_[block]) * height];
+    const auto part = [&weights, from, first = first_[block]](std::size_t w) {
+      const auto& [node, weight] = weights[w];
+      return Float4(weight) * Float4::converted(from + (3 * static_cast<std::size_t>(node) - first));
+    };
     std::array<Float4, 2> sum = {Float4(0.0F), Float4(0.0F)};  // axes in lanes
-    for (std::size_t w = 0; w < weights.size(); ++w)
-      sum[w % 2] +=
-          Float4(weights[w].second) *
-          Float4::converted(from + (3 * static_cast<std::size_t>(weights[w].first) - first_[block]));
+    std::size_t w = 0;
+    for (; w + 2 <= weights.size(); w += 2) {
+      sum[0] += part(w);
+      sum[1] += part(w + 1);
+    }
+    if (w < weights.size()) sum[0] += part(w);
     for (std::size_t axis = 0; axis < 3; ++axis)
       sums[axis][column] += scale_[column] * (sum[0].get(axis) + sum[1].get(axis));
   }
