@@ -21,6 +21,7 @@
 #include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
+#include "palpate/surface.h"
 #include "palpate/units.h"
 #include "view/report/subject.h"
 #include "view/report/surface_error.h"
@@ -174,6 +175,9 @@ void print_json(const Inspected& inspected) {
   if (inspected.support) {
     json["support"] = scene::support_phrases(*inspected.support);
     json["held_share"] = geometry::held_share(*inspected.support, loaded.mesh);
+    const deform::ResponseCells cells = deform::response_cells(loaded.mesh);
+    json["cell_mm"] = cells.edge / kMillimetre;
+    json["thin_share"] = cells.thin_share;
   }
   if (inspected.error) {
     json["surface_error"] = {{"rms_mm", inspected.error->rms / kMillimetre},
@@ -238,6 +242,11 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
     print_list("held by", scene::support_phrases(*inspected.support));
     row("held",
         fmt::format("{:.1f} % of the surface", 1e2 * geometry::held_share(*inspected.support, loaded.mesh)));
+    const deform::ResponseCells cells = deform::response_cells(loaded.mesh);
+    row("cells",
+        fmt::format(
+            "{} mm; {:.1f} % of the surface is on thinner parts, where the deformation shown is not reliable",
+            brief(cells.edge / kMillimetre, 3), 1e2 * cells.thin_share));
   }
   if (inspected.error) {
     const report::SurfaceError& error = *inspected.error;

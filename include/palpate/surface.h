@@ -29,6 +29,15 @@ class OrganResponse;
   return support ? prepare_response(organ, *support) : nullptr;
 }
 
+/// How finely prepare_response() computes an organ.
+struct ResponseCells {
+  double edge = 0.0;  // of its cells [m]
+  double thin_share =
+      0.0;  // of the organ's area, where it is thinner than a cell: its motion is not reliable there
+};
+/// [setup] @param organ closed, outwards
+[[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ);
+
 /// Displaced surface of one contact, in the organ's frame: a tool presses or pulls the surface there.
 struct Indentation {
   Vec3 point = Vec3::Zero();      // on the rest surface [m]

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "core/base/index.h"
+#include "core/base/infinity.h"
 #include "core/deform/surface_parts.h"
+#include "core/deform/triangle_search.h"
 #include "palpate/error.h"
 #include "palpate/surface.h"
 
@@ -126,6 +128,25 @@ Vec3 OrganResponse::at(const Displacements& field, const Vec3& point) const noex
   Vec3 sum = Vec3::Zero();
   for (std::size_t n = 0; n < nodes.size(); ++n) sum += weights[n] * field[nodes[n]].head<3>().cast<double>();
   return sum;
+}
+
+ResponseCells response_cells(const geometry::TriangleMesh& organ) {
+  ResponseCells cells{finest_grid(organ).edge(), 0.0};
+  const TriangleSearch search(organ);
+  double thin = 0.0;
+  double whole = 0.0;
+  for (const geometry::Triangle& t : organ.triangles) {
+    const Vec3& a = organ.vertices[palpate::at(t[0])];
+    const Vec3& b = organ.vertices[palpate::at(t[1])];
+    const Vec3& c = organ.vertices[palpate::at(t[2])];
+    const Vec3 normal = (b - a).cross(c - a);
+    const double size = normal.norm();
+    if (!(size > 0.0)) continue;
+    whole += size;
+    if (search.far_side((a + b + c) / 3.0, -normal / size, cells.edge) < kInfinity) thin += size;
+  }
+  cells.thin_share = thin / whole;
+  return cells;
 }
 
 std::shared_ptr<const OrganResponse> prepare_response(const geometry::TriangleMesh& organ,

@@ -11,6 +11,7 @@
 #include "io/scene/support_reader.h"
 #include "palpate/mesh.h"
 #include "palpate/support.h"
+#include "palpate/surface.h"
 #include "view/report/page.h"
 #include "view/report/sections.h"
 
@@ -62,6 +63,11 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
     facts.emplace_back("organ held by", joined(scene::support_phrases(*scene.support), "; ") + "; together " +
                                             percent(geometry::held_share(*scene.support, scene.organ), 1) +
                                             " of the surface");
+    const deform::ResponseCells cells = deform::response_cells(scene.organ);
+    facts.emplace_back(
+        "cells of its response",
+        fmt::format("{}; {} of the surface is on thinner parts, where the deformation shown is not reliable",
+                    millimetres(cells.edge), percent(cells.thin_share, 1)));
   }
   for (const scene::InclusionSetup& one : scene.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;

@@ -42,6 +42,13 @@ double motion_of_end(const Vec3& force) {
   return response.work(end, force.cast<float>(), field);
 }
 
+TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
+  const ResponseCells plate = response_cells(geometry::make_box(Vec3(0.1, 0.1, 4e-3), 4e-3));
+  EXPECT_GT(plate.edge, 4e-3);
+  EXPECT_NEAR(plate.thin_share, 2.0 * 100.0 * 100.0 / (2.0 * 100.0 * 100.0 + 4.0 * 100.0 * 4.0), 1e-9);
+  EXPECT_EQ(response_cells(bar()).thin_share, 0.0);
+}
+
 TEST(CellGrid, SplinesReproduceConstantsAndLines) {
   const CellGrid grid({Vec3(-1.0, -2.0, 0.0), Vec3(3.0, 1.0, 2.0)}, 0.7);
   for (const Vec3& point : {Vec3(0.1, 0.2, 0.3), Vec3(2.9, -1.9, 1.7), Vec3(-0.9, 0.9, 0.05)}) {
