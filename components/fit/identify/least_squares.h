@@ -103,6 +103,7 @@ struct RecordsProblem {
   std::function<bool(std::size_t record, std::span<const double> shared, std::span<const double> own,
                      std::span<double> out)>
       errors;
+  double step = 1e-5;  // of the central differences: parameters are of the order of 1
 };
 
 /// [setup] Minimises a RecordsProblem by the Levenberg-Marquardt method with central differences, from points

@@ -9,8 +9,8 @@
 //             |               \___/
 //
 // 1. Each record alone (own_fit). needle_record.cc finds the places where the force falls: candidates for
-//    punctures. Each number of layers up to theirs is fitted from several starts (NeedleProblem::starts);
-//    a larger one must lower the Bayesian information criterion by more than kClearly. Its number of rows is
+//    punctures. Each number of layers up to theirs is fitted from two starts (NeedleProblem::starts). A
+//    larger number must lower the Bayesian information criterion by more than kClearly. Its number of rows is
 //    the effective one of correlated residuals; else noise in a row would buy layers. Then a relaxation term
 //    more or fewer is tried by the same rule.
 // 2. The records vote on the numbers of layers and of terms (most_frequent). A record with too few falls is
@@ -21,18 +21,21 @@
 // 5. Intervals are those of least squares, or of the scatter among the records where that is wider
 //    (needle_intervals.cc).
 //
-// While a fit runs, the times of the punctures are parameters and their forces results (needle_problem.cc):
-// as functions of the puncture forces the errors would jump.
+// While a fit runs, the times at which membranes are reached and punctured are parameters, thicknesses and
+// puncture forces results (needle_problem.cc): as functions of these the errors would jump.
 #include "fit/identify/needle_fit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/infinity.h"
+#include "core/base/parallel.h"
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "palpate/error.h"
@@ -47,7 +50,10 @@ namespace palpate::identify {
 namespace {
 
 constexpr int kFirstIterations = 10;
-constexpr int kNeedleIterations = 40;
+constexpr int kNeedleIterations = 20;  // of each of kMostRestarts
+constexpr int kMostRestarts = 5;
+constexpr double kOtherStep = 1e-5;     // of the derivatives of every second one
+constexpr double kConverged = 1e-3;     // relative fall of the squares by a restart
 constexpr std::size_t kFirstTerms = 2;  // of relaxation, while layers are counted
 constexpr double kClearly = 6.0;        // fall of the Bayesian information criterion
 constexpr double kShortestHold = 1.0;   // s
@@ -133,25 +139,40 @@ double gain_of(const Solved& simple, const Solved& rich) {
          static_cast<double>(rich.parameters() - simple.parameters()) * portable::log(rows);
 }
 
+/// Where a parameter moves an event, such as a needle that leaves, into another tick, the force has a small
+/// jump. A derivative across it is wrong, and the solver stops. It is started again there, with derivatives
+/// of another step.
+Solved converged(Solved fit) {
+  for (int i = 0; i < kMostRestarts; ++i) {
+    const double before = fit.solution.squares;
+    const double step = i % 2 == 0 ? kNeedleStep : kOtherStep;
+    fit.solution = fit.problem.solved(std::move(fit.solution), kNeedleIterations, step);
+    if (i > 0 && fit.solution.squares > (1.0 - kConverged) * before) break;
+  }
+  return fit;
+}
+
 Solved solved_from_data(const Insertion& record, const NeedleSetup& setup, std::size_t layers) {
   Solved best{NeedleProblem({&record}, setup, layers, kFirstTerms), {}};
-  best.solution.squares = kInfinity;
-  for (const NeedlePoint& start : best.problem.starts()) {
-    NeedlePoint one = best.problem.solved(start, kFirstIterations);
-    if (one.squares < best.solution.squares) best.solution = std::move(one);
-  }
+  std::vector<NeedlePoint> points = best.problem.starts();
+  for_ranges(points.size(), 1, [&](std::size_t i, std::size_t) {
+    points[i] = best.problem.solved(std::move(points[i]), kFirstIterations);
+    points[i] = converged({best.problem, std::move(points[i])}).solution;
+  });
+  best.solution = *std::min_element(points.begin(), points.end(), [](const auto& one, const auto& other) {
+    return one.squares < other.squares;
+  });
   if (!std::isfinite(best.solution.squares)) {
     throw InputError(record.all.name + ": no tissue with layers follows this record");
   }
-  best.solution = best.problem.solved(best.solution, kNeedleIterations);
   return best;
 }
 
-/// A single record's fit with another number of relaxation terms.
+/// The first iterations of a single record's fit with another number of relaxation terms.
 Solved with_terms(const Solved& from, std::size_t terms, const NeedleSetup& setup) {
   Solved made{NeedleProblem({&from.problem.record(0)}, setup, from.problem.layers(), terms), {}};
-  made.solution =
-      made.problem.solved(made.problem.with_terms(from.solution, from.problem.terms()), kNeedleIterations);
+  const NeedlePoint start = made.problem.with_terms(from.solution, from.problem.terms());
+  made.solution = made.problem.solved(start, kFirstIterations);
   return made;
 }
 
@@ -159,10 +180,10 @@ Solved with_terms(const Solved& from, std::size_t terms, const NeedleSetup& setu
 Solved with_best_terms(Solved fit, const NeedleSetup& setup) {
   if (fit.problem.terms() < model::kMaxRelaxationTerms) {
     Solved more = with_terms(fit, fit.problem.terms() + 1, setup);
-    if (gain_of(fit, more) > kClearly) return more;
+    if (gain_of(fit, more) > kClearly) return converged(std::move(more));
   }
   while (fit.problem.terms() > 0) {
-    Solved fewer = with_terms(fit, fit.problem.terms() - 1, setup);
+    Solved fewer = converged(with_terms(fit, fit.problem.terms() - 1, setup));
     if (gain_of(fewer, fit) > -kClearly) break;
     fit = std::move(fewer);
   }
@@ -187,6 +208,22 @@ OwnFit own_fit(const Insertion& record, const NeedleSetup& setup) {
   return fit;
 }
 
+std::vector<OwnFit> own_fits(const std::vector<Insertion>& records, const NeedleSetup& setup,
+                             const Progress& progress) {
+  std::vector<std::optional<OwnFit>> made(records.size());
+  std::mutex reporting;
+  std::size_t done = 0;
+  progress(0.0, "each record");
+  for_ranges(records.size(), 1, [&](std::size_t i, std::size_t) {
+    made[i] = own_fit(records[i], setup);
+    const std::lock_guard lock(reporting);
+    progress(static_cast<double>(++done) / static_cast<double>(records.size() + 1), records[i].all.name);
+  });
+  std::vector<OwnFit> all;
+  for (std::optional<OwnFit>& one : made) all.push_back(std::move(*one));
+  return all;
+}
+
 /// The most frequent value; the smaller of two equally frequent ones.
 template <typename Of>
 std::size_t most_frequent(const std::vector<OwnFit>& fits, const Of& of) {
@@ -205,7 +242,7 @@ std::vector<Solved> alike(const std::vector<const Insertion*>& records, std::vec
     Solved& best = fits[r].best;
     Solved one =
         best.problem.layers() == layers ? std::move(best) : solved_from_data(*records[r], setup, layers);
-    all.push_back(one.problem.terms() == terms ? std::move(one) : with_terms(one, terms, setup));
+    all.push_back(one.problem.terms() == terms ? std::move(one) : converged(with_terms(one, terms, setup)));
   }
   return all;
 }
@@ -246,8 +283,8 @@ Solved pooled_of(const std::vector<Solved>& each, std::size_t best, const Needle
   }
   const NeedleProblem& one = each[best].problem;
   Solved pooled{NeedleProblem(records, setup, one.layers(), one.terms()), {}};
-  pooled.solution = pooled.problem.solved(std::move(start), kNeedleIterations);
-  return pooled;
+  pooled.solution = std::move(start);
+  return converged(std::move(pooled));
 }
 
 void add_warnings(const std::vector<Solved>& each, NeedleFit& fit) {
@@ -268,8 +305,7 @@ void add_warnings(const std::vector<Solved>& each, NeedleFit& fit) {
     if (std::abs(record.drift) > kMostDrift * record.range && fit.poor.empty()) {
       fit.poor = fmt::format(
           "{}: the sensor drifts by {} N, must be at most {} of the range of force: nothing shows that it "
-          "drifts "
-          "along a straight line; let it warm up",
+          "drifts along a straight line; let it warm up",
           record.all.name, brief(record.drift), percent(kMostDrift, 0));
     }
     if (!record.withdrawn && fit.poor.empty()) {
@@ -328,16 +364,14 @@ NeedleFit fit_needle(const std::vector<Insertion>& records, const Settings& sett
     setup.range = std::max(setup.range, record.range);
     setup.depth = std::max(setup.depth, record.deepest);
   }
-  std::vector<OwnFit> own;
-  for (const Insertion& record : records) {
-    progress(static_cast<double>(own.size()) / static_cast<double>(records.size() + 1), record.all.name);
-    own.push_back(own_fit(record, setup));
-    for (std::size_t n = 1; n <= own.back().nrmse.size(); ++n) {
+  std::vector<OwnFit> own = own_fits(records, setup, progress);
+  for (const OwnFit& one : own) {
+    for (std::size_t n = 1; n <= one.nrmse.size(); ++n) {
       if (fit.evidence.size() < n) fit.evidence.push_back({n, 0, 0.0, 0});
-      fit.evidence[n - 1].nrmse += own.back().nrmse[n - 1];
+      fit.evidence[n - 1].nrmse += one.nrmse[n - 1];
       ++fit.evidence[n - 1].records;
     }
-    ++fit.evidence[own.back().best.problem.layers() - 1].votes;
+    ++fit.evidence[one.best.problem.layers() - 1].votes;
   }
   for (LayerEvidence& one : fit.evidence) one.nrmse /= static_cast<double>(one.records);
   fit.layers = most_frequent(own, [](const OwnFit& one) { return one.best.problem.layers(); });

@@ -17,8 +17,6 @@
 namespace palpate::identify {
 namespace {
 
-constexpr double kNeedleStep = 1e-4;  // of a parameter in the solver's form, for derivatives
-
 /// The parameters of a tissue's law, relaxation and layers.
 std::vector<NeedleValue> tissue_values(const model::TissueParameters& tissue) {
   std::vector<NeedleValue> all;
@@ -51,7 +49,9 @@ std::vector<NeedleValue> tissue_values(const model::TissueParameters& tissue) {
 /// Whether a value's interval is symmetric in the logarithm.
 bool by_logarithm(const NeedleValue& value) { return value.layer == 0 || value.name == "thickness_mm"; }
 
-/// Residuals of all records, and the tissue with the mean of their puncture forces.
+constexpr double kThinnestLayer = 10e-6;  // m
+
+/// Residuals of all records, and the tissue with the means of their puncture forces and thicknesses.
 struct Outcome {
   std::vector<double> residuals;
   model::TissueParameters tissue;
@@ -59,12 +59,17 @@ struct Outcome {
 
 Outcome outcome_at(const NeedleProblem& problem, const NeedlePoint& point) {
   Outcome outcome{{}, problem.tissue(point.shared)};
+  std::vector<model::TissueLayer>& layers = outcome.tissue.layers;
+  const auto records = static_cast<double>(problem.records());
+  for (std::size_t k = 0; k + 1 < layers.size(); ++k) layers[k].thickness = kThinnestLayer;
   for (std::size_t r = 0; r < problem.records(); ++r) {
     const NeedleProblem::Result one = problem.at(r, point.shared, point.own[r]);
     outcome.residuals.insert(outcome.residuals.end(), one.residuals.begin(), one.residuals.end());
-    for (std::size_t k = 0; k < one.run.punctures.size(); ++k)
-      outcome.tissue.layers[k].puncture_force +=
-          one.run.punctures[k].tip / static_cast<double>(problem.records());
+    const std::vector<Puncture>& punctures = one.run.punctures;
+    for (std::size_t k = 0; k < punctures.size(); ++k) {
+      layers[k].puncture_force += punctures[k].tip / records;
+      if (k > 0) layers[k - 1].thickness += (punctures[k].length - punctures[k - 1].length) / records;
+    }
   }
   return outcome;
 }
@@ -157,10 +162,6 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
 std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const NeedlePoint& solution,
                                        const std::vector<model::TissueParameters>& each) {
   constexpr double kNegligible = 0.02;  // of the range of force
-  // Least squares knows one optimum; a needle's fit has others beside it, as numbers of the law compensate
-  // for one another. With this factor the intervals hold the truth about as often as they say
-  // (docs/needle.md).
-  constexpr double kOtherOptima = 2.3;
   const Slopes slopes = slopes_at(problem, solution);
   const Eigen::VectorXd spreads = spreads_of(slopes);
   std::size_t rows = 0;
@@ -170,7 +171,7 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
   const auto count = static_cast<double>(parameters);
   const double effective = limited_sample_size(effective_rows(problem, solution), rows, parameters);
   const double variance = solution.squares / std::max(1.0, points - count) * points / effective;
-  const double factor = kOtherOptima * student_t_quantile(effective - count) * std::sqrt(variance);
+  const double factor = student_t_quantile(effective - count) * std::sqrt(variance);
   std::vector<NeedleValue> values = tissue_values(needle_tissue(problem, solution));
   const auto fits = static_cast<double>(each.size());
   for (std::size_t v = 0; v < values.size(); ++v) {

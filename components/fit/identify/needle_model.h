@@ -23,10 +23,11 @@ struct NeedleRecord {
 
 /// Where the needle went through a membrane.
 struct Puncture {
-  double time = 0.0;   // [s]
-  double depth = 0.0;  // of the tip from first contact [m]
-  double force = 0.0;  // [N], on the whole needle
-  double tip = 0.0;    // [N], on the tip alone: the layer's puncture force
+  double time = 0.0;    // [s]
+  double depth = 0.0;   // of the tip from first contact [m]
+  double force = 0.0;   // [N], on the whole needle
+  double tip = 0.0;     // [N], on the tip alone: the layer's puncture force
+  double length = 0.0;  // [m] of the shaft inside: the depth of the membrane
 };
 
 /// The force that the simulation's needle meets on a record's path (core/contact/needle.h).
@@ -37,7 +38,8 @@ struct NeedleRun {
 
 /// [setup] Moves a needle along a record's path, straight into a flat tissue.
 /// @param contact depth of the record at which it touches [m]
-/// @param times at which each layer is punctured, whatever its puncture force; empty: by the forces
+/// @param times [s] at which a membrane is punctured and the next one reached, in turns, whatever the
+/// tissue's puncture forces and thicknesses; empty: by these
 /// @param longest_step between ticks [s]
 /// @throws ParameterError for a tissue without a valid law
 [[nodiscard]] NeedleRun run_needle(const NeedleRecord& record, const model::TissueParameters& tissue,

@@ -1,7 +1,8 @@
 // The least-squares problem of a needle's records. A puncture makes the error of a fit jump wherever the
-// simulated needle goes through a membrane earlier or later than the measured one. So the time of each
-// puncture is a parameter here, near a fall of the measured force, and the force at that time is the
-// result: the puncture force.
+// simulated needle goes through a membrane earlier or later than the measured one, and a membrane that it
+// does not reach has no derivatives. So the times at which it reaches and punctures each membrane are
+// parameters here, these near the falls of the measured force. The depth at the one time and the force at the
+// other are results: the layer's thickness and the puncture force.
 #include "fit/identify/needle_problem.h"
 
 #include <algorithm>
@@ -14,8 +15,6 @@
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
 
-#include "fit/identify/local_optima.h"
-
 namespace palpate::identify {
 namespace {
 
@@ -27,30 +26,23 @@ constexpr double kTimeReach = 6.0;      // of these units: how far a puncture ma
 constexpr double kLongestStep = 0.1;    // s, between ticks of a fit
 constexpr double kLeastForce = 1e-4;    // of the range: no force, with room for derivatives
 constexpr double kMostForce = 2.0;      // of the range
-constexpr double kThinnest = 0.005;     // layer, of the depth
+constexpr double kThinnest = 0.005;     // press, of the depth
+constexpr double kReached = 0.02;       // of the time between two punctures: a membrane is reached after it
 constexpr double kContactReach = 0.15;  // of the depth
 constexpr double kZeroReach = 0.2;      // of the range
-constexpr double kPriorLaw = 0.01;   // weight of usual values, which settles what compensates for each other
-constexpr double kShallower = 0.85;  // of the length inside at a puncture
-constexpr std::size_t kPressStarts = 3;
+constexpr double kPriorLaw = 0.01;  // weight of usual values, which settles what compensates for each other
+constexpr double kUsualBeta = 2.0;
+constexpr double kUsualQ = 0.7;
 
-/// The press before the first fall, with contact near displacement 0.
-struct Press {
-  Specimen curve;
-  double shift = 0.0;  // [m] subtracted from the depths
-};
-
-Press press_of(const Insertion& insertion, double end) {
-  Press press;
-  press.curve.name = insertion.all.name;
+/// Depth until which the force is flat before the first fall.
+double contact_of(const Insertion& insertion, double end) {
+  Specimen press;
   const NeedleRecord& all = insertion.thinned;
   for (std::size_t i = 0; i < all.size() && all.time[i] < end; ++i) {
-    press.curve.displacement.push_back(all.depth[i]);
-    press.curve.force.push_back(all.force[i]);
+    press.displacement.push_back(all.depth[i]);
+    press.force.push_back(all.force[i]);
   }
-  press.shift = flat_until(press.curve, ranges_of(press.curve));
-  for (double& depth : press.curve.displacement) depth -= press.shift;
-  return press;
+  return flat_until(press, ranges_of(press));
 }
 
 double force_near(const NeedleRecord& record, double from, double to) {
@@ -62,6 +54,22 @@ double force_near(const NeedleRecord& record, double from, double to) {
     rows += 1.0;
   }
   return rows > 0.0 ? sum / rows : 0.0;
+}
+
+/// The time at which a force that stays and then rises is farthest below the straight line.
+double bend_between(const NeedleRecord& record, double from, double to) {
+  constexpr double kMean = 40e-3;  // s
+  const double first = force_near(record, from, from + kMean);
+  const double last = force_near(record, to - kMean, to);
+  double bend = 0.5 * (from + to);
+  double farthest = 0.0;
+  for (double time = from; time < to; time += kMean) {
+    const double line = first + (last - first) * (time - from) / (to - from);
+    const double below = line - force_near(record, time, time + kMean);
+    if (below > farthest) bend = time;
+    farthest = std::max(farthest, below);
+  }
+  return bend;
 }
 
 }  // namespace
@@ -91,8 +99,6 @@ NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const Needle
   bounds_.high.push_back(bounds_.high[kLawParameters - 1]);
   bounds_.low.insert(bounds_.low.end(), 3 * layers_, kLeastForce);
   bounds_.high.insert(bounds_.high.end(), 3 * layers_, kMostForce);
-  bounds_.low.insert(bounds_.low.end(), layers_ - 1, kThinnest);
-  bounds_.high.insert(bounds_.high.end(), layers_ - 1, 1.0);
 }
 
 model::TissueParameters NeedleProblem::tissue(std::span<const double> shared) const {
@@ -107,7 +113,7 @@ model::TissueParameters NeedleProblem::tissue(std::span<const double> shared) co
     layer.cutting_force = range_ * values[0];
     layer.friction = range_ * values[1];
     layer.friction_per_length = range_ / depth_ * values[2];
-    if (k + 1 < layers_) layer.thickness = depth_ * shared[law + 1 + 3 * layers_ + k];
+    if (k + 1 < layers_) layer.thickness = depth_;
     tissue.layers.push_back(layer);
   }
   return tissue;
@@ -115,7 +121,11 @@ model::TissueParameters NeedleProblem::tissue(std::span<const double> shared) co
 
 std::vector<double> NeedleProblem::times_of(std::size_t record, std::span<const double> own) const {
   std::vector<double> times;
-  for (std::size_t k = 0; k < layers_; ++k) times.push_back(falls_[record][k].time + kTimeUnit * own[2 + k]);
+  for (std::size_t k = 0; k < layers_; ++k) {
+    const double yields = falls_[record][k].time + kTimeUnit * own[2 + k];
+    if (k > 0) times.push_back(times.back() + own[1 + layers_ + k] * std::max(0.0, yields - times.back()));
+    times.push_back(yields);
+  }
   return times;
 }
 
@@ -141,8 +151,8 @@ NeedleProblem::Result NeedleProblem::at(std::size_t record, std::span<const doub
   result.residuals.push_back((own[1] - insertion.air / range_) * std::sqrt(insertion.air_rows));
   for (std::size_t i = 0; i < terms_; ++i)  // shares
     result.residuals.push_back(kPriorLaw * (shared[kLawParameters + 2 * i] - log(0.2)));
-  result.residuals.push_back(kPriorLaw * (shared[1] - log(2.0)));  // beta
-  result.residuals.push_back(kPriorLaw * (shared[2] - log(0.7)));  // q
+  result.residuals.push_back(kPriorLaw * (shared[1] - log(kUsualBeta)));
+  result.residuals.push_back(kPriorLaw * (shared[2] - log(kUsualQ)));
   return result;
 }
 
@@ -152,10 +162,12 @@ Bounds NeedleProblem::own_bounds_of(std::size_t record) const {
   Bounds bounds{{lowest - kContactReach, -kZeroReach}, {lowest + 1.0, kZeroReach}};
   bounds.low.insert(bounds.low.end(), layers_, -kTimeReach);
   bounds.high.insert(bounds.high.end(), layers_, kTimeReach);
+  bounds.low.insert(bounds.low.end(), layers_ - 1, kReached);
+  bounds.high.insert(bounds.high.end(), layers_ - 1, 1.0 - kReached);
   return bounds;
 }
 
-NeedlePoint NeedleProblem::solved(NeedlePoint from, int most_iterations) const {
+NeedlePoint NeedleProblem::solved(NeedlePoint from, int most_iterations, double step) const {
   RecordsProblem problem;
   problem.shared = bounds_;
   for (std::size_t i = 0; i < bounds_.low.size(); ++i)
@@ -173,11 +185,12 @@ NeedlePoint NeedleProblem::solved(NeedlePoint from, int most_iterations) const {
     std::copy(result.residuals.begin(), result.residuals.end(), out.begin());
     return true;
   };
+  problem.step = step;
   from.squares = minimise(problem, from.shared, from.own, most_iterations);
   return from;
 }
 
-NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double zero, double reached) const {
+NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double zero) const {
   constexpr double kPhi = 0.3;       // of the friction that does not grow with the length
   constexpr double kFallen = 80e-3;  // s, after which a fall is over
   const Insertion& insertion = *records_.front();
@@ -212,44 +225,43 @@ NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double z
     return at - press.deformation_under(force_near(insertion.all, time - 0.02, time) - zero).depth;
   };
   const double longest = std::max(0.1 * depth_, inside(turn));
-  std::vector<double> thicknesses;
-  double before = 0.0;  // [m], length inside at the layer's puncture
+  std::vector<double> reached;
   for (std::size_t k = 0; k < layers_; ++k) {
-    const double fallen = falls_.front()[k].time + kFallen;
-    if (k > 0) {
-      const double boundary = std::max(before + 0.02 * depth_, reached * inside(falls_.front()[k].time));
-      thicknesses.push_back((boundary - before) / depth_);
-      before = boundary;
-    }
+    const double fall = falls_.front()[k].time;
+    const double fallen = fall + kFallen;
+    const double length = k > 0 ? std::max(0.0, inside(fall)) : 0.0;
     const double cuts =
-        force_near(insertion.all, fallen, fallen + kFallen) - zero - friction * before / longest;
+        force_near(insertion.all, fallen, fallen + kFallen) - zero - friction * length / longest;
     start.shared.push_back(std::max(0.05, cuts / range_));
     start.shared.push_back(kPhi * friction / range_ / static_cast<double>(layers_));
     start.shared.push_back((1.0 - kPhi) * friction / range_ * depth_ / longest);
+    if (k == 0) continue;
+    const double before = falls_.front()[k - 1].time;
+    reached.push_back((bend_between(insertion.all, before + kFallen, fall) - before) / (fall - before));
   }
-  start.shared.insert(start.shared.end(), thicknesses.begin(), thicknesses.end());
   start.own = {{contact / depth_, zero / range_}};
   start.own.front().resize(2 + layers_, 0.0);
+  start.own.front().insert(start.own.front().end(), reached.begin(), reached.end());
   return start;
 }
 
 std::vector<NeedlePoint> NeedleProblem::starts() const {
-  const Press press = press_of(*records_.front(), falls_.front().front().time);
-  Settings elastic = settings_;
-  elastic.relaxation = false;
-  const identify::Problem problem = make_problem(elastic, 0, {make_part(press.curve)});
-  const LocalOptima optima = run_multistart(problem, multistart_points(problem, 2));
-  const Ranges& ranges = problem.parts.front().ranges;
+  constexpr double kFirstLimits[] = {0.5, 0.8};  // L_1 of the indentation at the first puncture
+  const Insertion& insertion = *records_.front();
+  const double fall = falls_.front().front().time;
+  const double contact = contact_of(insertion, fall);
+  const auto row =
+      static_cast<std::size_t>(std::lower_bound(insertion.all.time.begin(), insertion.all.time.end(), fall) -
+                               insertion.all.time.begin());
+  const double indentation = std::max(kThinnest * depth_, insertion.all.depth[row] - contact);
+  const double force =
+      std::max(kLeastForce * range_, force_near(insertion.all, fall - 0.02, fall) - insertion.air);
   std::vector<NeedlePoint> all;
-  for (const Solution& one : optima.all) {
-    if (all.size() >= kPressStarts) break;
-    const Point& own = one.own.front();
-    // A membrane that the needle does not reach in the simulation has no derivatives: one start is shallower.
-    for (const double reached : {1.0, kShallower}) {
-      all.push_back(
-          start_from(one.shared, press.shift + own[0] * ranges.displacement, own[1] * ranges.force, reached));
-      if (layers_ == 1) break;
-    }
+  for (const double first_limit : kFirstLimits) {
+    Point law = {0.0, log(kUsualBeta), log(kUsualQ), log(first_limit * indentation)};
+    const model::SpringLaw press(tissue_of(law, settings_), model::Direction::kPress, settings_.period);
+    law[0] = log(force / press.force_at(indentation).force);
+    all.push_back(start_from(law, contact, insertion.air));
   }
   return all;
 }

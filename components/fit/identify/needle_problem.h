@@ -22,10 +22,14 @@ struct NeedleSetup {
   double depth = 0.0;  // [m], the largest
 };
 
+/// The step of derivatives by a parameter in the form of the solver.
+inline constexpr double kNeedleStep = 3e-5;
+
 /// Parameters of a needle's fit in the form of the solver. Shared: those of the law and its relaxation (as in
-/// a Point), the logarithm of the pulled law's L_1, for each layer cutting force, friction and friction per
-/// length, and the thicknesses of all layers but the last. A record's own: first contact, the sensor's zero,
-/// and the time of each puncture. Forces are in parts of the range of force, lengths of that of the depth.
+/// a Point), the logarithm of the pulled law's L_1, and for each layer cutting force, friction and friction
+/// per length. A record's own: first contact, the sensor's zero, the time of each puncture, and for each
+/// membrane below the surface the part of the time since the last puncture after which the tip reaches it.
+/// Forces are in parts of the range of force, lengths of that of the depth.
 class NeedleProblem final {
  public:
   /// [setup] @param records must outlive this
@@ -43,13 +47,14 @@ class NeedleProblem final {
   [[nodiscard]] Result at(std::size_t record, std::span<const double> shared,
                           std::span<const double> own) const;
 
-  /// [setup] Starts for a single record, from its press and its phases.
+  /// [setup] Starts for a single record: laws of usual shape through its force and depth at the first
+  /// puncture, the rest from its phases.
   [[nodiscard]] std::vector<NeedlePoint> starts() const;
   /// [setup] The solution with other records or relaxation terms as a start.
   [[nodiscard]] NeedlePoint with_terms(const NeedlePoint& from, std::size_t terms_before) const;
-  [[nodiscard]] NeedlePoint solved(NeedlePoint from, int most_iterations) const;
+  [[nodiscard]] NeedlePoint solved(NeedlePoint from, int most_iterations, double step = kNeedleStep) const;
 
-  /// [setup] The tissue. Its layers have no puncture forces.
+  /// [setup] The tissue. Its layers have no puncture forces and thicknesses.
   [[nodiscard]] model::TissueParameters tissue(std::span<const double> shared) const;
 
   [[nodiscard]] double contact(std::span<const double> own) const { return own[0] * depth_; }
@@ -63,7 +68,7 @@ class NeedleProblem final {
 
  private:
   [[nodiscard]] std::vector<double> times_of(std::size_t record, std::span<const double> own) const;
-  [[nodiscard]] NeedlePoint start_from(const Point& law, double contact, double zero, double reached) const;
+  [[nodiscard]] NeedlePoint start_from(const Point& law, double contact, double zero) const;
   [[nodiscard]] Bounds own_bounds_of(std::size_t record) const;
 
   std::vector<const Insertion*> records_;

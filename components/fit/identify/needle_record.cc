@@ -176,10 +176,12 @@ std::vector<Fall> falls_of(const NeedleRecord& record, std::size_t turn, double 
 NeedleRecord thinned_around(const NeedleRecord& record, const std::vector<Fall>& falls) {
   const double coarse = std::max(kFineStep, (record.time.back() - record.time.front()) / kCoarseRows);
   const auto step_at = [&](double time) {
-    const bool fine = std::any_of(falls.begin(), falls.end(), [time](const Fall& fall) {
-      return time > fall.time - kFineBefore && time < fall.time + kFineAfter;
-    });
-    return fine ? kFineStep : coarse;
+    double step = coarse;
+    for (const Fall& fall : falls) {
+      const double before = fall.time - kFineBefore - time;  // a coarse row ends where fine ones begin
+      if (time < fall.time + kFineAfter) step = std::min(step, std::max(before, kFineStep));
+    }
+    return step;
   };
   NeedleRecord few;
   few.name = record.name;

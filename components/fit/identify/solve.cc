@@ -50,6 +50,53 @@ class PartCost final : public ceres::CostFunction {
   const Part& part_;
 };
 
+/// Residuals of a record for Ceres, with central differences. Ceres's own have a step in proportion to the
+/// parameter: for one near zero it is so small that rounding and kinks drown the derivative.
+class RecordCost final : public ceres::CostFunction {
+ public:
+  RecordCost(const RecordsProblem& problem, std::size_t record) : problem_(problem), record_(record) {
+    for (const std::size_t count : {problem.shared.low.size(), problem.own[record].low.size()}) {
+      if (count > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(count));
+    }
+    set_num_residuals(static_cast<int>(problem.residuals[record]));
+  }
+
+  bool Evaluate(double const* const* blocks, double* values, double** derivatives) const override {
+    std::vector<Point> points;
+    for (std::size_t b = 0; b < parameter_block_sizes().size(); ++b)
+      points.emplace_back(blocks[b], blocks[b] + parameter_block_sizes()[b]);
+    points.resize(2);
+    const auto rows = static_cast<std::size_t>(num_residuals());
+    const auto errors = [&](double* out) {
+      return problem_.errors(record_, points[0], points[1], {out, rows});
+    };
+    if (!errors(values)) return false;
+    if (derivatives == nullptr) return true;
+    std::vector<double> up(rows);
+    std::vector<double> down(rows);
+    for (std::size_t b = 0; b < parameter_block_sizes().size(); ++b) {
+      if (derivatives[b] == nullptr) continue;
+      const std::size_t columns = points[b].size();
+      for (std::size_t i = 0; i < columns; ++i) {
+        double& parameter = points[b][i];
+        const double here = parameter;
+        parameter = here + problem_.step;
+        if (!errors(up.data())) return false;
+        parameter = here - problem_.step;
+        if (!errors(down.data())) return false;
+        parameter = here;
+        for (std::size_t row = 0; row < rows; ++row)
+          derivatives[b][row * columns + i] = (up[row] - down[row]) / (2.0 * problem_.step);
+      }
+    }
+    return true;
+  }
+
+ private:
+  const RecordsProblem& problem_;
+  std::size_t record_;
+};
+
 void clamp_into(Point& point, const Bounds& bounds) {
   for (std::size_t i = 0; i < point.size(); ++i) {
     point[i] = std::clamp(point[i], bounds.low[i], bounds.high[i]);
@@ -112,20 +159,9 @@ double minimise(const RecordsProblem& problem, Point& shared, std::vector<Point>
   double* block = flat.data();
   for (std::size_t i = 0; i < problem.own.size(); ++i) {
     const std::size_t count = problem.own[i].low.size();
-    const auto errors = [&problem, i, count](double const* const* blocks, double* out) {
-      return problem.errors(i, {blocks[0], problem.shared.low.size()},
-                            {count > 0 ? blocks[1] : nullptr, count}, {out, problem.residuals[i]});
-    };
-    ceres::NumericDiffOptions steps;
-    steps.relative_step_size = 1e-5;
-    using Cost = ceres::DynamicNumericDiffCostFunction<decltype(errors), ceres::CENTRAL>;
-    auto cost = std::make_unique<Cost>(std::make_unique<decltype(errors)>(errors).release(),
-                                       ceres::TAKE_OWNERSHIP, steps);
+    auto cost = std::make_unique<RecordCost>(problem, i);
     std::vector<double*> blocks = {shared.data()};
     if (count > 0) blocks.push_back(block);
-    cost->AddParameterBlock(static_cast<int>(shared.size()));
-    if (count > 0) cost->AddParameterBlock(static_cast<int>(count));
-    cost->SetNumResiduals(static_cast<int>(problem.residuals[i]));
     all.AddResidualBlock(cost.release(), nullptr, blocks);  // the problem owns it
     if (count > 0) set_bounds(all, block, problem.own[i]);
     block += count;

@@ -123,6 +123,59 @@ TEST(NeedleFit, TwoLayersAreFoundByEvidenceWithTheirBoundaryAndPunctures) {
   EXPECT_GT(fit.evidence[0].nrmse, 1.2 * fit.evidence[1].nrmse);
 }
 
+/// Times at which a run along rows punctures the first membrane, reaches the second, and punctures it, as the
+/// truth does by its forces and its thickness.
+std::vector<double> times_of_truth(const NeedleRecord& rows, const model::TissueParameters& truth) {
+  const NeedleRun free = run_needle(needle_path(), truth, 0.0, {}, 1e-3);
+  double low = free.punctures.at(0).time;
+  double high = free.punctures.at(1).time;
+  std::vector<double> times{low, 0.0, high};
+  for (int i = 0; i < 40; ++i) {
+    times[1] = 0.5 * (low + high);
+    const NeedleRun run = run_needle(rows, truth, 0.0, times, 0.1);
+    (run.punctures.at(1).length > truth.layers[0].thickness ? high : low) = times[1];
+  }
+  return times;
+}
+
+// A fall of d newtons that ends with a time constant of 20 ms changes by d/20 in 1 ms.
+TEST(NeedleModel, TheForceFollowsTheTimesOfThePuncturesWithoutSteps) {
+  const model::TissueParameters truth = needle_truth(2);
+  const NeedleRecord rows = needle_path();
+  std::vector<double> times = times_of_truth(rows, truth);
+  const auto after = static_cast<std::size_t>(times[2] / kSampling) + 4;
+  double before = 0.0;
+  for (int i = 0; i <= 100; ++i) {
+    const double force = run_needle(rows, truth, 0.0, times, 0.1).force[after];
+    if (i > 0) {
+      EXPECT_NEAR(force, before, 0.012) << i;  // 0.1 ms of 1.6 N, and half as much
+    }
+    before = force;
+    times[2] += 1e-4;
+  }
+}
+
+// The friction on a needle that slips is that of its length one tick before, so long ticks shift it.
+TEST(NeedleModel, LongTicksGiveTheForceOfShortOnes) {
+  NeedleRecord coarse;
+  const NeedleRecord path = needle_path();
+  for (std::size_t i = 0; i < path.size(); i += 14) {  // every 70 ms
+    coarse.time.push_back(path.time[i]);
+    coarse.depth.push_back(path.depth[i]);
+  }
+  const NeedleRun fine = run_needle(path, needle_truth(2), 0.0, {}, 1e-3);
+  const std::vector<double> times = times_of_truth(coarse, needle_truth(2));
+  const NeedleRun run = run_needle(coarse, needle_truth(2), 0.0, times, 0.1);
+  EXPECT_NEAR(run.punctures.at(1).length, 6e-3, 1e-9);
+  EXPECT_NEAR(run.punctures.at(1).tip, fine.punctures[1].tip, 0.02);
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    const bool falls = std::abs(coarse.time[i] - times[0]) < 0.2 || std::abs(coarse.time[i] - times[2]) < 0.2;
+    // 1 ms of a fall; 25 ms at 2 mm/s of 60 N/m and, in a layer's first 1 mm, 150 N/m are 0.0105 N
+    const double limit = falls ? 0.2 : 0.011;
+    EXPECT_NEAR(run.force[i], fine.force[14 * i], limit) << coarse.time[i];
+  }
+}
+
 TEST(NeedleFit, ThreeLayersAreFoundWithTheirBoundaries) {
   const NeedleFit fit = needle_fit_of({needle_record(needle_truth(3), 0.05)});
   ASSERT_EQ(fit.layers, 3U);
@@ -186,6 +239,25 @@ TEST(NeedleRecords, TissueThatSticksToTheNeedleIsNoDriftOfTheSensor) {
   EXPECT_LT(sticks.all.force.back(), -0.2);
   EXPECT_EQ(sticks.drift, 0.0);
   EXPECT_TRUE(sticks.notes.empty());
+}
+
+TEST(NeedleRecords, NoLongMeanReachesIntoAFall) {
+  Specimen fast = needle_record(needle_truth(1), 0.02);
+  for (double& time : fast.time) time *= 0.2;  // a row each 1 ms; a mean of the others takes 7 ms
+  for (int i = 0; i < 29000; ++i) {            // 36 s in all: 40 ms
+    fast.time.push_back(fast.time.back() + 1e-3);
+    fast.displacement.push_back(fast.displacement.back());
+    fast.force.push_back(0.02);
+  }
+  const Insertion made = insertion_of(fast, "file.csv");
+  ASSERT_EQ(made.falls.size(), 1U);
+  const NeedleRecord& means = made.thinned;
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    const double end = means.time[i] + 0.5e-3 * (means.rows[i] - 1.0);
+    if (end > made.falls[0].time - 28e-3 && end < made.falls[0].time + 100e-3) {
+      EXPECT_LE(means.rows[i], 2.0) << end;
+    }
+  }
 }
 
 TEST(NeedleRecords, ALimitOfTheSensorIsSeenWhereDepthsRepeatAndTheForceFlickers) {
