@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -104,6 +105,17 @@ class InclusionLaw final {
 
   /// [rt] @param square s^2 [m^2], >= 0
   [[nodiscard]] Extra at(const PressedTip& tip, double square) const noexcept;
+
+  /// e with its derivatives, and how e and de/dD change, to first order.
+  struct Slopes {
+    Extra here;
+    double by_depth_and_square = 0.0;  // d(de/dD)/d(s^2)
+    double by_depth_twice = 0.0;       // the change of de/dD to the deeper tip
+    std::array<Extra, 3> by_law{};     // the changes of e and de/dD to the other laws; by_square is 0
+  };
+  /// [any] @param deeper the tip a little deeper @param others laws with a number a little larger
+  [[nodiscard]] Slopes slopes(const PressedTip& tip, double square, const PressedTip& deeper,
+                              const std::array<InclusionLaw, 3>& others) const noexcept;
 
  private:
   double strength_ = 0.0;          // A a^3 [m^3]

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include <Eigen/Dense>
 #include <fmt/core.h>
 
+#include "core/base/parallel.h"
 #include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/units.h"
@@ -248,11 +250,15 @@ void add_intervals(const std::vector<MapRow>& rows, const MapSettings& settings,
   const MapProblem map(rows, settings, fit.map_terms, weights);
   const Eigen::MatrixXd covariance = covariance_of(map, fit.values);
   const std::size_t first = map.model().first_inclusion();
-  for (std::size_t i = 0; i < fit.inclusions.size(); ++i) {
-    if (progress) progress(static_cast<double>(i) / static_cast<double>(fit.inclusions.size()), "intervals");
+  std::mutex mutex;
+  double done = 0.0;
+  for_ranges(fit.inclusions.size(), 1, [&](std::size_t i, std::size_t) {
     fit.inclusions[i] = describe_inclusion(map, fit.values, covariance, first + i * kMapInclusion,
                                            deepest_of(rows), settings.profiles);
-  }
+    const std::lock_guard lock(mutex);
+    done += 1.0;
+    if (progress) progress(done / static_cast<double>(fit.inclusions.size()), "intervals");
+  });
 }
 
 MapFit fit_map(const std::vector<MapRow>& rows, const MapSettings& settings, const MapProgress& progress) {

@@ -107,37 +107,37 @@ model::InclusionLaw::Extra extra_of(const PlacedLump& lump, const model::Pressed
 }
 
 /// The factor 1 + e of an inclusion at a point of the surface, its rise d(ln factor)/dD, and how the
-/// logarithm of the factor and the rise change with the inclusion's numbers.
+/// logarithm of the factor and the rise change with the inclusion's numbers and, to the deeper tip, with D.
 struct LumpSlopes {
   double factor = 1.0;
   double rise = 0.0;
+  double rise_by_depth = 0.0;
   std::array<double, kMapInclusion> logarithm_by{}, rise_by{};
 };
 
-LumpSlopes slopes_of(const MovedLump& lump, const model::PressedTip& tip, const Vec3& at, double step) {
+LumpSlopes slopes_of(const MovedLump& lump, const model::PressedTip& tip, const model::PressedTip& deeper,
+                     const Vec3& at, double step, double deepening) {
   const double square = square_of(lump.here, at);
-  const model::InclusionLaw::Extra here = lump.here.law.at(tip, square);
+  const model::InclusionLaw::Slopes law = lump.here.law.slopes(tip, square, deeper, lump.laws);
   LumpSlopes made;
-  made.factor = 1.0 + here.energy;
+  made.factor = 1.0 + law.here.energy;
   const double inverse = 1.0 / made.factor;
-  made.rise = here.by_depth * inverse;
+  made.rise = law.here.by_depth * inverse;
+  made.rise_by_depth = law.by_depth_twice / deepening * inverse - made.rise * made.rise;
   const auto add = [&](std::size_t k, double energy, double by_depth) {
     made.logarithm_by.at(k) += energy * inverse;
     made.rise_by.at(k) += (by_depth - made.rise * energy) * inverse;
   };
   if (square > 0.0) {  // else the centre's foot is here, and the square does not change with the place
-    const double length = step * lump.here.depth_squared;
-    const double steeper = (lump.here.law.at(tip, square + length).by_depth - here.by_depth) / length;
     for (std::size_t k = 0; k < lump.centre_by.size(); ++k) {
       const double further = -2.0 * (at - lump.here.centre).dot(lump.centre_by.at(k)) -
                              (k == kDepthBelow ? lump.square_by_depth : 0.0);
-      add(k, here.by_square * further, steeper * further);
+      add(k, law.here.by_square * further, law.by_depth_and_square * further);
     }
   }
   for (std::size_t k = 0; k < lump.laws.size(); ++k) {
-    const model::InclusionLaw::Extra moved = lump.laws.at(k).at(tip, square);
     const double unit = k == 0 ? lump.length : step;
-    add(k + kDepthBelow, (moved.energy - here.energy) / unit, (moved.by_depth - here.by_depth) / unit);
+    add(k + kDepthBelow, law.by_law.at(k).energy / unit, law.by_law.at(k).by_depth / unit);
   }
   return made;
 }
@@ -159,29 +159,33 @@ LumpFactor factor_of(std::span<const PlacedLump> lumps, const model::PressedTip&
   return made;
 }
 
+constexpr std::size_t kGrain = 512;  // rows
+
 std::vector<double> MapModel::forces(std::span<const double> values, std::span<const MapRow> rows) const {
   std::vector<PlacedLump> lumps_at;
   for (std::size_t i = first_inclusion(); i + kMapInclusion <= values.size(); i += kMapInclusion) {
     lumps_at.push_back(placed(values.subspan(i, kMapInclusion)));
   }
-  std::vector<double> forces;
-  forces.reserve(rows.size());
-  for (const MapRow& row : rows) {
+  std::vector<double> forces(rows.size());
+  const auto set_force = [&](std::size_t r) {
+    const MapRow& row = rows[r];
     const double uniform = background(values, row);
     const double depth = row.depth + values[2] * kMillimetre;
     const double energy = uniform * depth / (values[1] + 1.0);  // the integral of D^p
     const model::PressedTip tip(tip_radius_, depth);
     const Vec3 at = frame_.local(row.point);
     const LumpFactor lumps = factor_of(lumps_at, tip, at);
-    forces.push_back(lumps.value * (uniform + energy * lumps.by_depth));
-  }
+    forces[r] = lumps.value * (uniform + energy * lumps.by_depth);
+  };
+  for_ranges(rows.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) set_force(r);
+  });
   return forces;
 }
 
 std::vector<double> MapModel::slopes(std::span<const double> values, std::span<const MapRow> rows) const {
   constexpr double kPlaceStep = 1e-5;  // mm, of central differences
   constexpr double kStep = 1e-7;       // of logarithms, of the depth and of h^2: forward differences
-  constexpr std::size_t kGrain = 512;  // rows
   constexpr double kRoom = model::kLargestEnergyFactor - model::kUncappedFactor;
   const std::size_t columns = values.size();
   const std::size_t first = first_inclusion();
@@ -224,11 +228,10 @@ std::vector<double> MapModel::slopes(std::span<const double> values, std::span<c
     double rise = 0.0;           // S
     double rise_by_depth = 0.0;  // dS/dD
     for (std::size_t j = 0; j < lumps.size(); ++j) {
-      by[j] = slopes_of(lumps[j], tip, at, kStep);
+      by[j] = slopes_of(lumps[j], tip, deeper, at, kStep, kStep * depth);
       product *= by[j].factor;
       rise += by[j].rise;
-      const model::InclusionLaw::Extra further = extra_of(lumps[j].here, deeper, at);
-      rise_by_depth += (further.by_depth / (1.0 + further.energy) - by[j].rise) / (kStep * depth);
+      rise_by_depth += by[j].rise_by_depth;
     }
     const model::CappedFactor capped = model::cap_factor(product);
     const double value = capped.value;

@@ -85,9 +85,12 @@ class MapCost final : public ceres::CostFunction {
     const auto finite = [](double value) { return std::isfinite(value); };
     const Values values = with_held(blocks[0]);
     if (derivatives == nullptr || derivatives[0] == nullptr) {
-      const Values all = map_.residuals(values);
-      std::copy(all.begin(), all.end(), out);
-      return std::all_of(all.begin(), all.end(), finite);
+      if (values != last_) {  // Ceres takes the step that its line search ends at once more
+        last_residuals_ = map_.residuals(values);
+        last_ = values;
+      }
+      std::copy(last_residuals_.begin(), last_residuals_.end(), out);
+      return std::all_of(last_residuals_.begin(), last_residuals_.end(), finite);
     }
     const Values slopes = map_.slopes(values);
     double* derivative = derivatives[0];
@@ -105,18 +108,25 @@ class MapCost final : public ceres::CostFunction {
   const MapProblem& map_;
   Values start_;
   std::size_t held_;
+  mutable Values last_, last_residuals_;
 };
 
-/// Ends a search whose sum of squares is small enough.
+/// Ends a search whose sum of squares is small enough, or does not become so at ten times the pace of its
+/// last step.
 class Enough final : public ceres::IterationCallback {
  public:
-  explicit Enough(double sum) : sum_(sum) {}
+  Enough(double sum, int iterations) : sum_(sum), iterations_(iterations) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& step) override {
-    return 2.0 * step.cost <= sum_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    constexpr int kFirstSteps = 15;  // which bounds may cut short
+    const double above = 2.0 * step.cost - sum_;
+    const bool is_slow = sum_ > 0.0 && step.iteration > kFirstSteps && step.step_is_successful &&
+                         20.0 * step.cost_change * (iterations_ - step.iteration) < above;
+    return above <= 0.0 || is_slow ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
   double sum_;
+  int iterations_;
 };
 
 }  // namespace
@@ -147,7 +157,7 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
   options.line_search_interpolation_type = ceres::QUADRATIC;  // CUBIC takes a Jacobian at every trial
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
-  Enough callback(enough);
+  Enough callback(enough, iterations);
   options.callbacks.push_back(&callback);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);

@@ -46,7 +46,7 @@ class MapProblem final {
 };
 
 /// [setup] Least squares from `values`. @param held a parameter that stays as it is @param enough a sum of
-/// squares at which the search ends
+/// squares at which the search ends, also where it gets there too slowly
 [[nodiscard]] Values solve_map(const MapProblem& map, Values values,
                                std::optional<std::size_t> held = std::nullopt, int iterations = 60,
                                double enough = 0.0);

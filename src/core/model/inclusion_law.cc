@@ -83,6 +83,57 @@ InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const
   return {gamma * g, gamma_by_depth * g + gamma * g_by_depth, -3.0 * gamma * g * far};
 }
 
+InclusionLaw::Slopes InclusionLaw::slopes(const PressedTip& tip, double square, const PressedTip& deeper,
+                                          const std::array<InclusionLaw, 3>& others) const noexcept {
+  const double inverse = 1.0 / (depth_ + kReach * tip.square);
+  const double x_by_strength = tip.radius * inverse * inverse;
+  const double x = strength_ * x_by_strength;
+  const double x_rise = tip.log_slope - 2.0 * kReach * inverse * tip.by_depth;  // d(ln X)/dD
+  const double whole = 1.0 / (bound_ + x);
+  const double gamma_rise = bound_ * whole * x_rise;  // d(ln gamma)/dD
+  const double width = width_ + width_by_contact_ * tip.square;
+  const double width_by_depth = width_by_contact_ * tip.by_depth;
+  const double far = 1.0 / (width + square);
+  const double narrow = 1.0 / width;
+  const double g_by_width = 3.0 * square * narrow * far;  // d(ln g)/d(w^2)
+  const double v = width * far;
+  const double g = v * v * v;
+  const double shape = x * whole * g;  // e / (m - 1)
+  const double energy = contrast_ * shape;
+  const double rise = gamma_rise + g_by_width * width_by_depth;  // d(ln e)/dD
+  Slopes made;
+  made.here = {energy, energy * rise, -3.0 * energy * far};
+  made.by_depth_and_square = made.here.by_square * rise + 3.0 * energy * width_by_depth * far * far;
+  const auto changed = [&](double contrast, double bound, double x_more, double x_rise_more, double wider,
+                           double wider_by_depth) {
+    const double energy_more =
+        (contrast * x * whole + contrast_ * whole * whole * (bound_ * x_more - x * bound)) * g +
+        energy * g_by_width * wider;
+    const double rise_more = whole * (bound * x_rise + bound_ * x_rise_more - gamma_rise * (bound + x_more)) +
+                             g_by_width * (wider_by_depth - width_by_depth * wider * (narrow + far));
+    return Extra{energy_more, energy_more * rise + energy * rise_more};
+  };
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const InclusionLaw& other = others[i];
+    const double depth = other.depth_ - depth_;
+    const double widening = other.width_by_contact_ - width_by_contact_;
+    made.by_law[i] = changed(other.contrast_ - contrast_, other.bound_ - bound_,
+                             (other.strength_ - strength_) * x_by_strength - 2.0 * x * inverse * depth,
+                             2.0 * kReach * inverse * inverse * tip.by_depth * depth,
+                             other.width_ - width_ + widening * tip.square, widening * tip.by_depth);
+  }
+  const double square_more = deeper.square - tip.square;
+  const double by_depth_more = deeper.by_depth - tip.by_depth;
+  made.by_depth_twice =
+      changed(0.0, 0.0,
+              x * ((deeper.radius - tip.radius) / tip.radius - 2.0 * kReach * inverse * square_more),
+              deeper.log_slope - tip.log_slope -
+                  2.0 * kReach * inverse * (by_depth_more - kReach * inverse * square_more * tip.by_depth),
+              width_by_contact_ * square_more, width_by_contact_ * by_depth_more)
+          .by_depth;
+  return made;
+}
+
 CappedFactor cap_factor(double product) noexcept {
   if (!(product > kUncappedFactor)) return {product, 1.0};
   constexpr double kRoom = kLargestEnergyFactor - kUncappedFactor;
