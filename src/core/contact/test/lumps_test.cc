@@ -36,6 +36,49 @@ RandomInclusion random_inclusion(std::mt19937_64& random) {
   return made;
 }
 
+TEST(InclusionLaw, ItsSlopesAreThoseOfDifferences) {
+  constexpr double kTip = 4e-3;
+  constexpr double kSmall = 1e-7;  // of the changes whose effect is to first order
+  constexpr double kStep = 1e-4;   // of the differences
+  for (const double ratio : {0.2, 3.0, 100.0}) {
+    for (const double depth : {0.5e-3, 4e-3}) {
+      for (const double square : {0.0, 20e-6, 400e-6}) {
+        const auto law = [ratio](double length, double height, double stiffness) {
+          return model::InclusionLaw(3e-3 * (1.0 + length), 8e-3 * (1.0 + height), ratio * (1.0 + stiffness));
+        };
+        const model::InclusionLaw here = law(0.0, 0.0, 0.0);
+        const model::PressedTip tip(kTip, depth);
+        const model::InclusionLaw::Slopes slopes =
+            here.slopes(tip, square, model::PressedTip(kTip, depth * (1.0 + kSmall)),
+                        {law(0.0, kSmall, 0.0), law(kSmall, 0.0, 0.0), law(0.0, 0.0, kSmall)});
+        const model::InclusionLaw::Extra extra = here.at(tip, square);
+        EXPECT_DOUBLE_EQ(slopes.here.energy, extra.energy);
+        EXPECT_NEAR(slopes.here.by_depth, extra.by_depth, 1e-12 * std::abs(extra.by_depth));
+        EXPECT_NEAR(slopes.here.by_square, extra.by_square, 1e-12 * std::abs(extra.by_square));
+        const auto expect_slope = [](double slope, double up, double down, double scale) {
+          EXPECT_NEAR(slope, (up - down) / (2.0 * kStep), 1e-5 * std::abs(scale));
+        };
+        const double length = kStep * 64e-6;
+        expect_slope(64e-6 * slopes.by_depth_and_square, here.at(tip, square + length).by_depth,
+                     here.at(tip, square - length).by_depth, extra.by_depth);
+        const auto steeper = [&](double step) {
+          return here.at(model::PressedTip(kTip, depth * (1.0 + step)), square).by_depth;
+        };
+        expect_slope(slopes.by_depth_twice / kSmall, steeper(kStep), steeper(-kStep), extra.by_depth);
+        const model::InclusionLaw up[] = {law(0.0, kStep, 0.0), law(kStep, 0.0, 0.0), law(0.0, 0.0, kStep)};
+        const model::InclusionLaw down[] = {law(0.0, -kStep, 0.0), law(-kStep, 0.0, 0.0),
+                                            law(0.0, 0.0, -kStep)};
+        for (std::size_t i = 0; i < 3; ++i) {
+          expect_slope(slopes.by_law.at(i).energy / kSmall, up[i].at(tip, square).energy,
+                       down[i].at(tip, square).energy, extra.energy);
+          expect_slope(slopes.by_law.at(i).by_depth / kSmall, up[i].at(tip, square).by_depth,
+                       down[i].at(tip, square).by_depth, extra.by_depth);
+        }
+      }
+    }
+  }
+}
+
 TEST(Lumps, TheDerivativesOfTheLawAreThoseOfItsEnergy) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 2000; ++i) {
