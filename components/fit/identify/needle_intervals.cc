@@ -162,6 +162,7 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
 std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const NeedlePoint& solution,
                                        const std::vector<model::TissueParameters>& each) {
   constexpr double kNegligible = 0.02;  // of the range of force
+  constexpr double kOfTicks = 1.2;      // for errors that least squares does not see: a fit has long ticks
   const Slopes slopes = slopes_at(problem, solution);
   const Eigen::VectorXd spreads = spreads_of(slopes);
   std::size_t rows = 0;
@@ -171,7 +172,7 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
   const auto count = static_cast<double>(parameters);
   const double effective = limited_sample_size(effective_rows(problem, solution), rows, parameters);
   const double variance = solution.squares / std::max(1.0, points - count) * points / effective;
-  const double factor = student_t_quantile(effective - count) * std::sqrt(variance);
+  const double factor = kOfTicks * student_t_quantile(effective - count) * std::sqrt(variance);
   std::vector<NeedleValue> values = tissue_values(needle_tissue(problem, solution));
   const auto fits = static_cast<double>(each.size());
   for (std::size_t v = 0; v < values.size(); ++v) {
