@@ -72,6 +72,44 @@ double bend_between(const NeedleRecord& record, double from, double to) {
   return bend;
 }
 
+/// By how much the measured force at a puncture is above that of a fit [N], if that is more than noise: where
+/// the model does not follow a record, its force there is not the one at which the membrane gave way. The
+/// measured one is that of a straight line through the rows before.
+double missed_by(const Puncture& puncture, double zero, const Insertion& insertion) {
+  constexpr double kBefore = 0.2;       // s
+  constexpr double kClearErrors = 4.0;  // standard errors
+  constexpr double kMatters = 0.02;     // of the range
+  const NeedleRecord& all = insertion.all;
+  const auto row_at = [&all](double time) {
+    return std::lower_bound(all.time.begin(), all.time.end(), time);
+  };
+  const auto first = static_cast<std::size_t>(row_at(puncture.time - kBefore) - all.time.begin());
+  const auto last = static_cast<std::size_t>(row_at(puncture.time) - all.time.begin());
+  if (last < first + 5) return 0.0;
+  const auto count = static_cast<double>(last - first);
+  double time = 0.0;
+  double force = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    time += all.time[i] / count;
+    force += all.force[i] / count;
+  }
+  double time_squares = 0.0;
+  double product = 0.0;
+  double force_squares = 0.0;
+  for (std::size_t i = first; i < last; ++i) {
+    const double t = all.time[i] - time;
+    const double f = all.force[i] - force;
+    time_squares += t * t;
+    product += t * f;
+    force_squares += f * f;
+  }
+  const double reach = puncture.time - time;
+  const double missed = force + product / time_squares * reach - zero - puncture.force;
+  const double variance = (force_squares - product * product / time_squares) / (count - 2.0);
+  const double error = std::sqrt(std::max(0.0, variance) * (1.0 / count + reach * reach / time_squares));
+  return std::abs(missed) > std::max(kClearErrors * error, kMatters * insertion.range) ? missed : 0.0;
+}
+
 }  // namespace
 
 NeedleProblem::NeedleProblem(std::vector<const Insertion*> records, const NeedleSetup& setup,
@@ -148,6 +186,11 @@ NeedleProblem::Result NeedleProblem::at(std::size_t record, std::span<const doub
     result.residuals.push_back(error * std::sqrt(rows.rows[i]));
   }
   const Insertion& insertion = *records_[record];
+  for (Puncture& one : result.run.punctures) {
+    const double missed = missed_by(one, zero(own), insertion);
+    one.force += missed;
+    one.tip += missed;
+  }
   result.residuals.push_back((own[1] - insertion.air / range_) * std::sqrt(insertion.air_rows));
   for (std::size_t i = 0; i < terms_; ++i)  // shares
     result.residuals.push_back(kPriorLaw * (shared[kLawParameters + 2 * i] - log(0.2)));

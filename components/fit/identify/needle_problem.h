@@ -39,7 +39,7 @@ class NeedleProblem final {
   /// What one record gives at a point.
   struct Result {
     std::vector<double> residuals;  // in parts of the range, times the root of the number of rows
-    NeedleRun run;
+    NeedleRun run;                  // its punctures at the measured force where the fit misses that
   };
   /// [setup] A run on other rows of the same record.
   [[nodiscard]] NeedleRun run(const NeedleRecord& rows, std::size_t record, std::span<const double> shared,
