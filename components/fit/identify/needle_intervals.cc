@@ -1,6 +1,7 @@
 #include "fit/identify/needle_intervals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -94,19 +95,34 @@ Slopes slopes_at(const NeedleProblem& problem, NeedlePoint point) {
   for (Eigen::Index i = 0; i < columns; ++i) {
     double& parameter = *parameters[static_cast<std::size_t>(i)];
     const double here = parameter;
-    parameter = here + kNeedleStep;
-    const Outcome up = outcome_at(problem, point);
-    parameter = here - kNeedleStep;
-    const Outcome down = outcome_at(problem, point);
+    std::array<Outcome, 4> at;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      parameter = here + (2.0 * static_cast<double>(k) - 3.0) * kNeedleStep;
+      at.at(k) = outcome_at(problem, point);
+    }
     parameter = here;
-    const auto slope = [](double high, double low) { return (high - low) / (2 * kNeedleStep); };
-    const std::vector<NeedleValue> high = tissue_values(up.tissue);
-    const std::vector<NeedleValue> low = tissue_values(down.tissue);
-    for (std::size_t v = 0; v < high.size(); ++v)
-      slopes.values(static_cast<Eigen::Index>(v), i) = slope(high[v].estimate.value, low[v].estimate.value);
-    if (up.residuals.size() != down.residuals.size()) continue;  // no valid law
-    for (std::size_t row = 0; row < up.residuals.size(); ++row)
-      slopes.residuals(static_cast<Eigen::Index>(row), i) = slope(up.residuals[row], down.residuals[row]);
+    // Where a parameter moves an event into another tick, the force has a small jump. It is in one of the
+    // three steps at most.
+    const auto slope = [](double a, double b, double c, double d) {
+      const double low = std::min(b - a, c - b);
+      const double high = std::max(b - a, c - b);
+      return std::clamp(d - c, low, high) / (2 * kNeedleStep);
+    };
+    std::array<std::vector<NeedleValue>, 4> all;
+    std::transform(at.begin(), at.end(), all.begin(),
+                   [](const Outcome& one) { return tissue_values(one.tissue); });
+    for (std::size_t v = 0; v < all[0].size(); ++v) {
+      slopes.values(static_cast<Eigen::Index>(v), i) =
+          slope(all[0][v].estimate.value, all[1][v].estimate.value, all[2][v].estimate.value,
+                all[3][v].estimate.value);
+    }
+    const bool valid = std::all_of(at.begin(), at.end(), [&](const Outcome& one) {
+      return one.residuals.size() == middle.residuals.size();
+    });
+    for (std::size_t row = 0; valid && row < middle.residuals.size(); ++row) {
+      slopes.residuals(static_cast<Eigen::Index>(row), i) =
+          slope(at[0].residuals[row], at[1].residuals[row], at[2].residuals[row], at[3].residuals[row]);
+    }
   }
   return slopes;
 }
@@ -162,7 +178,7 @@ double effective_rows(const NeedleProblem& problem, const NeedlePoint& solution)
 std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const NeedlePoint& solution,
                                        const std::vector<model::TissueParameters>& each) {
   constexpr double kNegligible = 0.02;  // of the range of force
-  constexpr double kOfTicks = 1.2;      // for errors that least squares does not see: a fit has long ticks
+  constexpr double kUnseen = 1.4;       // for errors that least squares does not see: a fit has long ticks
   const Slopes slopes = slopes_at(problem, solution);
   const Eigen::VectorXd spreads = spreads_of(slopes);
   std::size_t rows = 0;
@@ -172,7 +188,7 @@ std::vector<NeedleValue> needle_values(const NeedleProblem& problem, const Needl
   const auto count = static_cast<double>(parameters);
   const double effective = limited_sample_size(effective_rows(problem, solution), rows, parameters);
   const double variance = solution.squares / std::max(1.0, points - count) * points / effective;
-  const double factor = kOfTicks * student_t_quantile(effective - count) * std::sqrt(variance);
+  const double factor = kUnseen * student_t_quantile(effective - count) * std::sqrt(variance);
   std::vector<NeedleValue> values = tissue_values(needle_tissue(problem, solution));
   const auto fits = static_cast<double>(each.size());
   for (std::size_t v = 0; v < values.size(); ++v) {
