@@ -31,9 +31,8 @@ class OrganResponse;
 
 /// How finely prepare_response() computes an organ.
 struct ResponseCells {
-  double edge = 0.0;  // of its cells [m]
-  double thin_share =
-      0.0;  // of the organ's area, where it is thinner than a cell: its motion is not reliable there
+  double edge = 0.0;        // of its cells [m]
+  double thin_share = 0.0;  // of the organ's area: on parts thinner than a cell, whose motion is not reliable
 };
 /// [setup] @param organ closed, outwards
 [[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ);

@@ -13,8 +13,7 @@ constexpr double kNeverYields = 1e9;  // N
 constexpr double kSlipStep = 25e-3;   // s: a tick's slip meets the friction of the length before it
 constexpr double kSnapStep = 3e-3;    // s, where tissue snaps off the needle: it takes 20 ms and more
 constexpr double kSnapLength = 1e-3;  // m, of a layer's shaft on which its constant friction falls
-constexpr double kYieldStep =
-    10e-6;  // s, in which a membrane gives way: its force falls from the next tick on
+constexpr double kYieldStep = 10e-6;  // s, of the tick after which a membrane's force falls
 
 /// A needle on one line, tick by tick. It presses until the surface yields, as a contact of the simulation.
 class NeedleOnLine final {

@@ -151,7 +151,7 @@ model::TissueParameters NeedleProblem::tissue(std::span<const double> shared) co
     layer.cutting_force = range_ * values[0];
     layer.friction = range_ * values[1];
     layer.friction_per_length = range_ / depth_ * values[2];
-    if (k + 1 < layers_) layer.thickness = depth_;
+    if (k + 1 < layers_) layer.thickness = depth_;  // until the tip reaches its end
     tissue.layers.push_back(layer);
   }
   return tissue;
