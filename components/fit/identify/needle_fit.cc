@@ -96,10 +96,7 @@ double contact_under(const model::TissueParameters& tissue, const Solved& own) {
   constexpr int kSteps = 25;       // each takes a third off
   const Insertion& record = own.problem.record(0);
   const Point& mine = own.solution.own.front();
-  const std::vector<Fall>& falls = record.falls;
-  const double end = std::min_element(falls.begin(), falls.end(), [](const Fall& a, const Fall& b) {
-                       return a.time < b.time;
-                     })->time;
+  const double end = own.problem.first_fall(0).time;
   NeedleRecord press = record.thinned;
   const auto rows = static_cast<std::size_t>(std::lower_bound(press.time.begin(), press.time.end(), end) -
                                              press.time.begin());

@@ -291,7 +291,7 @@ NeedlePoint NeedleProblem::start_from(const Point& law, double contact, double z
 std::vector<NeedlePoint> NeedleProblem::starts() const {
   constexpr double kFirstLimits[] = {0.5, 0.8};  // L_1 of the indentation at the first puncture
   const Insertion& insertion = *records_.front();
-  const double fall = falls_.front().front().time;
+  const double fall = first_fall(0).time;
   const double contact = contact_of(insertion, fall);
   const auto row =
       static_cast<std::size_t>(std::lower_bound(insertion.all.time.begin(), insertion.all.time.end(), fall) -

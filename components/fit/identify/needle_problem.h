@@ -60,6 +60,8 @@ class NeedleProblem final {
   [[nodiscard]] double contact(std::span<const double> own) const { return own[0] * depth_; }
   [[nodiscard]] double zero(std::span<const double> own) const { return own[1] * range_; }
   [[nodiscard]] const Insertion& record(std::size_t i) const { return *records_[i]; }
+  /// The fall of the force that is the first puncture; a record may show others, of noise.
+  [[nodiscard]] const Fall& first_fall(std::size_t record) const { return falls_[record].front(); }
   [[nodiscard]] std::size_t records() const noexcept { return records_.size(); }
   [[nodiscard]] std::size_t layers() const noexcept { return layers_; }
   [[nodiscard]] std::size_t terms() const noexcept { return terms_; }

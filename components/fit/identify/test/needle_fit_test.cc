@@ -176,6 +176,17 @@ TEST(NeedleModel, LongTicksGiveTheForceOfShortOnes) {
   }
 }
 
+// A press that ended at the bump would not determine the contact, and the needle would puncture elsewhere.
+TEST(NeedleFit, ABumpInThePressIsNoPunctureForItsTissue) {
+  Specimen bumped = needle_record(needle_truth(1), 0.05);
+  const auto bump = static_cast<std::size_t>(1.5e-3 / kNeedleSpeed / kSampling);  // 0.5 mm deep
+  for (std::size_t i = bump; i < bump + 5; ++i) bumped.force[i] += 0.4;
+  ASSERT_GT(insertion_of(bumped, "file.csv").falls.size(), 1U);
+  const NeedleFit fit = needle_fit_of({bumped});
+  EXPECT_EQ(fit.layers, 1U);
+  EXPECT_LT(fit.nrmse, 0.02);
+}
+
 TEST(NeedleFit, ThreeLayersAreFoundWithTheirBoundaries) {
   const NeedleFit fit = needle_fit_of({needle_record(needle_truth(3), 0.05)});
   ASSERT_EQ(fit.layers, 3U);
