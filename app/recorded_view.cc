@@ -27,7 +27,9 @@ RecordedView::RecordedView(std::filesystem::path file, bool no_cache, const reco
     : file_(std::move(file)),
       recording_(read_some(file_, progress, break_blind)),
       preparation_(no_cache),
-      frames_(recording_, preparation_.how()) {}
+      frames_(recording_, preparation_.how()) {
+  recording_.scene.store = preparation_.how().store;
+}
 
 std::uint32_t RecordedView::hands() const noexcept {
   return static_cast<std::uint32_t>(recording_.scene.devices.size());

@@ -336,7 +336,8 @@ int run(const RunFlags& flags, const std::string& command_line) {
   const bool scores =
       has_score && !score && !recorded.empty() && result.loop.ticks > 0 && result.recording_failure.empty();
   if (draw || scores) {
-    const record::Recording recording = record::read_recording(recorded);
+    record::Recording recording = record::read_recording(recorded);
+    recording.scene.store = OrganPreparation(flags.no_cache).how().store;
     if (scores) score = any_score_of(recording, flags.no_cache);
     if (draw && !files.screenshot.empty())
       write_screenshot(recording, result.statistics, files.screenshot, flags.no_cache);

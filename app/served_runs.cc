@@ -186,7 +186,7 @@ ServedRuns::Answer ServedRuns::describe() const {
 
 ServedRuns::Answer ServedRuns::surface(bool at_rest) {
   constexpr std::int64_t kBetween = 20'000'000;  // ns; many clients within it share one surface
-  if (!surface_) surface_.emplace(scene().organ, scene().support);
+  if (!surface_) surface_.emplace(scene().organ, scene().support, scene().store.get());
   if (at_rest) {
     Json whole{{"run", runs_}};
     whole.update(surface_->at_rest());

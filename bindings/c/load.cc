@@ -76,6 +76,7 @@ Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand) {
   }
   for (std::string& remark : scene::overlap_remarks(scene)) scene.remarks.push_back(std::move(remark));
   haptics::SimulationWorld world = scene::make_world(scene, how);
+  scene.store = how.store;
   for (std::string& remark : scene::stability_remarks(scene, world)) {
     scene.remarks.push_back(std::move(remark));
   }

@@ -87,7 +87,7 @@ palpate_simulation::palpate_simulation(palpate::c_interface::Loaded loaded, cons
       commands_(world_.hands()),
       rows_(world_.hands()),
       deformer_(palpate::c_interface::visible_surface(scene_, options.surface_edge),
-                palpate::deform::prepare_response(scene_.organ, scene_.support)) {
+                palpate::deform::prepare_response(scene_.organ, scene_.support, scene_.store.get())) {
   updates_.emplace(world_, scene_.tissue, palpate::haptics::ParameterUpdates::Warnings{});
   if (options.record_file != nullptr) {
     recorder_ = palpate::record::make_recorder(palpate::to_path(options.record_file), scene_,

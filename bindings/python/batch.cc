@@ -50,7 +50,9 @@ Batch::Batch(scene::Scene scene, const contact::Preparation& how, std::size_t ha
       surface_(visible_surface(scene_, surface_edge)),
       world_(scene::make_world(scene_, how)),
       jobs_(threads_for(jobs, checked_hands(hands))),
-      hands_(hands, Hand(world_)) {}
+      hands_(hands, Hand(world_)) {
+  scene_.store = how.store;
+}
 
 std::unique_lock<std::mutex> Batch::lock() {
   if (!process_.is_current()) throw std::logic_error(c_interface::kForked);
@@ -125,7 +127,7 @@ void Batch::reset_fault(std::span<const std::size_t> hands) {
 void Batch::displacements(std::span<const std::size_t> points, double* to) {
   const auto locked = lock();
   if (deformers_.empty()) {
-    const auto response = deform::prepare_response(scene_.organ, scene_.support);
+    const auto response = deform::prepare_response(scene_.organ, scene_.support, scene_.store.get());
     while (deformers_.size() < jobs_) deformers_.emplace_back(surface_, response);
   }
   std::vector<std::vector<Vec3>> moved(jobs_);

@@ -93,9 +93,11 @@ geometry::TriangleMesh deformed_surface(const geometry::TriangleMesh& mesh,
 }  // namespace
 
 Surface surface_of(const record::Recording& recording, std::uint64_t tick, double surface_edge, bool cache) {
-  deform::SurfaceDeformer deformer(visible_surface(recording.scene, surface_edge),
-                                   deform::prepare_response(recording.scene.organ, recording.scene.support));
-  return surface_at(record::snapshots_at(recording, {tick}, preparation_of(cache)).front(), deformer);
+  const contact::Preparation how = preparation_of(cache);
+  deform::SurfaceDeformer deformer(
+      visible_surface(recording.scene, surface_edge),
+      deform::prepare_response(recording.scene.organ, recording.scene.support, how.store.get()));
+  return surface_at(record::snapshots_at(recording, {tick}, how).front(), deformer);
 }
 
 void bind_surface(py::module_& module) {

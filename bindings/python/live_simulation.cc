@@ -169,9 +169,9 @@ Surface LiveSimulation::surface() {
   require_own();
   const std::lock_guard lock(looking_);
   if (!deformer_) {
-    deformer_ =
-        std::make_unique<deform::SurfaceDeformer>(visible_surface(scene(), options_.surface_edge),
-                                                  deform::prepare_response(scene().organ, scene().support));
+    deformer_ = std::make_unique<deform::SurfaceDeformer>(
+        visible_surface(scene(), options_.surface_edge),
+        deform::prepare_response(scene().organ, scene().support, scene().store.get()));
   }
   (void)snapshots_.cell().refresh();
   haptics::Snapshot snapshot = snapshots_.cell().value();

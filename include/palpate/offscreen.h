@@ -9,6 +9,7 @@
 
 #include "palpate/inclusion.h"
 #include "palpate/mesh.h"
+#include "palpate/preparation.h"
 #include "palpate/surface.h"
 #include "palpate/tick_observer.h"
 #include "palpate/tissue.h"
@@ -75,9 +76,10 @@ struct Subject {
   std::vector<geometry::Tool> tools;
   model::FalloffRatios reach;
   std::string tissue_name;  // selects the colours: gallbladder, heart, liver, kidney; else a neutral tissue
-  std::vector<model::Inclusion> inclusions{};  // the visible ones, at most model::kMaxInclusions
-  std::optional<geometry::Support> support{};  // with it, the whole organ gives way
-  std::string organ_name{};                    // of a built-in organ: shows its vessels
+  std::vector<model::Inclusion> inclusions{};          // the visible ones, at most model::kMaxInclusions
+  std::optional<geometry::Support> support{};          // with it, the whole organ gives way
+  std::string organ_name{};                            // of a built-in organ: shows its vessels
+  std::shared_ptr<const contact::OrganStore> store{};  // for the organ's response under `support`
 };
 
 /// Values at points of the rest surface, drawn as a colour map.

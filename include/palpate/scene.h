@@ -14,6 +14,7 @@
 #include "palpate/mesh.h"
 #include "palpate/organ_motion.h"
 #include "palpate/pose.h"
+#include "palpate/preparation.h"
 #include "palpate/support.h"
 #include "palpate/tissue.h"
 #include "palpate/tool.h"
@@ -212,11 +213,12 @@ struct Scene {
   std::vector<InclusionSetup> inclusions;        // at most model::kMaxInclusions
   std::vector<model::StiffnessPoint> stiffness;  // of the stiffness map; empty: the factor is 1
   std::optional<geometry::Support>
-      support;                        // what holds the organ; empty: only the surface near a contact moves
-  SearchSetup search;                 // only for task palpate
-  TargetSetup target;                 // only for task insert
-  std::vector<geometry::Tool> tools;  // one per hand
-  std::vector<DeviceSetup> devices;   // one per hand
+      support;  // what holds the organ; empty: only the surface near a contact moves
+  std::shared_ptr<const contact::OrganStore> store;  // for the organ's response under `support`; null: none
+  SearchSetup search;                                // only for task palpate
+  TargetSetup target;                                // only for task insert
+  std::vector<geometry::Tool> tools;                 // one per hand
+  std::vector<DeviceSetup> devices;                  // one per hand
   noise::NoiseSettings noise;
   SafetySetup safety;
   // Shown to the user, stored in recordings, printed in reports:

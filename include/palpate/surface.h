@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/mesh.h"
+#include "palpate/preparation.h"
 #include "palpate/support.h"
 #include "palpate/tissue.h"
 #include "palpate/tool_contact.h"
@@ -19,14 +20,17 @@ class OrganResponse;
 /// [setup] The response of an organ to forces on its surface, from its shape and what holds it. With it,
 /// SurfaceDeformer moves the whole organ (docs/support.md). Takes about 0.4 s of processor time, on all
 /// processors, and 9 MB. It never changes and may be shared between threads.
-/// @param organ closed, outwards @throws InputError, ParameterError as geometry::check_support()
-[[nodiscard]] std::shared_ptr<const OrganResponse> prepare_response(const geometry::TriangleMesh& organ,
-                                                                    const geometry::Support& support);
+/// @param organ closed, outwards @param store keeps responses for later: that of scene::use_organ_cache(), or
+/// null @throws InputError, ParameterError as geometry::check_support()
+[[nodiscard]] std::shared_ptr<const OrganResponse> prepare_response(
+    const geometry::TriangleMesh& organ, const geometry::Support& support,
+    const contact::OrganStore* store = nullptr);
 
 /// [setup] As above; null when nothing is known to hold the organ.
 [[nodiscard]] inline std::shared_ptr<const OrganResponse> prepare_response(
-    const geometry::TriangleMesh& organ, const std::optional<geometry::Support>& support) {
-  return support ? prepare_response(organ, *support) : nullptr;
+    const geometry::TriangleMesh& organ, const std::optional<geometry::Support>& support,
+    const contact::OrganStore* store = nullptr) {
+  return support ? prepare_response(organ, *support, store) : nullptr;
 }
 
 /// How finely prepare_response() computes an organ.

@@ -89,7 +89,8 @@ std::string name_for_hand(const std::string& name, std::size_t hand) {
 IgtlStream::IgtlStream(const scene::Scene& scene)
     : rate_Hz_(scene.rate_Hz),
       lps_(scene.organ_frame == scene::OrganFrame::kLps),
-      deformer_(finely_divided(scene.organ), deform::prepare_response(scene.organ, scene.support)) {}
+      deformer_(finely_divided(scene.organ),
+                deform::prepare_response(scene.organ, scene.support, scene.store.get())) {}
 
 /// A vector or point of the world as R, A, S.
 Vec3 IgtlStream::in_ras(const Vec3& vector_W) const {

@@ -50,8 +50,9 @@ Json list(const Quat& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 }  // namespace
 
-LiveSurface::LiveSurface(const geometry::TriangleMesh& organ, const std::optional<geometry::Support>& support)
-    : deformer_(checked(organ), deform::prepare_response(organ, support)) {}
+LiveSurface::LiveSurface(const geometry::TriangleMesh& organ, const std::optional<geometry::Support>& support,
+                         const contact::OrganStore* store)
+    : deformer_(checked(organ), deform::prepare_response(organ, support, store)) {}
 
 Json LiveSurface::at_rest() const { return mesh_json(deformer_.rest()); }
 

@@ -19,7 +19,8 @@ class LiveSurface final {
 
   /// @throws LiveError when the organ has more triangles than kMaxTriangles.
   explicit LiveSurface(const geometry::TriangleMesh& organ,
-                       const std::optional<geometry::Support>& support = {});
+                       const std::optional<geometry::Support>& support = {},
+                       const contact::OrganStore* store = nullptr);
 
   /// {"vertices_mm": [x, y, z, ...], "triangles": [a, b, c, ...]}, at rest.
   [[nodiscard]] nlohmann::ordered_json at_rest() const;

@@ -145,7 +145,8 @@ Environment::Common::Common(scene::Scene loaded, const Settings& given, const co
       world(scene::make_world(scene, how)),
       limit(kFastest * static_cast<double>(given.ticks) / scene.rate_Hz) {
   if (settings.task == Task::kSearch) lump_places_S = lump_places_of(scene);
-  if (settings.surface_points > 0) response = deform::prepare_response(scene.organ, scene.support);
+  if (settings.surface_points > 0)
+    response = deform::prepare_response(scene.organ, scene.support, how.store.get());
   list_channels();
 }
 

@@ -42,7 +42,14 @@ struct OrganArrays {
   std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
 };
 
-/// Keeps the arrays of prepared organs, and the stiffness maps interpolated on them.
+/// What takes longest to compute of a supported organ's response (deform::BodyCompliance).
+struct ResponseArrays {
+  double cell_edge = 0.0;             // [m]
+  std::vector<float> scale;           // deform::BlockInverse
+  std::vector<std::int16_t> entries;  // deform::BlockInverse
+};
+
+/// Keeps the arrays of prepared organs, the stiffness maps interpolated on them, and their responses.
 class OrganStore {
  public:
   virtual ~OrganStore() = default;
@@ -57,6 +64,10 @@ class OrganStore {
   [[nodiscard]] virtual std::vector<double> load_factors(const ContentHash& key) const = 0;
   /// [setup] Stores the values that were interpolated.
   virtual void store_factors(const ContentHash& key, const std::vector<double>& factors) const = 0;
+  /// [setup] The stored response; empty when it was not computed before. @param key of organ and support
+  [[nodiscard]] virtual std::optional<ResponseArrays> load_response(const ContentHash& key) const = 0;
+  /// [setup] Stores the response that was computed.
+  virtual void store_response(const ContentHash& key, const ResponseArrays& response) const = 0;
 };
 
 /// [setup] Hash of everything that the arrays depend on: the mesh's bits, the radius [m] and kArraysVersion.

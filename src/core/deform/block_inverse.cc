@@ -26,6 +26,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/simd.h"
@@ -44,7 +45,7 @@ using Mapped = Eigen::Map<Eigen::MatrixXd>;
 
 constexpr std::size_t kGrain = 128;  // rows of a panel that one task computes
 constexpr float kLargest = 32767.0F;
-constexpr std::size_t kPastEnd = 1;   // a node's three rows are read as four
+constexpr std::size_t kPastEnd = 1;   // entry: a node's three rows are read as four
 constexpr std::size_t kTogether = 4;  // columns that are added in one pass
 
 Mapped mapped(std::vector<double>& matrix, std::size_t rows, std::size_t columns) {
@@ -110,15 +111,14 @@ std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix) {
   if (!factorize(matrix)) return std::nullopt;
   BlockInverse made;
   made.first_ = matrix.first;
-  made.panels_.resize(matrix.blocks());
+  made.entries_.resize(made.start(matrix.blocks()) + kPastEnd);
   made.scale_.resize(matrix.first.back());
   MatrixXf panel;
   for (std::size_t k = matrix.blocks(); k-- > 0;) {
     const Pivot pivot = pivot_of(matrix, k);
     panel = panel.size() == 0 ? pivot.inverse : next_panel(pivot, panel);
     if (!panel.allFinite()) return std::nullopt;
-    made.panels_[k].resize(static_cast<std::size_t>(panel.size()) + kPastEnd);
-    std::int16_t* to = made.panels_[k].data();
+    std::int16_t* to = &made.entries_[made.start(k)];
     for (Index c = 0; c < panel.cols(); ++c) {
       const float largest = panel.col(c).cwiseAbs().maxCoeff();
       made.scale_[matrix.first[k] + static_cast<std::size_t>(c)] = largest / kLargest;
@@ -129,16 +129,28 @@ std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix) {
   return made;
 }
 
-std::size_t BlockInverse::bytes() const noexcept {
-  std::size_t entries = 0;
-  for (const auto& panel : panels_) entries += panel.size();
-  return entries * sizeof(std::int16_t) + scale_.size() * sizeof(float);
+std::optional<BlockInverse> BlockInverse::of(std::vector<std::size_t> first, std::vector<float> scale,
+                                             std::vector<std::int16_t> entries) {
+  BlockInverse made;
+  made.first_ = std::move(first);
+  made.scale_ = std::move(scale);
+  made.entries_ = std::move(entries);
+  if (made.rows() != made.first_.back() ||
+      made.entries_.size() != made.start(made.first_.size() - 1) + kPastEnd)
+    return std::nullopt;
+  return made;
+}
+
+std::size_t BlockInverse::start(std::size_t block) const noexcept {
+  std::size_t before = 0;
+  for (std::size_t k = 0; k < block; ++k) before += (first_.back() - first_[k]) * (first_[k + 1] - first_[k]);
+  return before;
 }
 
 BlockInverse::ByAxis BlockInverse::columns(Weights weights) const {
   ByAxis sums;
   sums.fill(std::vector<float>(rows(), 0.0F));
-  for (std::size_t k = 0; k < panels_.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
     const auto in_block = [&weights, first = first_[k + 1]] {
       return static_cast<std::size_t>(std::find_if(weights.begin(), weights.end(),
                                                    [first](const auto& weight) {
@@ -156,6 +168,7 @@ BlockInverse::ByAxis BlockInverse::columns(Weights weights) const {
 
 void BlockInverse::add_columns(std::size_t block, Weights weights, ByAxis& sums) const {
   const std::size_t height = rows() - first_[block];
+  const std::int16_t* const panel = &entries_[start(block)];
   for (std::size_t axis = 0; axis < 3; ++axis) {
     float* const to = &sums[axis][first_[block]];
     for (std::size_t w = 0; w < weights.size(); w += kTogether) {
@@ -164,7 +177,7 @@ void BlockInverse::add_columns(std::size_t block, Weights weights, ByAxis& sums)
       for (std::size_t i = 0; i < kTogether; ++i) {
         const auto& [node, weight] = weights[std::min(w + i, weights.size() - 1)];
         const std::size_t column = 3 * static_cast<std::size_t>(node) + axis;
-        from[i] = &panels_[block][(column - first_[block]) * height];
+        from[i] = panel + (column - first_[block]) * height;
         by[i] = Float4(w + i < weights.size() ? weight * scale_[column] : 0.0F);
       }
       std::size_t row = 0;
@@ -184,8 +197,9 @@ void BlockInverse::add_columns(std::size_t block, Weights weights, ByAxis& sums)
 
 void BlockInverse::add_rows(std::size_t block, Weights weights, ByAxis& sums) const {
   const std::size_t height = rows() - first_[block];
+  const std::int16_t* const panel = &entries_[start(block)];
   for (std::size_t column = first_[block]; column < first_[block + 1]; ++column) {
-    const std::int16_t* const from = &panels_[block][(column - first_[block]) * height];
+    const std::int16_t* const from = panel + (column - first_[block]) * height;
     const auto part = [&weights, from, first = first_[block]](std::size_t w) {
       const auto& [node, weight] = weights[w];
       return Float4(weight) * Float4::converted(from + (3 * static_cast<std::size_t>(node) - first));

@@ -30,22 +30,30 @@ class BlockInverse final {
   /// [setup] Computed on all processors; the result does not depend on their number. Empty when the matrix is
   /// not positive.
   [[nodiscard]] static std::optional<BlockInverse> of(BlockMatrix matrix);
+  /// [setup] An inverse with the scale() and entries() of one that was computed before. Empty when a matrix
+  /// with these blocks has another number of them. @param first as BlockMatrix::first
+  [[nodiscard]] static std::optional<BlockInverse> of(std::vector<std::size_t> first,
+                                                      std::vector<float> scale,
+                                                      std::vector<std::int16_t> entries);
 
   [[nodiscard]] std::size_t rows() const noexcept { return scale_.size(); }
-  [[nodiscard]] std::size_t bytes() const noexcept;
+  [[nodiscard]] const std::vector<float>& scale() const noexcept { return scale_; }
+  [[nodiscard]] const std::vector<std::int16_t>& entries() const noexcept { return entries_; }
 
   /// The weighted sums of the nodes' columns of each axis.
   [[nodiscard]] ByAxis columns(Weights weights) const;
 
  private:
+  // The place of a block's first entry; those of all blocks come before the end's.
+  [[nodiscard]] std::size_t start(std::size_t block) const noexcept;
   // Adds the columns of a block's nodes, from the block's first row on.
   void add_columns(std::size_t block, Weights weights, ByAxis& sums) const;
   // Adds the rows of nodes below a block to the block's own rows: its columns by symmetry.
   void add_rows(std::size_t block, Weights weights, ByAxis& sums) const;
 
-  std::vector<std::size_t> first_;                 // row of each block; the number of rows at the end
-  std::vector<std::vector<std::int16_t>> panels_;  // per block: its columns from its own first row on
-  std::vector<float> scale_;                       // per column
+  std::vector<std::size_t> first_;     // row of each block; the number of rows at the end
+  std::vector<float> scale_;           // per column
+  std::vector<std::int16_t> entries_;  // of one block after the other: its columns from its own first row on
 };
 
 }  // namespace palpate::deform

@@ -30,14 +30,17 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/base/content_hash.h"
 #include "core/base/index.h"
 #include "core/deform/half_space.h"
 #include "core/deform/surface_parts.h"
+#include "palpate/error.h"
 
 namespace palpate::deform {
 namespace {
@@ -51,6 +54,8 @@ constexpr std::size_t kMostNodes = 400;
 #else
 constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
 #endif
+// Rises when the same organ and support get another response.
+constexpr std::uint64_t kResponseVersion = 1;
 constexpr double kFewestCells = 3.0;  // along the longest extent
 constexpr double kMostCells = 60.0;
 constexpr int kSteps = 7;                // of the search for the finest grid
@@ -154,14 +159,16 @@ std::size_t nodes_under(const CellGrid& grid, const std::vector<std::array<int, 
 // Assembles and inverts the stiffness of one organ.
 class Body {
  public:
-  Body(const CellGrid& grid, const geometry::TriangleMesh& organ, BodyCompliance& body)
-      : body_(body), grid_(grid), organ_(organ), filling_(grid_, organ) {}
+  Body(const geometry::TriangleMesh& organ, BodyCompliance& body)
+      : body_(body), grid_(body.grid), organ_(organ), filling_(grid_, organ) {}
 
   void number_nodes();
   void add_cells();
   void add_support(const geometry::HeldSurface& held);
   // @return false when nothing holds the organ
   [[nodiscard]] bool invert();
+  // Takes an inverse of the cache instead. @return false when it is of other blocks
+  [[nodiscard]] bool take(contact::ResponseArrays arrays);
 
  private:
   void add_cell(const std::array<int, 3>& cell);
@@ -200,10 +207,14 @@ void Body::number_nodes() {
     }
   }
   matrix_.first.push_back(3 * body_.nodes.size());
+}
+
+void Body::add_cells() {
   for (std::size_t k = 0; k + 1 < matrix_.first.size(); ++k) {
     matrix_.diagonal.emplace_back(matrix_.size(k) * matrix_.size(k));
     if (k + 2 < matrix_.first.size()) matrix_.coupling.emplace_back(matrix_.size(k + 1) * matrix_.size(k));
   }
+  for (const auto& cell : cells_) add_cell(cell);
 }
 
 void Body::add(std::int32_t row, std::int32_t column, const Matrix3d& stiffness) {
@@ -237,10 +248,6 @@ void Body::add_cell(const std::array<int, 3>& cell) {
           grid_.edge() * (kLame * m + kShear * m.transpose() + kShear * m.trace() * Matrix3d::Identity()));
     }
   }
-}
-
-void Body::add_cells() {
-  for (const auto& cell : cells_) add_cell(cell);
 }
 
 void Body::add_support(const geometry::HeldSurface& held) {
@@ -281,9 +288,42 @@ void Body::add_support(const geometry::HeldSurface& held) {
 
 bool Body::invert() {
   std::optional<BlockInverse> inverse = BlockInverse::of(std::move(matrix_));
-  if (!inverse) return false;
-  body_.compliance = std::move(*inverse);
-  return true;
+  if (inverse) body_.compliance = std::move(*inverse);
+  return inverse.has_value();
+}
+
+bool Body::take(contact::ResponseArrays arrays) {
+  std::optional<BlockInverse> inverse =
+      BlockInverse::of(matrix_.first, std::move(arrays.scale), std::move(arrays.entries));
+  if (inverse) body_.compliance = std::move(*inverse);
+  return inverse.has_value();
+}
+
+// Hash of everything that a response depends on.
+ContentHash response_key(const geometry::TriangleMesh& organ, const geometry::Support& support) {
+  ContentHasher hasher;
+  hasher.add(kResponseVersion).add(kMostNodes).add(kPoisson);
+  hasher.add(kOutside).add(kHeldInside).add(kHeldStiffness);
+  hasher.add(std::span<const Vec3>(organ.vertices)).add(std::span<const geometry::Triangle>(organ.triangles));
+  hasher.add(support.bed.has_value()).add(support.faces.has_value()).add(support.attachments.size());
+  if (support.bed) hasher.add(support.bed->direction).add(support.bed->share);
+  if (support.faces) hasher.add(support.faces->away_from);
+  for (const auto* list : {&support.attachments, &support.painted})
+    for (const geometry::Attachment& one : *list) hasher.add(one.point).add(one.radius);
+  return hasher.hash();
+}
+
+// The compliance that a cache has kept; empty when it has none that is possible.
+std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, const ContentHash& key,
+                                              const geometry::TriangleMesh& organ) {
+  std::optional<contact::ResponseArrays> arrays = store.load_response(key);
+  const geometry::Bounds box = geometry::bounds(organ);
+  if (!arrays || !(arrays->cell_edge * kMostCells > box.size().maxCoeff())) return std::nullopt;
+  BodyCompliance made{CellGrid(box, arrays->cell_edge), {}, {}, {}};
+  Body body(organ, made);
+  body.number_nodes();
+  if (!body.take(std::move(*arrays))) return std::nullopt;
+  return made;
 }
 
 }  // namespace
@@ -303,14 +343,23 @@ CellGrid finest_grid(const geometry::TriangleMesh& organ) {
   return best;
 }
 
-std::optional<BodyCompliance> body_compliance(const CellGrid& grid, const geometry::TriangleMesh& organ,
-                                              const geometry::HeldSurface& held) {
-  BodyCompliance made;
-  Body body(grid, organ, made);
+BodyCompliance body_compliance(const geometry::TriangleMesh& organ, const geometry::Support& support,
+                               const contact::OrganStore* store) {
+  const ContentHash key = store != nullptr ? response_key(organ, support) : ContentHash{};
+  if (store != nullptr) {
+    if (std::optional<BodyCompliance> kept = kept_compliance(*store, key, organ)) return *std::move(kept);
+  }
+  const geometry::HeldSurface held(support, organ);
+  geometry::check_support(support, organ);
+  BodyCompliance made{finest_grid(organ), {}, {}, {}};
+  Body body(organ, made);
   body.number_nodes();
   body.add_cells();
   body.add_support(held);
-  if (!body.invert()) return std::nullopt;
+  if (!body.invert())
+    throw InputError("support: holds too little of the organ's surface, so the organ would turn away");
+  if (store != nullptr)
+    store->store_response(key, {made.grid.edge(), made.compliance.scale(), made.compliance.entries()});
   return made;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <vector>
 
+#include "core/contact/organ_arrays.h"
 #include "core/deform/block_inverse.h"
 #include "core/deform/cell_grid.h"
 #include "palpate/mesh.h"
@@ -15,6 +15,7 @@ inline constexpr double kPartsOfCell = 4.0;
 
 /// Displacements of the nodes that an organ reaches, under unit forces on them, at Young's modulus 1.
 struct BodyCompliance {
+  CellGrid grid;
   std::vector<std::int32_t> unknown_of;  // per node of the grid: its place in `nodes`; -1: not reached
   std::vector<std::int32_t> nodes;       // numbers of the nodes in the grid
   BlockInverse compliance;               // [m/N]
@@ -23,10 +24,11 @@ struct BodyCompliance {
 /// [setup] The grid with the smallest cells on which an organ needs at most kMostNodes nodes.
 [[nodiscard]] CellGrid finest_grid(const geometry::TriangleMesh& organ);
 
-/// [setup] The compliance of an organ on this grid, computed on all processors; the result does not depend
-/// on their number. Empty when too little is held. @param organ closed, outwards
-[[nodiscard]] std::optional<BodyCompliance> body_compliance(const CellGrid& grid,
-                                                            const geometry::TriangleMesh& organ,
-                                                            const geometry::HeldSurface& held);
+/// [setup] The compliance of an organ on its finest grid, computed on all processors, or from `store`; the
+/// result depends on neither. @param organ closed, outwards @param store may be null @throws as
+/// prepare_response()
+[[nodiscard]] BodyCompliance body_compliance(const geometry::TriangleMesh& organ,
+                                             const geometry::Support& support,
+                                             const contact::OrganStore* store);
 
 }  // namespace palpate::deform

@@ -4,29 +4,22 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
 #include "core/deform/surface_parts.h"
 #include "core/deform/triangle_search.h"
-#include "palpate/error.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {
 
 using Eigen::Index;
 
-OrganResponse::OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support)
-    : grid_(finest_grid(organ)) {
-  const geometry::HeldSurface held(support, organ);
-  geometry::check_support(support, organ);
+OrganResponse::OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support,
+                             const contact::OrganStore* store)
+    : body_(body_compliance(organ, support, store)) {
   gather_surface(organ);
-  std::optional<BodyCompliance> body = body_compliance(grid_, organ, held);
-  if (!body)
-    throw InputError("support: holds too little of the organ's surface, so the organ would turn away");
-  body_ = std::move(*body);
 }
 
 void OrganResponse::gather_surface(const geometry::TriangleMesh& organ) {
@@ -39,9 +32,9 @@ void OrganResponse::gather_surface(const geometry::TriangleMesh& organ) {
     double size = 0.0;
   };
   std::map<Key, Sum> gathered;
-  for_each_part(organ, grid_.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
-    const CellGrid::Place place = grid_.place_of(point);
-    Key key{grid_.number_of(place.cell), {}};
+  for_each_part(organ, body_.grid.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
+    const CellGrid::Place place = body_.grid.place_of(point);
+    Key key{body_.grid.number_of(place.cell), {}};
     for (std::size_t axis = 0; axis < 3; ++axis)
       key.second[axis] = static_cast<int>(place.within[axis] * kPartsOfCell);
     for (Index axis = 0; axis < 3; ++axis) key.second[3] = 2 * key.second[3] + (area[axis] < 0.0 ? 1 : 0);
@@ -50,8 +43,9 @@ void OrganResponse::gather_surface(const geometry::TriangleMesh& organ) {
     sum.area += area;
     sum.size += area.norm();
   });
-  first_part_.assign(static_cast<std::size_t>(grid_.cells()[0]) * static_cast<std::size_t>(grid_.cells()[1]) *
-                             static_cast<std::size_t>(grid_.cells()[2]) +
+  first_part_.assign(static_cast<std::size_t>(body_.grid.cells()[0]) *
+                             static_cast<std::size_t>(body_.grid.cells()[1]) *
+                             static_cast<std::size_t>(body_.grid.cells()[2]) +
                          1,
                      0);
   for (const auto& [key, sum] : gathered) {
@@ -62,16 +56,16 @@ void OrganResponse::gather_surface(const geometry::TriangleMesh& organ) {
 }
 
 OrganResponse::Load OrganResponse::load_at(const Vec3& point, const Vec3& normal, double radius) const {
-  const CellGrid::Place low = grid_.place_of(point - Vec3::Constant(radius));
-  const CellGrid::Place high = grid_.place_of(point + Vec3::Constant(radius));
+  const CellGrid::Place low = body_.grid.place_of(point - Vec3::Constant(radius));
+  const CellGrid::Place high = body_.grid.place_of(point + Vec3::Constant(radius));
   std::map<std::int32_t, double> shares;
   Load load;
   double total = 0.0;
   const auto take = [&](const SurfacePart& part, double weight) {
     total += weight;
     load.normal += weight * part.area.normalized();
-    const CellGrid::Place place = grid_.place_of(part.point);
-    const auto nodes = grid_.nodes_of(place.cell);
+    const CellGrid::Place place = body_.grid.place_of(part.point);
+    const auto nodes = body_.grid.nodes_of(place.cell);
     const auto weights = CellGrid::weights(place);
     for (std::size_t n = 0; n < nodes.size(); ++n) shares[body_.unknown_of[nodes[n]]] += weight * weights[n];
   };
@@ -79,7 +73,7 @@ OrganResponse::Load OrganResponse::load_at(const Vec3& point, const Vec3& normal
   for (cell[0] = low.cell[0]; cell[0] <= high.cell[0]; ++cell[0]) {
     for (cell[1] = low.cell[1]; cell[1] <= high.cell[1]; ++cell[1]) {
       for (cell[2] = low.cell[2]; cell[2] <= high.cell[2]; ++cell[2]) {
-        const std::size_t number = grid_.number_of(cell);
+        const std::size_t number = body_.grid.number_of(cell);
         for (std::int32_t p = first_part_[number]; p < first_part_[number + 1]; ++p) {
           const SurfacePart& part = parts_[palpate::at(p)];
           const double inside = 1.0 - (part.point - point).squaredNorm() / (radius * radius);
@@ -98,7 +92,7 @@ OrganResponse::Load OrganResponse::load_at(const Vec3& point, const Vec3& normal
 }
 
 OrganResponse::Displacements OrganResponse::none() const {
-  return Displacements(grid_.nodes(), Eigen::Vector4f::Zero());
+  return Displacements(body_.grid.nodes(), Eigen::Vector4f::Zero());
 }
 
 std::array<OrganResponse::Displacements, 3> OrganResponse::under(const Load& load) const {
@@ -122,8 +116,8 @@ double OrganResponse::work(const Load& load, const Eigen::Vector3f& force, const
 }
 
 Vec3 OrganResponse::at(const Displacements& field, const Vec3& point) const noexcept {
-  const CellGrid::Place place = grid_.place_of(point);
-  const auto nodes = grid_.nodes_of(place.cell);
+  const CellGrid::Place place = body_.grid.place_of(point);
+  const auto nodes = body_.grid.nodes_of(place.cell);
   const auto weights = CellGrid::weights(place);
   Vec3 sum = Vec3::Zero();
   for (std::size_t n = 0; n < nodes.size(); ++n) sum += weights[n] * field[nodes[n]].head<3>().cast<double>();
@@ -150,8 +144,9 @@ ResponseCells response_cells(const geometry::TriangleMesh& organ) {
 }
 
 std::shared_ptr<const OrganResponse> prepare_response(const geometry::TriangleMesh& organ,
-                                                      const geometry::Support& support) {
-  return std::make_shared<const OrganResponse>(organ, support);
+                                                      const geometry::Support& support,
+                                                      const contact::OrganStore* store) {
+  return std::make_shared<const OrganResponse>(organ, support, store);
 }
 
 }  // namespace palpate::deform

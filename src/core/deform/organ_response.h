@@ -27,17 +27,17 @@ class OrganResponse final {
   };
 
   /// [setup] As prepare_response().
-  OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support);
+  OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support,
+                const contact::OrganStore* store = nullptr);
 
-  [[nodiscard]] const CellGrid& grid() const noexcept { return grid_; }
+  [[nodiscard]] const CellGrid& grid() const noexcept { return body_.grid; }
   /// Distance over which the cells spread a force [m]; a smaller contact needs the half-space's field in
   /// addition. The less that adds, the better on a curved or thin organ, but splines do not resolve much less
   /// than a cell, which counts for contacts of 4 mm beside cells of 8 mm.
   [[nodiscard]] double spread() const noexcept {
-    return std::clamp(kSpread, kLeastSpread * grid_.edge(), grid_.edge());
+    return std::clamp(kSpread, kLeastSpread * grid().edge(), grid().edge());
   }
   [[nodiscard]] std::size_t node_count() const noexcept { return body_.nodes.size(); }
-  [[nodiscard]] std::size_t bytes() const noexcept { return body_.compliance.bytes(); }
 
   /// A force spread like Hertz's pressure over the surface within `radius` [m] of a point on the side that
   /// `normal` faces. @param point on the surface [m] @param normal outward, unit
@@ -64,7 +64,6 @@ class OrganResponse final {
   };
   void gather_surface(const geometry::TriangleMesh& organ);
 
-  CellGrid grid_;
   BodyCompliance body_;
   std::vector<std::int32_t> first_part_;  // per cell: its parts in parts_; one more at the end
   std::vector<SurfacePart> parts_;        // sorted by cell

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -19,10 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using contact::OrganArrays;
+using contact::ResponseArrays;
 
 constexpr const char* kEnding = ".organ";
 constexpr const char* kMapEnding = ".factors";
-constexpr std::uint64_t kMaxMaps = 1ULL << 28;    // bytes: several hundred maps
+constexpr const char* kResponseEnding = ".response";
+constexpr std::uint64_t kMaxOthers = 1ULL << 28;  // bytes: several hundred maps; about 28 responses
 constexpr std::uint64_t kMaxCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
 
 /// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
@@ -43,13 +47,13 @@ class OrganCache final : public contact::OrganStore {
   [[nodiscard]] std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
                                                 double reference_radius) const override {
     const ContentHash key = contact::organ_key(organ, reference_radius);
-    const fs::path file = file_of(key);
+    const fs::path file = file_of(key, kEnding);
     std::error_code error;  // an error counts as absent: the organ is prepared again
     if (!fs::exists(file, error)) {
       report("the cache does not have this organ: " + to_text(file));
       return std::nullopt;
     }
-    const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
+    const std::optional<ArrayFileReader> reader = open(key, kEnding);
     std::optional<OrganArrays> arrays = reader ? get(*reader) : std::nullopt;
     if (arrays && !lies_within(arrays->mesh, organ)) arrays.reset();
     if (!arrays) {
@@ -59,45 +63,71 @@ class OrganCache final : public contact::OrganStore {
       return std::nullopt;
     }
     report("prepared organ taken from the cache: " + to_text(file));
-    fs::last_write_time(file, fs::file_time_type::clock::now(),
-                        error);  // the least recently used files are removed first
     return arrays;
   }
 
   void store(const geometry::TriangleMesh& organ, double reference_radius,
              const OrganArrays& arrays) const override {
-    const ContentHash key = contact::organ_key(organ, reference_radius);
-    if (!make_private_folder(folder_)) {
-      report("the prepared organ could not be kept in " + to_text(folder_));
-      return;
-    }
-    ArrayFileWriter writer(file_of(key), key);
-    put(arrays, writer);
-    if (!writer.commit()) report("the prepared organ could not be kept as " + to_text(file_of(key)));
-    trim_cache(folder_, kEnding, kMaxCached);
+    keep(contact::organ_key(organ, reference_radius), kEnding, kMaxCached, "the prepared organ",
+         [&arrays](ArrayFileWriter& file) { put(arrays, file); });
   }
 
   [[nodiscard]] std::vector<double> load_factors(const ContentHash& key) const override {
-    const fs::path file = file_of(key, kMapEnding);
-    const std::optional<ArrayFileReader> reader = ArrayFileReader::open(file, key);
+    const std::optional<ArrayFileReader> reader = open(key, kMapEnding);
     std::vector<double> factors;
     if (!reader || !reader->get("factors", factors)) return {};
-    std::error_code error;
-    fs::last_write_time(file, fs::file_time_type::clock::now(), error);
     return factors;
   }
 
   void store_factors(const ContentHash& key, const std::vector<double>& factors) const override {
-    if (!make_private_folder(folder_)) return;
-    ArrayFileWriter writer(file_of(key, kMapEnding), key);
-    writer.put("factors", factors);
-    if (!writer.commit())
-      report("the stiffness map could not be kept as " + to_text(file_of(key, kMapEnding)));
-    trim_cache(folder_, kMapEnding, kMaxMaps);
+    keep(key, kMapEnding, kMaxOthers, "the stiffness map",
+         [&factors](ArrayFileWriter& file) { file.put("factors", factors); });
+  }
+
+  [[nodiscard]] std::optional<ResponseArrays> load_response(const ContentHash& key) const override {
+    const std::optional<ArrayFileReader> reader = open(key, kResponseEnding);
+    ResponseArrays response;
+    std::vector<double> edge;
+    if (!reader || !reader->get("cell_edge", edge) || edge.size() != 1 ||
+        !reader->get("scale", response.scale) || !reader->get("entries", response.entries))
+      return std::nullopt;
+    response.cell_edge = edge.front();
+    return response;
+  }
+
+  void store_response(const ContentHash& key, const ResponseArrays& response) const override {
+    keep(key, kResponseEnding, kMaxOthers, "the response", [&response](ArrayFileWriter& file) {
+      file.put("cell_edge", std::span(&response.cell_edge, 1));
+      file.put("scale", response.scale);
+      file.put("entries", response.entries);
+    });
   }
 
  private:
-  [[nodiscard]] fs::path file_of(const ContentHash& key, const char* ending = kEnding) const {
+  /// Opens a file and marks it as used: the least recently used files are removed first.
+  [[nodiscard]] std::optional<ArrayFileReader> open(const ContentHash& key, const char* ending) const {
+    std::optional<ArrayFileReader> reader = ArrayFileReader::open(file_of(key, ending), key);
+    std::error_code error;
+    if (reader) fs::last_write_time(file_of(key, ending), fs::file_time_type::clock::now(), error);
+    return reader;
+  }
+
+  /// Writes the file that `fill` fills, and removes others until all with its ending have at most `most`
+  /// bytes.
+  template <typename Fill>
+  void keep(const ContentHash& key, const char* ending, std::uint64_t most, const char* what,
+            const Fill& fill) const {
+    bool kept = make_private_folder(folder_);
+    if (kept) {
+      ArrayFileWriter writer(file_of(key, ending), key);
+      fill(writer);
+      kept = writer.commit();
+      trim_cache(folder_, ending, most);
+    }
+    if (!kept) report(std::string(what) + " could not be kept as " + to_text(file_of(key, ending)));
+  }
+
+  [[nodiscard]] fs::path file_of(const ContentHash& key, const char* ending) const {
     return folder_ / (key.hexadecimal() + ending);
   }
   void report(const std::string& text) const {

@@ -86,6 +86,7 @@ bool Session::may_pause() const noexcept { return realtime::stall_limit_ns(*worl
 /// Prepares the organ, which may take seconds, then opens the devices and adapts the scene to their
 /// abilities.
 std::unique_ptr<const haptics::SimulationWorld> Session::prepare(const contact::Preparation& how) {
+  scene_.store = how.store;
   auto world = std::make_unique<haptics::SimulationWorld>(scene::make_world(scene_, how));
   if (devices_.empty()) {
     const auto on_wait = [&how] {

@@ -58,7 +58,7 @@ struct OffscreenRenderer::Impl {
         organ_name(subject.organ_name),
         painter(look, width, height, quality),
         organ(subject.organ, subject.reach, quality == Quality::kFull ? Detail::kStill : Detail::kLive,
-              subject.support) {
+              subject.support, subject.store) {
     for (const geometry::Tool& tool : subject.tools) {
       shapes.emplace_back(tool);
       tools.emplace_back(tool);

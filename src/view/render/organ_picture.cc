@@ -113,15 +113,16 @@ std::size_t nearest_of(std::span<const deform::Indentation> indentations, const 
 }  // namespace
 
 OrganPicture::OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
-                           Detail detail, const std::optional<geometry::Support>& support)
+                           Detail detail, const std::optional<geometry::Support>& support,
+                           const std::shared_ptr<const contact::OrganStore>& store)
     : reach_(reach),
       detail_(detail),
       crease_deg_(has_clean_creases(rest, kCreaseDeg) ? kCreaseDeg : kNoCreaseDeg),
       organ_(std::make_shared<const geometry::TriangleMesh>(rest)) {
   if (support && detail == Detail::kLive) {
-    prepare(*support);
+    prepare(*support, store);
   } else {
-    response_ = deform::prepare_response(rest, support);
+    response_ = deform::prepare_response(rest, support, store.get());
   }
   double edge = std::clamp(geometry::bounds(rest).size().norm() / kEdgesAcross, kShortestEdge, kLongestEdge);
   if (detail == Detail::kLive) edge = std::max(edge, 1.75 * std::sqrt(area_of(rest) / kLiveTriangles));
@@ -139,9 +140,11 @@ void OrganPicture::take_surface(geometry::TriangleMesh rest) {
   surface_->set_response(response_);
 }
 
-void OrganPicture::prepare(const geometry::Support& support) {
-  awaited_ =
-      std::async(kPrepares, [organ = organ_, support] { return deform::prepare_response(*organ, support); });
+void OrganPicture::prepare(const geometry::Support& support,
+                           std::shared_ptr<const contact::OrganStore> store) {
+  awaited_ = std::async(kPrepares, [organ = organ_, support, store = std::move(store)] {
+    return deform::prepare_response(*organ, support, store.get());
+  });
 }
 
 void OrganPicture::set_support(std::optional<geometry::Support> support) {

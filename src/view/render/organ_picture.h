@@ -27,8 +27,10 @@ class OrganPicture final {
   /// [setup] @param rest rest surface, organ frame, metres
   /// @param support what holds the organ: with it, the whole organ gives way. Its response is prepared in
   /// the background for Detail::kLive; until then, the surface near the contacts moves alone
+  /// @param store for that response; null: none. Those of set_support() are not kept
   OrganPicture(const geometry::TriangleMesh& rest, const model::FalloffRatios& reach,
-               Detail detail = Detail::kStill, const std::optional<geometry::Support>& support = {});
+               Detail detail = Detail::kStill, const std::optional<geometry::Support>& support = {},
+               const std::shared_ptr<const contact::OrganStore>& store = {});
 
   /// [setup] Updates the deformation for the current contacts. With Detail::kStill the result depends on this
   /// call only; with kLive the surface catches up within some pictures (DeformedSurface).
@@ -56,7 +58,7 @@ class OrganPicture final {
   }
 
  private:
-  void prepare(const geometry::Support& support);
+  void prepare(const geometry::Support& support, std::shared_ptr<const contact::OrganStore> store = {});
   bool divide_around(std::span<const deform::Indentation> indentations);
   void take_surface(geometry::TriangleMesh rest);
   void take_response();

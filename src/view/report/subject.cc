@@ -16,7 +16,8 @@ render::Subject subject_of(const scene::Scene& scene) {
           scene.tissue.name,
           scene::visible_inclusions(scene.inclusions),
           scene.support,
-          scene.organ_name};
+          scene.organ_name,
+          scene.store};
 }
 
 SurfacePlaces places_of(const geometry::TriangleMesh& organ) {

@@ -216,7 +216,7 @@ SurfaceLine surface_line(const scene::Scene& scene, const haptics::Snapshot& sna
 
   std::vector<render::ToolShape> shapes;
   for (const geometry::Tool& tool : scene.tools) shapes.emplace_back(tool);
-  render::OrganPicture organ(scene.organ, snapshot.reach, render::Detail::kStill, scene.support);
+  render::OrganPicture organ(scene.organ, snapshot.reach, render::Detail::kStill, scene.support, scene.store);
   organ.update(all, render::imprints_of(snapshot, shapes));
   std::vector<Vec3> moved;
   for (const deform::SurfaceVertex& vertex : organ.vertices())

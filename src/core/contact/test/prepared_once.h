@@ -34,6 +34,10 @@ inline Preparation prepared_once() {
     }
     [[nodiscard]] std::vector<double> load_factors(const ContentHash&) const override { return {}; }
     void store_factors(const ContentHash&, const std::vector<double>&) const override {}
+    [[nodiscard]] std::optional<ResponseArrays> load_response(const ContentHash&) const override {
+      return {};
+    }
+    void store_response(const ContentHash&, const ResponseArrays&) const override {}
 
    private:
     static std::deque<Prepared>& all() {

@@ -21,9 +21,11 @@
 #include "core/contact/organ_surface.h"
 #include "core/contact/stiffness_map.h"
 #include "core/contact/test/rig.h"
+#include "core/deform/organ_response.h"
 #include "io/system/test/temporary_folder.h"
 #include "palpate/mesh.h"
 #include "palpate/organ_cache.h"
+#include "palpate/support.h"
 
 namespace palpate::scene {
 namespace {
@@ -132,6 +134,112 @@ TEST(OrganCache, TakesAStiffnessMapFromItsFile) {
   EXPECT_NEAR(
       contact::StiffnessMap(organ, points, how.store.get()).factor_at({organ.mesh().vertices[0], 0}).value,
       2.0, 0.1);
+}
+
+// --- the response of a supported organ
+
+using deform::OrganResponse;
+
+geometry::Support bed(double share) {
+  geometry::Support support;
+  support.bed = geometry::Bed{-Vec3::UnitZ(), share};
+  return support;
+}
+
+TriangleMesh bar() { return geometry::make_box(Vec3(0.12, 0.012, 0.012), 4e-3); }
+
+/// Displacements of a bar under a force on its upper side.
+OrganResponse::Displacements moved_by_force(const geometry::Support& support,
+                                            const contact::OrganStore* store,
+                                            const TriangleMesh& organ = bar()) {
+  const OrganResponse response(organ, support, store);
+  return response.under(response.load_at(Vec3(0.0, 0.0, 6e-3), Vec3::UnitZ(), 5e-3))[2];
+}
+
+std::vector<fs::path> responses_in(const fs::path& cache) {
+  std::vector<fs::path> files;
+  for (const auto& file : fs::directory_iterator(cache))
+    if (file.path().extension() == ".response") files.push_back(file.path());
+  return files;
+}
+
+ContentHash key_in_name(const fs::path& file) {
+  const std::string name = file.stem().string();
+  return {{std::stoull(name.substr(0, 16), nullptr, 16), std::stoull(name.substr(16), nullptr, 16)}};
+}
+
+TEST(OrganCache, TakesAResponseFromItsFileWithTheSameBits) {
+  const TemporaryFolder folder;
+  contact::Preparation how;
+  use_organ_cache(how, folder.path());
+  const OrganResponse::Displacements fresh = moved_by_force(bed(0.3), nullptr);
+  EXPECT_TRUE(moved_by_force(bed(0.3), how.store.get()) == fresh);
+  ASSERT_EQ(responses_in(folder.path()).size(), 1U);
+  EXPECT_TRUE(moved_by_force(bed(0.3), how.store.get()) == fresh);
+  const ContentHash key = key_in_name(responses_in(folder.path()).front());
+  const contact::ResponseArrays kept = how.store->load_response(key).value();
+  contact::ResponseArrays still = kept;
+  std::fill(still.entries.begin(), still.entries.end(), std::int16_t{0});
+  how.store->store_response(key, still);
+  for (const Eigen::Vector4f& u : moved_by_force(bed(0.3), how.store.get())) ASSERT_EQ(u.norm(), 0.0F);
+  // Numbers that are not of these cells are computed again.
+  const auto is_computed_again = [&](auto change) {
+    contact::ResponseArrays wrong = still;
+    change(wrong);
+    how.store->store_response(key, wrong);
+    return moved_by_force(bed(0.3), how.store.get()) == fresh;
+  };
+  EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.entries.pop_back(); }));
+  EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.scale.push_back(1.0F); }));
+  EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.cell_edge = 1e-9; }));
+  EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.cell_edge = std::nan(""); }));
+}
+
+TEST(OrganCache, KeepsAResponseForEachMeshAndSupport) {
+  const TemporaryFolder folder;
+  contact::Preparation how;
+  use_organ_cache(how, folder.path());
+  geometry::Support held = bed(0.3);
+  const auto files_after = [&](const geometry::Support& support, const TriangleMesh& organ) {
+    (void)moved_by_force(support, how.store.get(), organ);
+    return responses_in(folder.path()).size();
+  };
+  TriangleMesh organ = bar();
+  EXPECT_EQ(files_after(held, organ), 1U);
+  EXPECT_EQ(files_after(bed(0.31), organ), 2U);
+  held.attachments.push_back({Vec3(20e-3, 0.0, 6e-3), 5e-3});
+  EXPECT_EQ(files_after(held, organ), 3U);
+  held.attachments.back().radius = 6e-3;
+  EXPECT_EQ(files_after(held, organ), 4U);
+  std::swap(held.attachments, held.painted);
+  EXPECT_EQ(files_after(held, organ), 5U);
+  held.bed.reset();
+  EXPECT_EQ(files_after(held, organ), 6U);
+  held.faces = geometry::HeldFaces{Vec3::UnitZ()};
+  EXPECT_EQ(files_after(held, organ), 7U);
+  organ.vertices[7].x() = std::nextafter(organ.vertices[7].x(), 1.0);
+  EXPECT_EQ(files_after(held, organ), 8U);
+}
+
+TEST(OrganCache, ComputesAResponseAgainWhoseFileIsDamaged) {
+  const TemporaryFolder folder;
+  contact::Preparation how;
+  use_organ_cache(how, folder.path());
+  const OrganResponse::Displacements fresh = moved_by_force(bed(0.3), how.store.get());
+  const fs::path file = responses_in(folder.path()).front();
+  const auto size = fs::file_size(file);
+  fs::resize_file(file, size - 1000);
+  EXPECT_TRUE(moved_by_force(bed(0.3), how.store.get()) == fresh);
+  EXPECT_EQ(fs::file_size(file), size);  // replaced
+  std::fstream bytes(file, std::ios::binary | std::ios::in | std::ios::out);
+  bytes.seekg(static_cast<std::streamoff>(size / 2));
+  const auto flipped = static_cast<char>(bytes.get() ^ 0x40);
+  bytes.seekp(static_cast<std::streamoff>(size / 2));
+  bytes.put(flipped);
+  bytes.close();
+  EXPECT_FALSE(how.store->load_response(key_in_name(file)).has_value());
+  EXPECT_TRUE(moved_by_force(bed(0.3), how.store.get()) == fresh);
+  EXPECT_TRUE(how.store->load_response(key_in_name(file)).has_value());
 }
 
 TEST(OrganCache, KeepsAnotherMeshOrRadiusApart) {
