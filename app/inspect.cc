@@ -242,11 +242,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
     print_list("held by", scene::support_phrases(*inspected.support));
     row("held",
         fmt::format("{:.1f} % of the surface", 1e2 * geometry::held_share(*inspected.support, loaded.mesh)));
-    const deform::ResponseCells cells = deform::response_cells(loaded.mesh);
-    row("cells",
-        fmt::format(
-            "{} mm; {:.1f} % of the surface is on thinner parts, where the deformation shown is not reliable",
-            brief(cells.edge / kMillimetre, 3), 1e2 * cells.thin_share));
+    row("cells", deform::describe(deform::response_cells(loaded.mesh)));
   }
   if (inspected.error) {
     const report::SurfaceError& error = *inspected.error;

@@ -10,6 +10,7 @@
 #include "core/base/index.h"
 #include "io/scene/support_reader.h"
 #include "palpate/error.h"
+#include "palpate/surface.h"
 #include "palpate/units.h"
 
 #include "app/window/panels.h"
@@ -68,7 +69,12 @@ void attachment_rows(const SupportStatus& status, std::optional<SupportChange>& 
 SupportEditor::SupportEditor(const scene::Scene& scene) : organ_(scene.organ) {
   if (!scene.support) return;
   status_.support = *scene.support;
-  status_.held = geometry::held_share(*scene.support, organ_);
+  measure(*scene.support);
+}
+
+void SupportEditor::measure(const geometry::Support& support) {
+  status_.held = geometry::held_share(support, organ_);
+  if (status_.cells.empty()) status_.cells = deform::describe(deform::response_cells(organ_));
 }
 
 std::optional<geometry::Support> SupportEditor::in_force() const {
@@ -83,7 +89,7 @@ void SupportEditor::set(const geometry::Support& support, bool settled, LivePict
   status_.held = 0.0;
   if (!support.empty()) {
     try {
-      status_.held = geometry::held_share(support, organ_);
+      measure(support);
       geometry::check_support(support, organ_);
     } catch (const InputError& error) {
       status_.refusal = error.what();
@@ -151,6 +157,8 @@ void support_panel(const PanelModel& shown, Commands& commands) {
     ImGui::TextUnformatted(phrase.c_str());
   const bool wrong = !status.refusal.empty() || status.response == render::ResponseState::kFailed;
   ImGui::TextColored(wrong ? colour::kForce : colour::kFaint, "Held: %s", response_text(status).c_str());
+  if (status.response == render::ResponseState::kShown)
+    ImGui::TextColored(colour::kFaint, "Computed in cells of %s", status.cells.c_str());
   if (choosing)
     ImGui::TextColored(colour::kFaint, "Click on the organ to attach it there. Right drag turns the view.");
   ImGui::PopTextWrapPos();

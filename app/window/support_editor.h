@@ -22,6 +22,7 @@ struct SupportStatus {
   bool choosing = false;  // a click on the organ attaches it there
   double radius = 8e-3;   // of the next attachment [m]
   double held = 0.0;      // share of the surface
+  std::string cells{};    // deform::describe(ResponseCells), from the first support on
   std::string refusal{};  // why the support does not count; empty: it does
   render::ResponseState response = render::ResponseState::kNone;
 };
@@ -55,6 +56,7 @@ class SupportEditor final {
 
  private:
   void set(const geometry::Support& support, bool settled, LivePicture& picture);
+  void measure(const geometry::Support& support);
 
   const geometry::TriangleMesh& organ_;
   SupportStatus status_;

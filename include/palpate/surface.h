@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "palpate/mesh.h"
@@ -40,6 +41,8 @@ struct ResponseCells {
 };
 /// [setup] @param organ closed, outwards
 [[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ);
+/// [setup] A sentence for users: the cells' size, and how much of the surface is on thinner parts.
+[[nodiscard]] std::string describe(const ResponseCells& cells);
 
 /// Displaced surface of one contact, in the organ's frame: a tool presses or pulls the surface there.
 struct Indentation {

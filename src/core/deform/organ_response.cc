@@ -4,13 +4,16 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
+#include "core/base/text.h"
 #include "core/deform/surface_parts.h"
 #include "core/deform/triangle_search.h"
 #include "palpate/surface.h"
+#include "palpate/units.h"
 
 namespace palpate::deform {
 
@@ -141,6 +144,11 @@ ResponseCells response_cells(const geometry::TriangleMesh& organ) {
   }
   cells.thin_share = thin / whole;
   return cells;
+}
+
+std::string describe(const ResponseCells& cells) {
+  return brief(cells.edge / kMillimetre, 3) + " mm; " + percent(cells.thin_share, 1) +
+         " of the surface is on thinner parts, where the deformation shown is not reliable";
 }
 
 std::shared_ptr<const OrganResponse> prepare_response(const geometry::TriangleMesh& organ,

@@ -63,11 +63,7 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
     facts.emplace_back("organ held by", joined(scene::support_phrases(*scene.support), "; ") + "; together " +
                                             percent(geometry::held_share(*scene.support, scene.organ), 1) +
                                             " of the surface");
-    const deform::ResponseCells cells = deform::response_cells(scene.organ);
-    facts.emplace_back(
-        "cells of its response",
-        fmt::format("{}; {} of the surface is on thinner parts, where the deformation shown is not reliable",
-                    millimetres(cells.edge), percent(cells.thin_share, 1)));
+    facts.emplace_back("cells of its response", deform::describe(deform::response_cells(scene.organ)));
   }
   for (const scene::InclusionSetup& one : scene.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;

@@ -49,6 +49,11 @@ TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
   EXPECT_EQ(response_cells(bar()).thin_share, 0.0);
 }
 
+TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
+  EXPECT_EQ(describe({8.5715e-3, 0.0551}),
+            "8.57 mm; 5.5 % of the surface is on thinner parts, where the deformation shown is not reliable");
+}
+
 TEST(CellGrid, SplinesReproduceConstantsAndLines) {
   const CellGrid grid({Vec3(-1.0, -2.0, 0.0), Vec3(3.0, 1.0, 2.0)}, 0.7);
   for (const Vec3& point : {Vec3(0.1, 0.2, 0.3), Vec3(2.9, -1.9, 1.7), Vec3(-0.9, 0.9, 0.05)}) {
