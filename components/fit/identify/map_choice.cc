@@ -1,6 +1,7 @@
 #include "fit/identify/map_choice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,6 +15,7 @@
 #include <ceres/ceres.h>
 #include <fmt/core.h>
 
+#include "core/base/parallel.h"
 #include "palpate/units.h"
 
 #include "fit/identify/fit_record.h"
@@ -223,19 +225,30 @@ bool is_saturated(const MapFit& fit) {
   return false;
 }
 
-/// Fits to every second probe and predicts the others.
-void hold_out(const std::vector<MapRow>& rows, const MapSettings& settings, const Searched& all,
-              const MapProgress& progress, DescribedMap& map) {
+/// Every second probe, to which a map is fitted that predicts the others. Both are empty where there are too
+/// few.
+struct Halves {
+  std::vector<MapRow> fitted, held;
+  std::size_t held_probes = 0;
+};
+
+Halves halves_of(const std::vector<MapRow>& rows) {
   std::map<int, std::size_t> order;
-  std::vector<MapRow> fitted;
-  std::vector<MapRow> held;
+  Halves made;
   for (const MapRow& row : rows) {
     const std::size_t at = order.emplace(row.probe, order.size()).first->second;
-    (at % 2 == 0 ? fitted : held).push_back(row);
+    (at % 2 == 0 ? made.fitted : made.held).push_back(row);
   }
-  if (order.size() < kFewestToHoldOut || fitted.size() < kFewestMapRows) return;
-  map.held_out = order.size() / 2;
-  const Searched half = search_both(fitted, settings, progress);
+  if (order.size() < kFewestToHoldOut || made.fitted.size() < kFewestMapRows) return {};
+  made.held_probes = order.size() / 2;
+  return made;
+}
+
+/// Chooses the kind that predicts the held-out probes best. @param half fitted to the others
+void choose_kind(const std::vector<MapRow>& rows, const Halves& halves, const Searched& half,
+                 const MapSettings& settings, const Searched& all, DescribedMap& map) {
+  const auto& [fitted, held, held_probes] = halves;
+  map.held_out = held_probes;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kMapKinds; ++i) {
     const auto kind = static_cast<MapKind>(i);
@@ -340,9 +353,15 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
       progress(from + share * done, what);
     };
   };
-  const Searched all = search_both(rows, settings, part(0.0, 0.6));
+  const Halves halves = halves_of(rows);
+  std::array<Searched, 2> found;  // in all rows, and in half of them
+  for_ranges(halves.fitted.empty() ? 1 : 2, 1, [&](std::size_t i, std::size_t) {
+    found[i] =
+        i == 0 ? search_both(rows, settings, part(0.0, 0.9)) : search_both(halves.fitted, settings, {});
+  });
+  const Searched& all = found[0];
   DescribedMap map;
-  hold_out(rows, settings, all, part(0.6, 0.3), map);
+  if (halves.held_probes > 0) choose_kind(rows, halves, found[1], settings, all, map);
   map.predictor = described_by(map.won, all, rows, settings.tip_radius);
   map.fit = has_inclusions(map.won) ? all.lumps : all.tissue;
   if (has_inclusions(map.won)) {

@@ -1,6 +1,7 @@
 #include "fit/identify/map_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -60,20 +61,21 @@ std::pair<Vec3, double> most_wanted(const MapProblem& map, std::span<const doubl
 /// The values with one inclusion more, from several depths; the best of them.
 Values with_one_more(const MapProblem& map, const Values& values) {
   const auto [at, wanted] = most_wanted(map, values);
-  constexpr int kTrial = 12;  // iterations before the best start is chosen
-  Values best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double h : {3.0, 6.0, 12.0}) {
+  constexpr int kTrial = 12;                                   // iterations before the best start is chosen
+  constexpr std::array<double, 3> kDepths = {3.0, 6.0, 12.0};  // mm
+  std::array<Values, kDepths.size()> found;
+  const Vec3 place = at;
+  const double ratio = wanted > 0.0 ? 10.0 : 0.3;
+  for_ranges(kDepths.size(), 1, [&](std::size_t i, std::size_t) {
     Values start = values;
-    const double ratio = wanted > 0.0 ? 10.0 : 0.3;
-    for (const double value : {at.x(), at.y(), h, std::log(0.6), std::log(ratio)}) start.push_back(value);
-    const Values found = solve_map(map, start, std::nullopt, kTrial);
-    const double sum = map.sum_of_squares(found);
-    if (sum >= least) continue;
-    least = sum;
-    best = found;
-  }
-  return solve_map(map, best);
+    for (const double value : {place.x(), place.y(), kDepths.at(i), std::log(0.6), std::log(ratio)})
+      start.push_back(value);
+    found.at(i) = solve_map(map, start, std::nullopt, kTrial);
+  });
+  const auto best = std::min_element(found.begin(), found.end(), [&map](const Values& a, const Values& b) {
+    return map.sum_of_squares(a) < map.sum_of_squares(b);
+  });
+  return solve_map(map, *best);
 }
 
 /// Whether the last inclusion is clear of the others: two spheres cannot overlap.
@@ -134,26 +136,32 @@ Chosen choose(const std::vector<MapRow>& rows, const MapSettings& settings, cons
       progress(static_cast<double>(count) / static_cast<double>(settings.max_inclusions + 1),
                fmt::format("{} inclusions", count));
     }
+    Values more;
+    Values wider;
+    for_ranges(2, 1, [&](std::size_t i, std::size_t) {
+      if (i == 0 && count < settings.max_inclusions) more = with_one_more(problems[level], now.values);
+      if (i == 1 && level + 1 < problems.size()) {
+        wider = now.values;
+        const std::size_t old_size = problems[level].model().size(0);
+        wider.insert(wider.begin() + static_cast<std::ptrdiff_t>(old_size),
+                     problems[level + 1].model().size(0) - old_size, 0.0);
+        wider = solve_map(problems[level + 1], wider);
+      }
+    });
     std::optional<Chosen> better;
     double least = criterion - kEvidence;
     std::size_t next_level = level;
-    if (count < settings.max_inclusions) {
-      Values more = with_one_more(problems[level], now.values);
+    if (!more.empty()) {
       if (const double at = problems[level].criterion(more);
           at < least && is_apart(problems[level], more) && !is_of_background(problems[level], more)) {
         least = at;
         better = Chosen{now.terms, std::move(more)};
       }
     }
-    if (level + 1 < problems.size()) {
-      Values wider = now.values;
-      const std::size_t terms = level == 0 ? 3 : 6;
-      const std::size_t added = terms - now.terms;
-      wider.insert(wider.begin() + static_cast<std::ptrdiff_t>(problems[level].model().size(0)), added, 0.0);
-      wider = solve_map(problems[level + 1], wider);
+    if (!wider.empty()) {
       if (const double at = problems[level + 1].criterion(wider); at < least) {
         least = at;
-        better = Chosen{terms, std::move(wider)};
+        better = Chosen{level == 0 ? 3U : 6U, std::move(wider)};
         next_level = level + 1;
       }
     }

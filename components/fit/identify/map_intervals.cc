@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "core/base/parallel.h"
 #include "palpate/units.h"
 
 #include "fit/identify/map_problem.h"
@@ -43,36 +44,56 @@ double allowed_sum(const MapProblem& map, const Values& values) {
   return least + kChiSquared * least / static_cast<double>(map.rows().size() - values.size());
 }
 
-/// The values of one parameter that the data allow, by profile likelihood.
-Interval profile_of(const MapProblem& map, const Values& values, std::size_t k) {
+/// The values of one parameter that the data allow, by profile likelihood: outwards from where the covariance
+/// expects the end, and then halfway between a value that is allowed and one that is not.
+Interval profile_of(const MapProblem& map, const Values& values, const Eigen::MatrixXd& covariance,
+                    std::size_t k) {
+  constexpr double kFirst = 0.8;    // of the expected distance
+  constexpr double kGrowth = 1.5;   // of the next
+  constexpr double kPrecise = 0.1;  // of the distance
+  constexpr double kBlind = 0.1;    // of the way to the bound, without a covariance
+  constexpr int kHalvings = 10;     // at most
   const MapBounds bounds = map.bounds(values.size());
   const double enough = allowed_sum(map, values);
-  const auto allowed = [&](double value, Values& start) {
-    constexpr int kIterations = 60;
-    start[k] = value;
-    start = solve_map(map, start, k, kIterations, enough);
-    return map.sum_of_squares(start) <= enough;
-  };
+  const auto column = static_cast<Eigen::Index>(k);
+  const double variance = covariance(column, column);
+  // How the others follow when this parameter moves.
+  const Eigen::VectorXd follow = variance > 0.0
+                                     ? Eigen::VectorXd(covariance.col(column) / variance)
+                                     : Eigen::VectorXd(Eigen::VectorXd::Unit(covariance.rows(), column));
   const auto end = [&](double bound) {
-    Values start = values;
-    if (allowed(bound, start)) return bound;
-    double inside = values[k];
-    double outside = bound;
-    constexpr int kHalvings = 5;
-    start = values;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle = 0.5 * (inside + outside);
-      Values trial = start;
-      if (allowed(middle, trial)) {
-        inside = middle;
-        start = trial;
-      } else {
-        outside = middle;
-      }
+    Values nearest = values;  // that is allowed
+    const auto allows = [&](double value) {
+      Values trial = nearest;
+      for (std::size_t i = 0; i < trial.size(); ++i)
+        trial[i] += follow[static_cast<Eigen::Index>(i)] * (value - nearest[k]);
+      trial[k] = value;
+      constexpr int kIterations = 60;
+      trial = solve_map(map, trial, k, kIterations, enough);
+      if (!(map.sum_of_squares(trial) <= enough)) return false;
+      nearest = std::move(trial);
+      return true;
+    };
+    const double way = bound - values[k];
+    const double expected = variance > 0.0 ? kNormalQuantile * std::sqrt(variance) / std::abs(way) : kBlind;
+    double inside = 0.0;  // of the way
+    double outside = std::min(1.0, kFirst * expected);
+    while (allows(values[k] + outside * way)) {
+      if (outside == 1.0) return bound;
+      inside = outside;
+      outside = std::min(1.0, kGrowth * outside);
     }
-    return 0.5 * (inside + outside);
+    for (int i = 0; i < kHalvings && outside - inside > kPrecise * outside; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (allows(values[k] + middle * way) ? inside : outside) = middle;
+    }
+    return values[k] + 0.5 * (inside + outside) * way;
   };
-  return {end(bounds.low[k]), end(bounds.high[k])};
+  Interval found;
+  for_ranges(2, 1, [&](std::size_t i, std::size_t) {
+    (i == 0 ? found.low : found.high) = end(i == 0 ? bounds.low[k] : bounds.high[k]);
+  });
+  return found;
 }
 
 /// The end of an interval that reaches a bound of the search: the search does not know how far it goes on.
@@ -191,8 +212,8 @@ FoundInclusion describe_inclusion(const MapProblem& map, const Values& values,
       derived(values, covariance, from, [&](const Values& all) { return all[from + 2] * kMillimetre; });
   found.rise = derived(values, covariance, from, rise);
   if (!profiles) return found;
-  const Interval share = profile_of(map, values, from + kLogThickness);
-  const Interval ratio = profile_of(map, values, from + kLogRatio);
+  const Interval share = profile_of(map, values, covariance, from + kLogThickness);
+  const Interval ratio = profile_of(map, values, covariance, from + kLogRatio);
   const MapBounds bounds = map.bounds(values.size());
   const std::size_t thickness = from + kLogThickness;
   found.radius.interval = opened(share, bounds.low[thickness], bounds.high[thickness]);

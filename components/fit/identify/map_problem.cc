@@ -63,8 +63,12 @@ namespace {
 /// Residuals and their derivatives for Ceres, by all values but the one that is held.
 class MapCost final : public ceres::CostFunction {
  public:
-  MapCost(const MapProblem& map, Values start, std::size_t held)
+  Values low, high;  // bounds of the values that are not held
+
+  MapCost(const MapProblem& map, Values start, const MapBounds& bounds, std::size_t held)
       : map_(map), start_(std::move(start)), held_(held) {
+    low = without_held(bounds.low);
+    high = without_held(bounds.high);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(without_held(start_).size()));
     set_num_residuals(static_cast<int>(map.rows().size()));
   }
@@ -101,7 +105,22 @@ class MapCost final : public ceres::CostFunction {
         if (k != held_) *derivative++ = line[k];
       }
     }
-    return std::all_of(slopes.begin(), slopes.end(), finite);
+    if (!std::all_of(slopes.begin(), slopes.end(), finite)) return false;
+    hold_at_bounds(blocks[0], out, derivatives[0]);
+    return true;
+  }
+
+  /// A value at a bound that the data would have beyond it takes no part in a step.
+  void hold_at_bounds(const double* free, const double* residuals, double* derivatives) const {
+    const std::size_t columns = low.size();
+    for (std::size_t k = 0; k < columns; ++k) {
+      if (free[k] > low[k] && free[k] < high[k]) continue;
+      double gradient = 0.0;
+      for (std::size_t i = 0; i < map_.rows().size(); ++i)
+        gradient += derivatives[i * columns + k] * residuals[i];
+      if (free[k] <= low[k] ? gradient < 0.0 : gradient > 0.0) continue;
+      for (std::size_t i = 0; i < map_.rows().size(); ++i) derivatives[i * columns + k] = 0.0;
+    }
   }
 
  private:
@@ -137,17 +156,15 @@ Values solve_map(const MapProblem& map, Values values, std::optional<std::size_t
   for (std::size_t i = 0; i < values.size(); ++i) {
     values[i] = std::clamp(values[i], bounds.low[i], bounds.high[i]);
   }
-  auto owned = std::make_unique<MapCost>(map, values, held.value_or(values.size()));
+  auto owned = std::make_unique<MapCost>(map, values, bounds, held.value_or(values.size()));
   const MapCost& cost = *owned;
   Values free = cost.without_held(values);
-  const Values low = cost.without_held(bounds.low);
-  const Values high = cost.without_held(bounds.high);
   ceres::Problem problem;
   problem.AddResidualBlock(owned.release(), nullptr, free.data());
   for (std::size_t i = 0; i < free.size(); ++i) {
-    if (std::isfinite(low[i])) {
-      problem.SetParameterLowerBound(free.data(), static_cast<int>(i), low[i]);
-      problem.SetParameterUpperBound(free.data(), static_cast<int>(i), high[i]);
+    if (std::isfinite(cost.low[i])) {
+      problem.SetParameterLowerBound(free.data(), static_cast<int>(i), cost.low[i]);
+      problem.SetParameterUpperBound(free.data(), static_cast<int>(i), cost.high[i]);
     }
   }
   ceres::Solver::Options options;

@@ -19,6 +19,7 @@
 #include "palpate/error.h"
 
 #include "fit/identify/map_model.h"
+#include "fit/identify/map_problem.h"
 
 namespace palpate::identify {
 namespace {
@@ -135,6 +136,46 @@ TEST(MapFit, AUniformMapHasNoInclusion) {
   }
   std::cout << maps << " maps: " << found << " false\n";
   EXPECT_LE(found, maps / 20);
+}
+
+TEST(MapFit, AnIntervalOfARatioEndsWhereTheSumOfSquaresHasGrownByItsShare) {
+  std::mt19937_64 random(6);
+  MapSettings settings = quick_settings();
+  settings.profiles = true;
+  settings.max_inclusions = 1;
+  const std::vector<MapRow> rows = synthetic_map({{1e-3, 2e-3, 8e-3, 5e-3, 3.0}}, 0.001, random);
+  const MapFit fit = fit_map(rows, settings);
+  ASSERT_EQ(fit.inclusions.size(), 1U);
+  const Values weights = weights_of(rows);
+  const MapProblem map(rows, settings, fit.map_terms, weights);
+  const double least = map.sum_of_squares(fit.values);
+  const std::size_t ratio = map.model().first_inclusion() + kLogRatio;
+  for (const double end : {fit.inclusions[0].ratio.interval.low, fit.inclusions[0].ratio.interval.high}) {
+    ASSERT_TRUE(std::isfinite(end) && end > 0.1);
+    Values held = fit.values;
+    held[ratio] = std::log(end);
+    const double sum = map.sum_of_squares(solve_map(map, held, ratio, 500));
+    // 3.84: the 95 % quantile of chi-squared with one degree of freedom
+    EXPECT_NEAR(std::sqrt((sum / least - 1.0) * static_cast<double>(rows.size() - held.size()) / 3.84), 1.0,
+                0.1);
+  }
+}
+
+TEST(MapFit, AValueAtItsBoundTakesNoPartInTheStepsOfTheOthers) {
+  std::mt19937_64 random(8);
+  // Three lumps at one place ask for more than the ratio 100 of one.
+  const TrueLump lump{1e-3, 2e-3, 9e-3, 5e-3, 100.0};
+  const std::vector<MapRow> rows = synthetic_map({lump, lump, lump}, 0.01, random);
+  const Values weights = weights_of(rows);
+  const MapProblem map(rows, quick_settings(), 1, weights);
+  const std::size_t ratio = map.model().first_inclusion() + kLogRatio;
+  const Values start = {
+      std::log(900.0 * std::pow(1e-3, 1.5)), 1.5, 0.1, 1.5, 2.0, 9.0, std::log(5.0 / 9.0), std::log(100.0)};
+  constexpr int kSteps = 2;
+  const Values found = solve_map(map, start, std::nullopt, kSteps);
+  const Values held = solve_map(map, start, ratio, kSteps);
+  ASSERT_GT(std::abs(held[3] - start[3]), 0.1);  // mm: it took steps
+  for (std::size_t k = 0; k < held.size(); ++k) EXPECT_NEAR(found[k], held[k], 1e-6) << k;
 }
 
 TEST(MapFit, ASmallHardInclusionIsSaidNotToBeDeterminedApartFromALargeSoftOne) {
