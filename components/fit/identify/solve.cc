@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <ceres/ceres.h>
@@ -13,8 +15,8 @@
 namespace palpate::identify {
 namespace {
 
-bool all_finite(const double* values, std::size_t count) {
-  return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
 /// Residuals and Jacobian of a part for Ceres, with two parameter blocks: shared and own.
@@ -29,25 +31,40 @@ class PartCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* blocks, double* values, double** derivatives) const override {
     const std::span<const double> shared(blocks[0], shared_count(problem_.terms));
     const std::span<const double> own(blocks[1], kOwnParameters);
-    const std::size_t rows = residual_count(part_);
-    residuals(problem_, part_, shared, own, {values, rows});
-    if (!all_finite(values, rows)) return false;
+    move_to(shared, own);
+    std::copy(values_.begin(), values_.end(), values);
+    if (!all_finite(values_)) return false;
     if (derivatives == nullptr) return true;
-    const std::vector<double> all = jacobian(problem_, part_, shared, own);
+    if (derivatives_.empty()) derivatives_ = jacobian(problem_, part_, shared, own);
     const std::size_t columns = shared.size() + own.size();
-    for (std::size_t r = 0; r < rows; ++r) {
-      const double* const row = all.data() + r * columns;
+    for (std::size_t r = 0; r < values_.size(); ++r) {
+      const double* const row = derivatives_.data() + r * columns;
       if (derivatives[0] != nullptr) std::copy_n(row, shared.size(), derivatives[0] + r * shared.size());
       if (derivatives[1] != nullptr) {
         std::copy_n(row + shared.size(), own.size(), derivatives[1] + r * own.size());
       }
     }
-    return all_finite(all.data(), all.size());
+    return all_finite(derivatives_);
   }
 
  private:
+  /// Computes the residuals where the parameters differ from those of the last evaluation: Ceres evaluates
+  /// the point of each accepted step three times, in the line search, for the cost and for the next step.
+  void move_to(std::span<const double> shared, std::span<const double> own) const {
+    Point at(shared.begin(), shared.end());
+    at.insert(at.end(), own.begin(), own.end());
+    if (at == at_) return;
+    at_ = std::move(at);
+    values_.resize(residual_count(part_));
+    residuals(problem_, part_, shared, own, values_);
+    derivatives_.clear();
+  }
+
   const Problem& problem_;
   const Part& part_;
+  mutable Point at_;                         // of the last evaluation: shared parameters, then own
+  mutable std::vector<double> values_;       // residuals there
+  mutable std::vector<double> derivatives_;  // Jacobian there; empty until it is asked for
 };
 
 /// Residuals of a record for Ceres, with central differences. Ceres's own have a step in proportion to the
@@ -70,7 +87,13 @@ class RecordCost final : public ceres::CostFunction {
     const auto errors = [&](double* out) {
       return problem_.errors(record_, points[0], points[1], {out, rows});
     };
-    if (!errors(values)) return false;
+    if (points != at_) {  // Ceres evaluates the point of an accepted step three times, as for PartCost
+      at_ = points;
+      values_.resize(rows);
+      valid_ = errors(values_.data());
+    }
+    if (!valid_) return false;
+    std::copy(values_.begin(), values_.end(), values);
     if (derivatives == nullptr) return true;
     std::vector<double> up(rows);
     std::vector<double> down(rows);
@@ -95,6 +118,9 @@ class RecordCost final : public ceres::CostFunction {
  private:
   const RecordsProblem& problem_;
   std::size_t record_;
+  mutable std::vector<Point> at_;       // of the last evaluation
+  mutable std::vector<double> values_;  // residuals there
+  mutable bool valid_ = false;          // whether those parameters are
 };
 
 void clamp_into(Point& point, const Bounds& bounds) {

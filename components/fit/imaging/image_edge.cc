@@ -61,16 +61,21 @@ Profile shares_below(const Unknowns& at) {
   return shares;
 }
 
-/// Solves for the three linear parameters, for given offset and width.
-/// @param shares shares_below(at) @return the sum of squares
-double solve_linear(const Profile& profile, const Profile& shares, Unknowns& at) {
+struct Trial {
+  Unknowns at = Unknowns::Zero();
+  Profile shares{};  // shares_below(at)
+};
+
+/// Solves for the three linear parameters, for given offset and width. @return the sum of squares
+double solve_linear(const Profile& profile, Trial& trial) {
   constexpr double kRiseWeight = 30.0;  // regularises the rise, because light changes little over the window
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   normal(2, 2) = kRiseWeight;
+  Unknowns& at = trial.at;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const Eigen::Vector3d row(1.0, shares[static_cast<std::size_t>(i)], t);
+    const Eigen::Vector3d row(1.0, trial.shares[static_cast<std::size_t>(i)], t);
     normal += row * row.transpose();
     right += profile[static_cast<std::size_t>(i)] * row;
   }
@@ -78,24 +83,19 @@ double solve_linear(const Profile& profile, const Profile& shares, Unknowns& at)
   double squares = 0.0;
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
-    const double miss = at[0] + at[1] * shares[static_cast<std::size_t>(i)] + at[2] * t -
+    const double miss = at[0] + at[1] * trial.shares[static_cast<std::size_t>(i)] + at[2] * t -
                         profile[static_cast<std::size_t>(i)];
     squares += miss * miss;
   }
   return squares;
 }
 
-struct Start {
-  Unknowns at = Unknowns::Zero();
-  Profile shares{};
-};
-
 /// Offsets and widths from which each edge is searched.
-std::vector<Start> starts_of_search() {
-  std::vector<Start> starts;
+std::vector<Trial> starts_of_search() {
+  std::vector<Trial> starts;
   for (const double offset : {-4.0, -2.0, 0.0, 2.0, 4.0}) {
     for (const double width : {0.8, 2.0}) {
-      Start& start = starts.emplace_back();
+      Trial& start = starts.emplace_back();
       start.at[3] = offset;
       start.at[4] = std::log(width);
       start.shares = shares_below(start.at);
@@ -105,16 +105,16 @@ std::vector<Start> starts_of_search() {
 }
 
 /// One Gauss-Newton step in all five parameters; fills the normal matrix.
-Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
+Unknowns step_from(const Profile& profile, const Trial& trial, double damping,
                    Eigen::Matrix<double, 5, 5>& normal) {
   normal.setZero();
   Unknowns right = Unknowns::Zero();
+  const Unknowns& at = trial.at;
   const double width = std::exp(at[4]);
-  const Profile shares = shares_below(at);
   for (int i = 0; i < kSamples; ++i) {
     const double t = i - kEdgeReach;
     const double z = (t - at[3]) / width;
-    const double share = shares[static_cast<std::size_t>(i)];
+    const double share = trial.shares[static_cast<std::size_t>(i)];
     const double density = normal_density(z);
     Unknowns row;
     row << 1.0, share, t, -at[1] * density / width, -at[1] * density * z;
@@ -131,41 +131,42 @@ Unknowns step_from(const Profile& profile, const Unknowns& at, double damping,
 }  // namespace
 
 Edge fit_edge(const cv::Mat& gray, double x, double y, double slope) {
-  static const std::vector<Start> starts = starts_of_search();
+  static const std::vector<Trial> starts = starts_of_search();
   const Profile profile = profile_at(gray, x, y, slope);
-  Unknowns best = Unknowns::Zero();
+  Trial best;
   double least = 1e300;
-  for (const Start& start : starts) {
-    Unknowns at = start.at;
-    const double squares = solve_linear(profile, start.shares, at);
+  for (Trial start : starts) {
+    const double squares = solve_linear(profile, start);
     if (squares < least) {
       least = squares;
-      best = at;
+      best = start;
     }
   }
   Eigen::Matrix<double, 5, 5> normal;
   double damping = 0.01;
   for (int i = 0; i < 12; ++i) {
     const Unknowns step = step_from(profile, best, damping, normal);
-    Unknowns next = best;
-    next[3] = std::clamp(best[3] + std::clamp(step[3], -1.0, 1.0), -8.0, 8.0);
-    next[4] = std::clamp(best[4] + std::clamp(step[4], -0.5, 0.5), std::log(kNarrowest), std::log(kWidest));
-    const double squares = solve_linear(profile, shares_below(next), next);
+    Trial next = best;
+    next.at[3] = std::clamp(best.at[3] + std::clamp(step[3], -1.0, 1.0), -8.0, 8.0);
+    next.at[4] =
+        std::clamp(best.at[4] + std::clamp(step[4], -0.5, 0.5), std::log(kNarrowest), std::log(kWidest));
+    next.shares = shares_below(next.at);
+    const double squares = solve_linear(profile, next);
     if (!(squares < least)) {
       damping = damping * 10.0 + 1e-3;
       continue;
     }
-    const bool still = std::abs(next[3] - best[3]) < 1e-4;
+    const bool still = std::abs(next.at[3] - best.at[3]) < 1e-4;
     least = squares;
     best = next;
     damping *= 0.2;
     if (still) break;
   }
   Edge edge;
-  edge.offset = best[3];
-  edge.width = std::exp(best[4]);
-  edge.above = best[0];
-  edge.below = best[0] + best[1];
+  edge.offset = best.at[3];
+  edge.width = std::exp(best.at[4]);
+  edge.above = best.at[0];
+  edge.below = best.at[0] + best.at[1];
   const double freedom = kSamples - 5;
   edge.residual = std::sqrt(least / freedom);
   step_from(profile, best, 0.0, normal);
