@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <map>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -29,7 +32,7 @@ struct Press {
 
 // An instrument that comes from above, presses 6 mm deep, slides, turns, opens and closes, and leaves. With
 // two hands the second instrument rests beside it and touches nothing.
-Press press_of(const std::string& organ, const std::string& tool, std::size_t hands = 1) {
+Press computed_press(const std::string& organ, const std::string& tool, std::size_t hands) {
   Press press;
   press.subject.organ = geometry::make_organ(organ);
   press.subject.tissue_name = organ;
@@ -60,6 +63,14 @@ Press press_of(const std::string& organ, const std::string& tool, std::size_t ha
   }
   press.camera = frame_contact(press.subject, press.moments[kPictures / 2], top.point, top.normal, false);
   return press;
+}
+
+// The press of this organ, computed once: most of a test's time would be the preparation of its contact.
+const Press& press_of(const std::string& organ, const std::string& tool, std::size_t hands = 1) {
+  static std::map<std::tuple<std::string, std::string, std::size_t>, Press> known;
+  const auto [at, is_new] = known.try_emplace({organ, tool, hands});
+  if (is_new) at->second = computed_press(organ, tool, hands);
+  return at->second;
 }
 
 using Change = std::function<void(OffscreenRenderer&, std::size_t)>;
@@ -103,7 +114,7 @@ TEST_P(ChangedPart, IncludesTheShadowOnAnInstrumentThatRests) {
 }
 
 TEST_P(ChangedPart, IsAllOfThePictureAfterAChangeOfSettings) {
-  const Press press = press_of("gallbladder", "curved-forceps");
+  const Press& press = press_of("gallbladder", "curved-forceps");
   const Vec3 marked = press.moments[kPictures / 2].results[0].contact_W;
   const auto change = [marked](OffscreenRenderer& renderer, std::size_t picture) {
     if (picture == 4) renderer.set_map_range(0.01);
@@ -129,7 +140,7 @@ TEST_P(ChangedPart, IsAllOfThePictureWhereTheOrganMoves) {
 }
 
 TEST_P(ChangedPart, IsAllOfThePictureWhereTheCameraMoves) {
-  const Press press = press_of("gallbladder", "curved-forceps");
+  const Press& press = press_of("gallbladder", "curved-forceps");
   OffscreenRenderer partial(press.subject, kShownWidth, kShownHeight, GetParam());
   OffscreenRenderer whole(press.subject, kShownWidth, kShownHeight, GetParam());
   Camera camera = press.camera;
@@ -142,7 +153,7 @@ TEST_P(ChangedPart, IsAllOfThePictureWhereTheCameraMoves) {
 }
 
 TEST_P(ChangedPart, HasTheDrapeAsItsOwnCameraSeesIt) {
-  const Press press = press_of("gallbladder", "curved-forceps");
+  const Press& press = press_of("gallbladder", "curved-forceps");
   OffscreenRenderer turned(press.subject, kShownWidth, kShownHeight, GetParam());
   OffscreenRenderer fresh(press.subject, kShownWidth, kShownHeight, GetParam());
   turned.show_drape(true);
