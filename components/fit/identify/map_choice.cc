@@ -113,20 +113,20 @@ void add_factors(FittedMap& map, const Values& weights, const std::vector<MapRow
   const std::vector<MapRow> probes = probes_of(rows);
   std::vector<model::StiffnessPoint> points;
   for (const MapRow& probe : probes) points.push_back({probe.point, factors.at(probe.probe)});
-  FactorField best;
-  double least = std::numeric_limits<double>::infinity();
   const std::size_t step = (points.size() + FactorField::kMostPoints - 1) / FactorField::kMostPoints;
   const Eigen::MatrixXd kernels = FactorField::kernels_of(points);
-  for (const double tolerance : {FactorField::kOrganTolerance, 0.02, 0.1, 0.5}) {
-    FactorField field(points, tolerance, kernels);
-    double sum = 0.0;
+  constexpr std::array<double, 4> kTolerances = {FactorField::kOrganTolerance, 0.02, 0.1, 0.5};
+  std::array<FactorField, kTolerances.size()> fields;
+  std::array<double, kTolerances.size()> sums{};
+  for_ranges(kTolerances.size(), 1, [&](std::size_t k, std::size_t) {
+    fields.at(k) = FactorField(points, kTolerances.at(k), kernels);
     for (std::size_t i = 0; i < points.size(); i += step) {
-      sum += sizes[probes[i].probe] * std::pow(field.without(i / step) - points[i].factor, 2);
+      sums.at(k) +=
+          sizes.at(probes[i].probe) * std::pow(fields.at(k).without(i / step) - points[i].factor, 2);
     }
-    if (sum >= least) continue;
-    least = sum;
-    best = std::move(field);
-  }
+  });
+  const FactorField& best =
+      fields.at(static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin()));
   const bool varies = !map.stiffness.empty();
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double before = varies ? map.stiffness[i].factor : 1.0;
@@ -247,13 +247,14 @@ Halves halves_of(const std::vector<MapRow>& rows) {
 /// Chooses the kind that predicts the held-out probes best. @param half fitted to the others
 void choose_kind(const std::vector<MapRow>& rows, const Halves& halves, const Searched& half,
                  const MapSettings& settings, const Searched& all, DescribedMap& map) {
-  const auto& [fitted, held, held_probes] = halves;
-  map.held_out = held_probes;
+  map.held_out = halves.held_probes;
+  for_ranges(kMapKinds, 1, [&](std::size_t i, std::size_t) {
+    const FittedMap made = described_by(static_cast<MapKind>(i), half, halves.fitted, settings.tip_radius);
+    map.held_error[i] = rms_difference(predicted_forces(made, halves.held, rows), halves.held);
+  });
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kMapKinds; ++i) {
     const auto kind = static_cast<MapKind>(i);
-    const FittedMap made = described_by(kind, half, fitted, settings.tip_radius);
-    map.held_error[i] = rms_difference(predicted_forces(made, held, rows), held);
     if (has_inclusions(kind) && all.lumps.inclusions.empty()) continue;
     // Without inclusions, or where they cannot be stiff enough, a map needs to be better only as they do.
     const bool alone =
