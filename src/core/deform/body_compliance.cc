@@ -318,7 +318,9 @@ std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, 
                                               const geometry::TriangleMesh& organ) {
   std::optional<contact::ResponseArrays> arrays = store.load_response(key);
   const geometry::Bounds box = geometry::bounds(organ);
-  if (!arrays || !(arrays->cell_edge * kMostCells > box.size().maxCoeff())) return std::nullopt;
+  if (!arrays) return std::nullopt;
+  const double cells = box.size().maxCoeff() / arrays->cell_edge;  // along the longest extent
+  if (!(cells > 0.5 * kFewestCells && cells < 2.0 * kMostCells)) return std::nullopt;
   BodyCompliance made{CellGrid(box, arrays->cell_edge), {}, {}, {}};
   Body body(organ, made);
   body.number_nodes();

@@ -193,6 +193,7 @@ TEST(OrganCache, TakesAResponseFromItsFileWithTheSameBits) {
   EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.scale.push_back(1.0F); }));
   EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.cell_edge = 1e-9; }));
   EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.cell_edge = std::nan(""); }));
+  EXPECT_TRUE(is_computed_again([](contact::ResponseArrays& wrong) { wrong.cell_edge = HUGE_VAL; }));
 }
 
 TEST(OrganCache, KeepsAResponseForEachMeshAndSupport) {
