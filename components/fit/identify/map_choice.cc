@@ -358,7 +358,7 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
   std::array<Searched, 2> found;  // in all rows, and in half of them
   for_ranges(halves.fitted.empty() ? 1 : 2, 1, [&](std::size_t i, std::size_t) {
     found[i] =
-        i == 0 ? search_both(rows, settings, part(0.0, 0.9)) : search_both(halves.fitted, settings, {});
+        i == 0 ? search_both(rows, settings, part(0.0, 0.6)) : search_both(halves.fitted, settings, {});
   });
   const Searched& all = found[0];
   DescribedMap map;
@@ -366,7 +366,7 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
   map.predictor = described_by(map.won, all, rows, settings.tip_radius);
   map.fit = has_inclusions(map.won) ? all.lumps : all.tissue;
   if (has_inclusions(map.won)) {
-    if (settings.profiles) add_intervals(rows, settings, map.fit, part(0.9, 0.1));
+    if (settings.profiles) add_intervals(rows, settings, map.fit, part(0.6, 0.4));
   } else {
     map.left_out = all.lumps.inclusions;
   }
