@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -23,7 +22,6 @@
 #include "app/numbers.h"
 #include "app/output.h"
 #include "app/signals.h"
-#include "app/streams.h"
 
 namespace palpate::app {
 namespace {

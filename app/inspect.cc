@@ -1,6 +1,4 @@
 // `palpate inspect`: describes a mesh and lists its repairs and the defects that cannot be repaired.
-#include <algorithm>
-#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <memory>

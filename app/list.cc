@@ -1,7 +1,6 @@
 // `palpate list`: the built-in names that flags and scenes accept.
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <iostream>
 #include <memory>
 #include <string>

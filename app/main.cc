@@ -1,6 +1,5 @@
 // The program `palpate SUBCOMMAND`.
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "app/commands.h"

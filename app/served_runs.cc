@@ -12,7 +12,6 @@
 #include "io/system/clock.h"
 #include "io/system/path_text.h"
 #include "net/live_protocol.h"
-#include "palpate/error.h"
 #include "palpate/surface.h"
 
 #include "app/messages.h"

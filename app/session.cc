@@ -8,7 +8,6 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstdint>
-#include <limits>
 #include <mutex>
 #include <stop_token>
 #include <string>

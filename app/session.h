@@ -11,7 +11,6 @@
 #include "io/system/output_file.h"
 #include "net/igtl_server.h"
 #include "palpate/error.h"
-#include "palpate/offscreen.h"
 #include "palpate/recording.h"
 #include "palpate/session.h"
 

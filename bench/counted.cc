@@ -4,7 +4,6 @@
 // Without callgrind it does the same work and prints nothing.
 #include <cstdint>
 #include <cstdio>
-#include <vector>
 
 #include <valgrind/callgrind.h>
 

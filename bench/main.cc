@@ -1,7 +1,5 @@
 // The program palpate-bench, which `palpate bench` executes: measures ticks, preparation, many hands, the
 // parts of a tick, and installed peers on this machine.
-#include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>

@@ -1,10 +1,8 @@
 #include "app/window/file_chooser.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <sstream>
-#include <string_view>
 #include <system_error>
 
 #include <imgui.h>

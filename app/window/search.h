@@ -1,13 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "palpate/scene.h"
 #include "run/palpation/score.h"
 
 #include "app/session.h"

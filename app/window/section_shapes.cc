@@ -1,7 +1,6 @@
 // The section along a needle, and its shaft in the tissue, as shapes over the picture.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>

@@ -1,12 +1,10 @@
 #pragma once
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <SDL.h>
 
 #include "palpate/tick_observer.h"
-#include "run/devices/window_device.h"
 
 #include "app/session.h"
 #include "app/steered_hands.h"

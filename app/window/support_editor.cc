@@ -1,6 +1,5 @@
 #include "app/window/support_editor.h"
 
-#include <cmath>
 #include <limits>
 #include <utility>
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/geometry/ray.h"
 #include "palpate/pose.h"

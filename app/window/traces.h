@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <vector>
 
 #include "palpate/histogram.h"
 #include "palpate/tick_row.h"

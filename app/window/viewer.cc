@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
 #include <utility>
 
@@ -11,7 +10,6 @@
 #include <imgui.h>
 
 #include "io/system/clock.h"
-#include "palpate/error.h"
 #include "view/render/map_legend.h"
 
 #include "app/messages.h"

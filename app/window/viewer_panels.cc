@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <ctime>
 
 #include <imgui.h>
 
-#include "core/base/text.h"
 #include "view/render/map_legend.h"
 
 #include "app/session.h"

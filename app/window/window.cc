@@ -1,8 +1,6 @@
 #include "app/window/window.h"
 
 #include <algorithm>
-#include <cmath>
-#include <exception>
 #include <utility>
 
 #include <epoxy/gl.h>

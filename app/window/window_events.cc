@@ -1,5 +1,4 @@
 // Mouse, keyboard, gamepads and dropped files of the window.
-#include <algorithm>
 #include <utility>
 
 #include <imgui.h>

@@ -1,6 +1,5 @@
 // Sessions of a window, one after the other.
 #include <algorithm>
-#include <exception>
 #include <string>
 #include <system_error>
 #include <utility>

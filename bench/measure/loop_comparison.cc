@@ -1,7 +1,6 @@
 #include "bench/measure/loop_comparison.h"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <thread>
 #include <utility>

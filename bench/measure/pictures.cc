@@ -6,7 +6,6 @@
 #include "io/system/clock.h"
 #include "palpate/offscreen.h"
 #include "palpate/scripted_device.h"
-#include "run/realtime/loop.h"
 
 #include "bench/measure/bench_scene.h"
 #include "bench/measure/one_hand.h"

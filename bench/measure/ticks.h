@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/contact/contact.h"
 #include "core/haptics/simulation.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"

@@ -2,7 +2,6 @@
 // Error handling of the C interface: no exception leaves it.
 #include <exception>
 #include <stdexcept>
-#include <string>
 
 #include "palpate/error.h"
 

@@ -1,7 +1,6 @@
 // Functions of palpate.h for the inclusions of a simulation.
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "palpate/inclusion.h"
 #include "palpate/parameter_updates.h"

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <string>
 #include <type_traits>
 
 #include "core/haptics/gate.h"

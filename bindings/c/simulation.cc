@@ -1,7 +1,6 @@
 #include "bindings/c/simulation.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 

@@ -2,11 +2,9 @@
 // Many independent hands on one organ.
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "core/haptics/simulation.h"

@@ -1,8 +1,6 @@
 // Many independent hands at once.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>

@@ -1,6 +1,5 @@
 // Meshes, built-in organs and instruments.
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <optional>

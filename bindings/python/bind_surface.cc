@@ -1,7 +1,6 @@
 // The visible surface and its deformation.
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/core.h>

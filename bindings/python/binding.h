@@ -1,7 +1,6 @@
 #pragma once
 // Shared declarations of the Python modules.
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>

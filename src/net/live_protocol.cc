@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <span>
 #include <string>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
 #include "tools/make_shapes/haemostat.h"
 
-#include <cmath>
 #include <vector>
 
 #include "core/base/portable_math.h"

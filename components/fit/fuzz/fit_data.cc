@@ -1,5 +1,4 @@
 // Measured curves from CSV. Valid ones can be thinned and have ranges.
-#include <algorithm>
 #include <cmath>
 
 #include "palpate/identify.h"

@@ -41,7 +41,6 @@
 #include "palpate/error.h"
 #include "palpate/units.h"
 
-#include "fit/identify/intervals.h"
 #include "fit/identify/local_optima.h"
 #include "fit/identify/needle_intervals.h"
 #include "fit/identify/needle_problem.h"

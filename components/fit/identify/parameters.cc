@@ -3,7 +3,6 @@
 #include <numeric>
 
 #include "core/base/portable_math.h"
-#include "core/base/statistics.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"

@@ -11,7 +11,6 @@
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
 #include "io/system/path_text.h"
-#include "palpate/error.h"
 #include "palpate/identify.h"
 #include "palpate/units.h"
 

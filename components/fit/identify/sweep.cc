@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/portable_math.h"
-#include "core/base/statistics.h"
 #include "core/base/text.h"
 #include "io/system/json_text.h"
 #include "io/system/whole_json.h"

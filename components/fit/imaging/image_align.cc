@@ -1,7 +1,6 @@
 #include "fit/imaging/image_align.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/base/portable_math.h"

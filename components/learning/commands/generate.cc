@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/core.h>
@@ -13,7 +12,6 @@
 
 #include "core/base/text.h"
 #include "io/system/file_exists.h"
-#include "palpate/error.h"
 #include "palpate/units.h"
 
 #include "app/commands.h"

@@ -17,7 +17,6 @@
 #include "run/ros/ros_node.h"
 #include "run/session/usable_core.h"
 
-#include "app/commands.h"
 #include "app/components.h"
 #include "app/messages.h"
 #include "app/output.h"

@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "palpate/error.h"
 
 #include "app/commands.h"
 #include "app/numbers.h"

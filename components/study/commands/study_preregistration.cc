@@ -1,7 +1,5 @@
 // `palpate study export --preregistration`: a text for a registry, from the prepared study alone.
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include <fmt/core.h>
 

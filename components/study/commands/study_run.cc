@@ -1,6 +1,5 @@
 // `palpate study run`: one session of one participant.
 #include <atomic>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>

@@ -1,5 +1,4 @@
 // `palpate study simulate`: fills a prepared study with simulated participants.
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,8 +1,6 @@
-#include <cmath>
 
 #include "core/base/portable_math.h"
 
-#include "study/psychophysics/normal.h"
 #include "study/psychophysics/psychophysics.h"
 
 namespace palpate::psychophysics {

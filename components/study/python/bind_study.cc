@@ -1,5 +1,4 @@
 // palpate.study: estimators and simulated observers for experiments with people.
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <optional>

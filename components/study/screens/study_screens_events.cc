@@ -1,5 +1,4 @@
 // Keys, gamepads and mouse of a study's windows.
-#include <algorithm>
 
 #include <imgui.h>
 

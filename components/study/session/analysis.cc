@@ -1,6 +1,5 @@
 #include "study/session/analysis.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "palpate/error.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include <fmt/core.h>

@@ -1,6 +1,5 @@
 #include <nlohmann/json.hpp>
 
-#include "core/base/text.h"
 #include "io/system/csv_table.h"
 #include "io/system/input_file.h"
 #include "io/system/json_field.h"

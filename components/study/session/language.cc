@@ -5,7 +5,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "io/scene/names.h"
 #include "io/scene/toml_reader.h"
 #include "palpate/error.h"
 

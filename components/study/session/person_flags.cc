@@ -8,7 +8,6 @@
 #include "core/base/text.h"
 #include "palpate/units.h"
 
-#include "study/psychophysics/normal.h"
 #include "study/session/analysis_parts.h"
 #include "study/session/course.h"
 

@@ -9,7 +9,6 @@
 #include "io/system/input_file.h"
 #include "io/system/temporary.h"
 #include "io/system/whole_file.h"
-#include "palpate/error.h"
 
 #include "study/session/course.h"
 #include "study/session/session_questions.h"

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <iterator>
-#include <utility>
 
 #include <fmt/core.h>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstdio>
@@ -13,7 +12,6 @@
 #include <limits>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -29,7 +27,6 @@
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
 #include "io/system/sha256.h"
-#include "io/system/whole_file.h"
 #include "palpate/error.h"
 
 namespace palpate::study {

@@ -1,6 +1,5 @@
 #include "palpate/units.h"
 
-#include <array>
 #include <string>
 
 #include "palpate/error.h"

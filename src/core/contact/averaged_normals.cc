@@ -1,10 +1,8 @@
 #include "core/contact/averaged_normals.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <utility>
 
 #include "core/base/index.h"

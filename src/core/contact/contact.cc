@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/contact/contact_constants.h"
 #include "core/contact/load_sharing.h"

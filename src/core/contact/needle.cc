@@ -33,11 +33,9 @@
 #include "core/contact/needle.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "core/base/portable_math.h"
-#include "core/contact/contact_constants.h"
 #include "core/contact/state.h"
 
 namespace palpate::contact {

@@ -2,8 +2,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
-#include <vector>
 
 #include "core/contact/organ_arrays.h"
 #include "core/geometry/signed_distance.h"

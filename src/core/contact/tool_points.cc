@@ -1,7 +1,6 @@
 #include "core/contact/tool_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>

@@ -1,7 +1,6 @@
 #include "core/contact/tool_tissue.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpate::contact {
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <cstddef>
 #include <span>
 
 #include "core/contact/inclusions.h"

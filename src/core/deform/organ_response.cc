@@ -1,6 +1,5 @@
 #include "core/deform/organ_response.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>

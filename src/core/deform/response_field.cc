@@ -28,7 +28,6 @@
 #include "core/deform/response_field.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <Eigen/Geometry>

@@ -1,6 +1,5 @@
 #include "palpate/mesh.h"
 
-#include <algorithm>
 #include <unordered_map>
 
 #include "core/geometry/half_edges.h"

@@ -1,7 +1,6 @@
 #include "core/haptics/warm_up.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <vector>
 
 namespace palpate::haptics {

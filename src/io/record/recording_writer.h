@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
-#include <string>
 
 #include "io/record/hdf5_handle.h"
 #include "palpate/parameter_updates.h"

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstdint>
 #include <span>
 
 #include "core/haptics/tick_fields.h"

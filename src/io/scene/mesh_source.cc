@@ -2,7 +2,6 @@
 
 #include "io/mesh_io/repair/repair.h"
 #include "io/system/file_content.h"
-#include "palpate/error.h"
 
 namespace palpate::scene {
 namespace {

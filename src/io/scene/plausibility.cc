@@ -1,7 +1,6 @@
 #include "io/scene/plausibility.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/core.h>
 

@@ -1,7 +1,5 @@
 #include "io/system/plausible.h"
 
-#include <cmath>
-
 #include "core/base/text.h"
 
 namespace palpate {

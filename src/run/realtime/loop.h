@@ -5,11 +5,9 @@
 #include <vector>
 
 #include "core/haptics/simulation.h"
-#include "palpate/histogram.h"
 #include "palpate/run_control.h"
 #include "palpate/tick_observer.h"
 #include "run/realtime/tick_wait.h"
-#include "run/realtime/watchdog.h"
 
 namespace palpate::realtime {
 

@@ -1,7 +1,6 @@
 #include "run/realtime/watchdog.h"
 
 #include <algorithm>
-#include <string>
 
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"

@@ -6,7 +6,6 @@
 #include <exception>
 #include <filesystem>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 

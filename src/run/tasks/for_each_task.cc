@@ -1,6 +1,5 @@
 #include "run/tasks/for_each_task.h"
 
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <exception>

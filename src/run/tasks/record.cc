@@ -3,9 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstddef>
 #include <fstream>
 #include <functional>
 #include <map>

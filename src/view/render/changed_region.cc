@@ -1,8 +1,6 @@
 #include "view/render/changed_region.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 
 namespace palpate::render {
 namespace {

@@ -8,7 +8,6 @@
 #include "palpate/offscreen.h"
 #include "view/render/changed_region.h"
 #include "view/render/drape.h"
-#include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"
 #include "view/render/studio_view.h"
 #include "view/render/tissue_pattern.h"

@@ -1,7 +1,6 @@
 #include "view/render/tool_imprint.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace palpate::render {

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include <fmt/core.h>
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <exception>
-#include <utility>
 
 #include <fmt/core.h>
 

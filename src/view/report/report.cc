@@ -1,8 +1,6 @@
 #include "view/report/report.h"
 
-#include <algorithm>
 #include <string>
-#include <utility>
 
 #include <fmt/core.h>
 

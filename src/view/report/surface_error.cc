@@ -1,16 +1,13 @@
 #include "view/report/surface_error.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/index.h"
-#include "core/base/infinity.h"
 #include "core/base/text.h"
 #include "io/system/csv_table.h"
 #include "io/system/path_text.h"

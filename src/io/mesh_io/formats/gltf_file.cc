@@ -30,7 +30,6 @@
 #include "io/mesh_io/formats/formats.h"
 #include "io/mesh_io/formats/gltf_document.h"
 #include "io/system/path_text.h"
-#include "palpate/error.h"
 
 namespace palpate::mesh_io {
 namespace {

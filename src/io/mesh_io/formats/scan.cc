@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cstring>
 #include <system_error>
-#include <utility>
 
 #include <fmt/core.h>
 

@@ -1,8 +1,6 @@
 #include "io/mesh_io/formats/surface_builder.h"
 
 #include <algorithm>
-#include <numeric>
-#include <string>
 #include <utility>
 
 #include <fmt/core.h>

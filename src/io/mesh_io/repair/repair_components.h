@@ -1,8 +1,6 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <string>
-#include <vector>
 
 #include "io/mesh_io/repair/repair_surface.h"
 

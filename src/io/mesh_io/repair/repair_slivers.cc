@@ -1,7 +1,6 @@
 #include "io/mesh_io/repair/repair_slivers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace palpate::mesh_io {

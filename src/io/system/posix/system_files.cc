@@ -1,7 +1,5 @@
 #include "system_files.h"
 
-#include <cstdio>
-
 namespace palpate {
 
 int name_file(const std::filesystem::path& temporary, const std::filesystem::path& file) noexcept {

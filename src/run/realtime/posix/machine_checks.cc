@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "core/base/text.h"
 #include "run/realtime/realtime.h"

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/deform/surface_parts.h"
 #include "palpate/builtin.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
