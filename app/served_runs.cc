@@ -246,11 +246,10 @@ void ServedRuns::break_off_loading(const std::string& why) {
 
 std::string ServedRuns::file_below(const std::string& key, const std::string& name) const {
   if (options_.scenes.empty()) {
-    throw LiveError("refused",
-                    key + " = \"" + name +
-                        "\": this server was started without --scenes, so clients "
-                        "cannot name files",
-                    key);
+    throw LiveError(
+        "refused",
+        key + " = \"" + name + "\": this server was started without --scenes, so clients cannot name files",
+        key);
   }
   std::error_code error;
   const fs::path root = fs::weakly_canonical(options_.scenes, error);

@@ -52,9 +52,8 @@ bool same_block(const StabilityCase& a, const StabilityCase& b) {
 
 void sweep(std::ostream& out) {
   out << "tissue,stiffness_N_per_m,rate_Hz,grip_N_per_m,grip_N_s_per_m,damping_N_s_per_m,friction_N,"
-         "resolution_mm,depth_mm,"
-         "force_N,"
-         "peak_to_peak_mm,given_beyond_taken_uJ,observed_uJ,bound_uJ,controller_acted,warning,verdict\n";
+         "resolution_mm,depth_mm,force_N,peak_to_peak_mm,given_beyond_taken_uJ,observed_uJ,bound_uJ,"
+         "controller_acted,warning,verdict\n";
   std::vector<StabilityCase> cases = palpate::bench::tissue_cases();
   const std::vector<StabilityCase> walls = palpate::bench::wall_cases();
   cases.insert(cases.end(), walls.begin(), walls.end());

@@ -36,10 +36,6 @@ std::string number(double value, double step) {
   return text;
 }
 
-}  // namespace
-
-namespace {
-
 double round_up_to(double value, std::initializer_list<double> factors) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   for (const double factor : factors) {

@@ -13,8 +13,7 @@ void add_view(CLI::App& program, int& /*exit_code*/) {
   command->callback([] {
     throw InputError(
         "view: palpate for Windows has no window and draws no pictures; palpate replay, export and score "
-        "read the recording "
-        "here, and palpate view shows it on Linux");
+        "read the recording here, and palpate view shows it on Linux");
   });
 }
 

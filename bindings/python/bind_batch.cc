@@ -178,25 +178,18 @@ py::array_t<double> displacement(PythonBatch& python, const py::object& points) 
 
 constexpr const char* kAboutBatch =
     "Prepares the organ. The arguments of the scene are those of simulate(); of its device only the mapping "
-    "to "
-    "the world frame is used, nobody holds it. n: hands. jobs: threads, None: all cores. surface_edge: "
-    "longest "
-    "edge of surface in metres, 0 keeps the organ's mesh. Raises InputError.";
+    "to the world frame is used, nobody holds it. n: hands. jobs: threads, None: all cores. surface_edge: "
+    "longest edge of surface in metres, 0 keeps the organ's mesh. Raises InputError.";
 
 constexpr const char* kAboutBatchStep =
     "Computes the next tick of every hand from poses (n, 7), or the next ticks from poses (n, ticks, 7): "
-    "position "
-    "x y z in m, orientation w x y z. gripper: jaw opening (n) or (n, ticks), 0 closed to 1 open; None: "
-    "closed. "
-    "Returns (force, torque, depth): force of the tissue on the hand in N (n, 3) or (n, ticks, 3) after the "
-    "gate "
-    "and with touch noise, torque in N m about the handle's origin, both in the world frame, and depth in m. "
-    "The "
-    "next step() overwrites these arrays: copy what you keep, or pass out=(force, torque, depth), float64 "
-    "arrays of "
-    "those shapes. Other Python threads run meanwhile. Raises InputError for a wrong shape, a number that is "
-    "not "
-    "finite or a quaternion that has not length 1; then no hand has moved.";
+    "position x y z in m, orientation w x y z. gripper: jaw opening (n) or (n, ticks), 0 closed to 1 open; "
+    "None: closed. Returns (force, torque, depth): force of the tissue on the hand in N (n, 3) or (n, ticks, "
+    "3) after the gate and with touch noise, torque in N m about the handle's origin, both in the world "
+    "frame, and depth in m. The next step() overwrites these arrays: copy what you keep, or pass out=(force, "
+    "torque, depth), float64 arrays of those shapes. Other Python threads run meanwhile. Raises InputError "
+    "for a wrong shape, a number that is not finite or a quaternion that has not length 1; then no hand has "
+    "moved.";
 
 }  // namespace
 
@@ -216,8 +209,7 @@ void bind_batch(py::module_& module) {
            py::arg("out") = none, kAboutBatchStep)
       .def("displacement", &displacement, py::arg("points") = none,
            "Displacement of points of the surface at the newest tick, (n, points, 3) in m, organ frame. "
-           "points: "
-           "indices of vertices of surface; None: all. A new array. Raises InputError.")
+           "points: indices of vertices of surface; None: all. A new array. Raises InputError.")
       .def(
           "restart",
           [](PythonBatch& self, const py::object& hands) {
@@ -242,8 +234,7 @@ void bind_batch(py::module_& module) {
       .def_property_readonly(
           "fault", &PythonBatch::fault,
           "Latched faults of the newest step(), (n) or (n, ticks), PALPATE_FAULT_... of palpate.h; 0: none. "
-          "The "
-          "force of a hand with a fault falls to 0 within 10 ms and stays there until reset_fault().")
+          "The force of a hand with a fault falls to 0 within 10 ms and stays there until reset_fault().")
       .def_property_readonly(
           "surface", [](PythonBatch& self) { return self.get().surface(); },
           "The rest surface, a Mesh, whose points displacement() moves.")

@@ -109,10 +109,8 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
           },
           py::arg("depth"),
           "Contact force [N] at a penetration depth [m]; stiffness_at() gives the tangent stiffness. A depth "
-          "<= 0 "
-          "gives 0. Beyond the tissue's max_depth the force goes on by its tangent there; beyond the last "
-          "layer "
-          "it stays constant. NaN gives NaN.")
+          "<= 0 gives 0. Beyond the tissue's max_depth the force goes on by its tangent there; beyond the "
+          "last layer it stays constant. NaN gives NaN.")
       .def(
           "stiffness_at",
           [](const Law& law, const Numbers& depth) -> NumberOrArray {
@@ -120,8 +118,7 @@ void bind_law(py::module_& module, const char* name, const char* class_doc, cons
           },
           py::arg("depth"),
           "Tangent stiffness dF/dD [N/m] at a penetration depth [m]; at the end of a layer that of this "
-          "layer; "
-          "0 beyond the last layer.")
+          "layer; 0 beyond the last layer.")
       .def(
           "depth_under",
           [](const Law& law, const Numbers& force) -> NumberOrArray {

@@ -174,13 +174,11 @@ void bind_runs(py::module_& module) {
             "simulate", of_a_scene<std::optional<double>, std::optional<fs::path>, bool>(&simulate), scene...,
             py::arg("duration_s") = none, py::arg("record") = none, py::arg("cache") = true,
             "Runs a scene as fast as possible, as `palpate run --offline` does. Returns one row per tick and "
-            "hand, in a structured array with the columns of `palpate export` (phase and fault are "
-            "numbers). Arguments override the scene file, like the flags of the same name. tissue: a "
-            "Tissue or a name; tool: a name or a list of jaws; inclusions: a list of Inclusion or names of "
+            "hand, in a structured array with the columns of `palpate export` (phase and fault are numbers). "
+            "Arguments override the scene file, like the flags of the same name. tissue: a Tissue or a name; "
+            "tool: a name or a list of jaws; inclusions: a list of Inclusion or names of "
             "inclusion_presets(), instead of the scene's; stiffness_map: a CSV or PLY file (mm), or an array "
-            "with the "
-            "columns x, y, z (m) and factor; record: HDF5 file to write. Raises "
-            "InputError.");
+            "with the columns x, y, z (m) and factor; record: HDF5 file to write. Raises InputError.");
       },
       scene_arguments());
   bind_recording(module);

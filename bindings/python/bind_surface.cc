@@ -131,11 +131,10 @@ void bind_surface(py::module_& module) {
   module.def(
       "deformed_surface", &deformed_surface, py::arg("mesh"), py::arg("indentations"), py::arg("tissue"),
       py::arg("organ_support") = std::vector<std::string>{}, others_may_run,
-      "The mesh deformed by all indentations together: the displacement profile u(r) of docs/model.md "
-      "with the falloff ratios of the tissue (a Tissue, a built-in name or a tissue file), r along the "
-      "surface. Vertices beyond the profile do not change. With `organ_support` (as the flag "
-      "--organ-support, "
-      "a list), all of a closed mesh gives way. Raises InputError.");
+      "The mesh deformed by all indentations together: the displacement profile u(r) of docs/model.md with "
+      "the falloff ratios of the tissue (a Tissue, a built-in name or a tissue file), r along the surface. "
+      "Vertices beyond the profile do not change. With `organ_support` (as the flag --organ-support, a "
+      "list), all of a closed mesh gives way. Raises InputError.");
 }
 
 }  // namespace palpate::python

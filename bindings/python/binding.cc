@@ -40,8 +40,7 @@ void require_unmasked(py::handle argument) {
   if (!is_subclass || !py::module_::import("numpy.ma").attr("is_masked")(argument).cast<bool>()) return;
   throw InputError(
       "a masked array (numpy.ma) was given: its mask hides values, which would count as the others do; leave "
-      "them "
-      "out first, by the same rows of every array, such as force[~mask]");
+      "them out first, by the same rows of every array, such as force[~mask]");
 }
 
 py::array_t<double> array_of(std::span<const double> values) {

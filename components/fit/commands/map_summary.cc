@@ -16,7 +16,6 @@ using Json = nlohmann::ordered_json;
 using identify::DescribedMap;
 using identify::Estimate;
 using identify::FoundInclusion;
-using identify::MapKind;
 
 std::string in_mm(double metres) { return brief(metres / kMillimetre, 3); }
 
@@ -86,8 +85,7 @@ bool any_undetermined(const identify::MapFit& fit) {
 
 constexpr const char* kAdvice =
     "These probes do not determine radius and stiffness ratio apart: a small hard inclusion feels like a "
-    "larger, softer "
-    "one. Press deeper, and with a second ball of another radius.";
+    "larger, softer one. Press deeper, and with a second ball of another radius.";
 
 constexpr const char* kKindNames[] = {"tissue alone", "lumps", "stiffness map", "lumps and stiffness map"};
 

@@ -125,8 +125,7 @@ void require_measured_depth(const ValidateFlags& flags, const report::Validation
     if (!goal) continue;
     throw InputError(
         fmt::format("{}: {}: the tool hides the deepest place, so the depth is fitted to the line and no "
-                    "goal can be judged: "
-                    "give the measured --depth-mm (or --force-N), or leave out the goal",
+                    "goal can be judged: give the measured --depth-mm (or --force-N), or leave out the goal",
                     validation.image->comparison.measured.name, flag));
   }
 }

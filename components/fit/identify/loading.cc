@@ -235,8 +235,7 @@ Specimen whole_loading(const Specimen& specimen) {
   if (loadings.all.empty() && specimen.time.empty()) {
     used.preparation.notes.emplace_back(
         "the displacement only decreases, and there is no time_s: taken as a loading that is sorted from "
-        "deep "
-        "to shallow. The unloading of a loop looks the same; its force is lower, and so would be the "
+        "deep to shallow. The unloading of a loop looks the same; its force is lower, and so would be the "
         "tissue's");
     return used;
   }
@@ -277,8 +276,7 @@ Specimen last_loading(const Specimen& specimen) {
 void require_unsaturated(const Specimen& specimen, const std::string& where) {
   constexpr const char* kRemedy =
       "is that the sensor's limit? A fit with --relaxation would take it for the tissue's force: press less "
-      "deep, "
-      "or use a sensor for larger forces";
+      "deep, or use a sensor for larger forces";
   const Ranges ranges = ranges_of(specimen);
   const Specimen ramp = ramp_of(specimen, ranges);
   if (const std::optional<Plateau> plateau = plateau_of(ramp, ranges); plateau && rises_on(ramp, *plateau)) {
@@ -318,8 +316,7 @@ Specimen leave_out_start(const Specimen& specimen) {
     if (!(jump > kLeast * ranges_of(used).force)) continue;
     used.preparation.notes.push_back(
         fmt::format("the force jumps from {} to {} N between row {} and the next, and no row after them "
-                    "does: the first {} left "
-                    "out, as of a sensor or a recorder that starts",
+                    "does: the first {} left out, as of a sensor or a recorder that starts",
                     brief(force[first - 1], 3), brief(force[first], 3), first,
                     first == 1 ? "row is" : fmt::format("{} rows are", first)));
     return used;

@@ -99,8 +99,7 @@ void doubt_drift(const Start& start, const Ranges& ranges, Preparation& out) {
   } else if (error > kVisible * ranges.force) {
     text = fmt::format(
         "the force at the deepest row is uncertain by {}, because the sensor drifts and {} without contact "
-        "do not "
-        "show how it goes on: {}",
+        "do not show how it goes on: {}",
         percent(error / ranges.force, 0), millimetres(lead), kRemedy);
   } else {
     return;

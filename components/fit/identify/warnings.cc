@@ -137,9 +137,8 @@ void add_start_at_depth(const Problem& problem, const SpecimenFit& fit, std::vec
   if (!(force > kNoticeable * part.ranges.force)) return;
   out.push_back(fmt::format(
       "no row shows first contact: at the first row, {} mm, the fitted tissue already carries {} N, {} of "
-      "the "
-      "range of force, and only the law's shape puts contact at {} mm. The force may be far off: start 1 mm "
-      "above the tissue, or tare the sensor",
+      "the range of force, and only the law's shape puts contact at {} mm. The force may be far off: start 1 "
+      "mm above the tissue, or tare the sensor",
       brief(first / kMillimetre, 3), brief(force, 2), percent(force / part.ranges.force, 0),
       brief(fit.own[0] * part.ranges.displacement / kMillimetre, 3)));
 }
@@ -305,10 +304,8 @@ void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) 
   if (!(-off > kVisible)) return;
   const std::string text = fmt::format(
       "the force does not rise out of the noise before {}, and the law puts first contact at {}: if the tool "
-      "touches "
-      "at {}, the force {} below contact is {} too low; cut off rows without contact, and count displacement "
-      "from "
-      "contact; if the rows are tissue, its first layer is hardly visible",
+      "touches at {}, the force {} below contact is {} too low; cut off rows without contact, and count "
+      "displacement from contact; if the rows are tissue, its first layer is hardly visible",
       mm(flat), mm(contact), mm(flat), mm(depth), percent(-off, 0));
   out.warnings.push_back(text);
   const bool untared = part.specimen->preparation.zero != 0.0;
@@ -400,8 +397,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
     const double contact = fit.own[0] * part.ranges.displacement;
     const std::string text = fmt::format(
         "the force rises from {} on, but the law puts first contact at {}: its force {} below contact may be "
-        "up "
-        "to {} too high",
+        "up to {} too high",
         mm(contact - late), mm(contact), mm(depth), percent(excess, 0));
     if (excess > kVisible) out.warnings.push_back(text);
     if (excess > kPoorLateContact && out.poor.empty()) out.poor = poor_text(fit, text);

@@ -244,18 +244,15 @@ void bind_fit(py::module_& module) {
       "read_insertions", [](const FilesArgument& file) { return read_all(file, &read_records); },
       py::arg("file"),
       "Reads records of needles from a CSV file with time_s, displacement_mm and force_N, for fit_needle(). "
-      "A "
-      "list of files gives the records of all. Raises InputError.");
+      "A list of files gives the records of all. Raises InputError.");
   module.def(
       "fit_needle", &fit_records, py::arg("records"), py::kw_only(), py::arg("law") = "smooth",
       py::arg("loop_period") = 1e-3, py::arg("t1") = 1e-6,
       "Fits a tissue with layers to records of insertions, as `palpate fit --needle` does. `records` is a "
-      "list "
-      "of Specimen with times. Returns a dictionary: `layers`, `nrmse`, `parameters` of the tissue and a "
-      "list "
-      "`tissue_layers` (name to value, low and high end of the 95 % interval, in the unit of the name), "
-      "`repeats` with the punctures (time, depth, force, force on the tip) and the curves in SI, `warnings`, "
-      "and `tissue`, or None where the records allow none. Raises InputError.");
+      "list of Specimen with times. Returns a dictionary: `layers`, `nrmse`, `parameters` of the tissue and "
+      "a list `tissue_layers` (name to value, low and high end of the 95 % interval, in the unit of the "
+      "name), `repeats` with the punctures (time, depth, force, force on the tip) and the curves in SI, "
+      "`warnings`, and `tissue`, or None where the records allow none. Raises InputError.");
 }
 
 }  // namespace palpate::python

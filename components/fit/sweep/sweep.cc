@@ -284,8 +284,7 @@ Axis parse_axis(const std::string& flag, const std::string& text) {
   if (right.empty() || axis.values.empty()) {
     throw InputError(
         fmt::format("{} {}: must be KEY=LOW:HIGH:N with LOW < HIGH and N from 2 to {}, :log after it for "
-                    "even steps of the "
-                    "logarithm, or KEY=VALUE,VALUE,...",
+                    "even steps of the logarithm, or KEY=VALUE,VALUE,...",
                     flag, text, kMaxRuns));
   }
   for (const std::string& value : axis.values) key.check(flag, value);

@@ -1,7 +1,6 @@
 // `palpate generate`: writes episodes for learning.
 #include "learning/environment/generate.h"
 
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -25,8 +24,6 @@
 
 namespace palpate::app {
 namespace {
-
-namespace fs = std::filesystem;
 
 using learning::GenerateRequest;
 using learning::GenerateSummary;
@@ -141,8 +138,7 @@ void add_generate(CLI::App& program, int& exit_code) {
       "  palpate generate scene.toml --episodes 1000 --out episodes\n"
       "  mpirun -n 8 palpate generate --task search --steps 6000 --out search.h5\n"
       "The file has arrays with a row per step (observations, actions, rewards, terminals, timeouts) and "
-      "with "
-      "a\n"
+      "with a\n"
       "row per episode (episode_starts, seeds, parameters, final_observations); the text metadata is JSON "
       "with\n"
       "names, units and the arguments with which palpate.Env replays each seed bit for bit. The same flags "

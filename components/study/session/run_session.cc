@@ -558,9 +558,8 @@ void require_ethics(const Study& study) {
   if (study.approval.find_first_not_of(" \t") == std::string::npos) {
     throw InputError(
         study.file.string() +
-        ": ethics.approval: is missing, must be the ethics committee and the number of its approval; "
-        "without it only simulated people take part: write it into the study file, and prepare the "
-        "study again");
+        ": ethics.approval: is missing, must be the ethics committee and the number of its approval; without "
+        "it only simulated people take part: write it into the study file, and prepare the study again");
   }
 }
 

@@ -12,7 +12,6 @@
 namespace palpate::deform {
 namespace {
 
-using Eigen::Matrix3f;
 using Eigen::Vector3f;
 
 // m; a new front starts when the contact is farther than this from its front's source

@@ -104,8 +104,7 @@ void load_stiffness_map(const SceneFile& scene_file, Scene& scene, MeshNotes& no
       const double distance = std::abs(surface.nearest(map.points[i].point_S).distance);
       if (distance <= model::kFarthestStiffnessPoint) continue;
       throw InputError(fmt::format(
-          "{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the "
-          "organ's frame",
+          "{}: {}: the point is {} mm from the organ's surface: must be at most {} mm, in the organ's frame",
           to_text(scene_file.stiffness_map->file()), map.name_of(i), brief(distance / kMillimetre, 3),
           brief(model::kFarthestStiffnessPoint / kMillimetre, 3)));
     }

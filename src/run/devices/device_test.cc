@@ -136,8 +136,7 @@ bool test_friction(HeldPlay& play, const DeviceTestSettings& settings, DeviceTes
   if (!found.resolution) {
     found.unknown.emplace_back(
         "position resolution: the position changes at nearly every sample, so that its step is hidden by "
-        "noise, "
-        "filtering or motion");
+        "noise, filtering or motion");
   }
   return true;
 }

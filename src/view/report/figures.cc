@@ -202,9 +202,8 @@ Figure draw_needle(const HandAnalysis& hand, const scene::Scene& scene, const st
   Figure figure{file, "Force along the needle over the way of its tip"};
   figure.caption =
       "Force of the tissue on the hand along the needle, against the insertion; below zero the tissue holds "
-      "the needle back. "
-      "Dashed: punctures, with the layer that the tip enters. The distance between the lines is friction on "
-      "the shaft.";
+      "the needle back. Dashed: punctures, with the layer that the tip enters. The distance between the "
+      "lines is friction on the shaft.";
   return drawn(figure, script, {in, out, tip});
 }
 

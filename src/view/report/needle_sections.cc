@@ -120,8 +120,7 @@ Figure draw_sections(const HandAnalysis& hand, const scene::Scene& scene, const 
   }
   script +=
       "unset title\nunset border\nunset tics\nunset xlabel\nset size noratio\nset key at graph "
-      "0,1 left top "
-      "Left reverse samplen 1 spacing 1.3 font ',12'\n";
+      "0,1 left top Left reverse samplen 1 spacing 1.3 font ',12'\n";
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.tissue.layers.size(); ++i) {
     names.push_back(fmt::format("1/0 with boxes fs solid lc rgb '#{:06x}' title {}", render::kLayerColours[i],
@@ -131,8 +130,7 @@ Figure draw_sections(const HandAnalysis& hand, const scene::Scene& scene, const 
   Figure figure{file, "Sections along the needle, with the layers of the tissue"};
   figure.caption =
       "The tissue's layers in a plane through the needle. The tissue moves with the surface at the needle: "
-      "inwards "
-      "until a layer gives way, outwards while friction holds the shaft on the way out.";
+      "inwards until a layer gives way, outwards while friction holds the shaft on the way out.";
   return drawn(figure, script, data);
 }
 

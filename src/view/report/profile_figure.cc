@@ -108,8 +108,7 @@ std::string profile_caption(const SurfaceLine& line, const scene::Scene& scene,
                             const LineErrors& shown) {
   std::string text = fmt::format(
       "As figure 7 of the paper: deformation along the line through the contact, {} mm deep, {}. Theory: "
-      "u(r) of "
-      "the model for a tip of {} mm radius.",
+      "u(r) of the model for a tip of {} mm radius.",
       fixed(line.depth * kMilli, 2),
       reference != nullptr && reference->across_S
           ? "along " + axis_text(*reference->across_S) + " of the organ"

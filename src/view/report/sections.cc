@@ -53,10 +53,9 @@ void write_more_pictures(Page& page, const PictureSet& pictures) {
   page.figures("two", {pictures.close_ups[0], pictures.close_ups[1], pictures.close_ups[3]});
   page.paragraph(
       escaped(fmt::format("Drawn by {}, {} × {} pixels, all from the same two places. A picture of the "
-                          "moving contact, 1280 × 720 "
-                          "pixels in balanced quality as in the window, takes {} ms (p50), {} ms (p99), "
-                          "deformation included; the "
-                          "paper: 32 ms. Contacts of this tool at its deepest tick: {}.",
+                          "moving contact, 1280 × 720 pixels in balanced quality as in the window, takes {} "
+                          "ms (p50), {} ms (p99), deformation included; the paper: 32 ms. Contacts of this "
+                          "tool at its deepest tick: {}.",
                           pictures.driver, pictures.width, pictures.height, fixed(pictures.moving_p50_ms, 1),
                           fixed(pictures.moving_p99_ms, 1), pictures.contacts_at_depth)));
 }

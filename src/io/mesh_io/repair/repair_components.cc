@@ -169,8 +169,7 @@ void refuse_inside_out(const WorkSurface& surface, const Crossings& crossings, C
     const Vec3 mm = middle / kMillimetre;
     done.refusal = fmt::format(
         "it goes through itself (at {} pairs of triangles), and {} of its surface, around ({:.3g}, {:.3g}, "
-        "{:.3g}) mm, "
-        "is inside out",
+        "{:.3g}) mm, is inside out",
         crossings.pairs.size(), percent(area[patch] / whole), mm.x(), mm.y(), mm.z());
     return;
   }
