@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <string>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>

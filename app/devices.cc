@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <iostream>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

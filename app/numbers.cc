@@ -3,13 +3,11 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <system_error>
 
 #include <fmt/core.h>
 
 #include "core/base/parallel.h"
-#include "palpate/error.h"
 
 namespace palpate::app {
 namespace {

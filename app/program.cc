@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 #include <iostream>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,7 +13,6 @@
 #include "run/devices/crash_stop.h"
 #include "run/tasks/communicator.h"
 
-#include "app/cli.h"
 #include "app/commands.h"
 #include "app/messages.h"
 #include "app/output.h"

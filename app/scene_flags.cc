@@ -3,8 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/scene.h"
-
 #include "app/numbers.h"
 
 namespace palpate::app {

@@ -33,7 +33,6 @@
 #include "app/progress.h"
 #include "app/scene_flags.h"
 #include "app/served_devices.h"
-#include "app/served_runs.h"
 
 namespace palpate::app {
 namespace {

@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cctype>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstdint>
 #include <mutex>
 #include <stop_token>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "core/base/spsc_queue.h"
 #include "core/base/text.h"
@@ -23,9 +19,6 @@
 #include "io/system/files.h"
 #include "io/system/path_text.h"
 #include "palpate/builtin.h"
-#include "palpate/error.h"
-#include "palpate/recording.h"
-#include "palpate/session.h"
 #include "run/devices/ros.h"
 #include "run/ros/ros_node.h"
 #include "view/report/page.h"

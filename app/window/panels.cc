@@ -1,11 +1,9 @@
 #include "app/window/panels.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
 #include <fmt/core.h>
-#include <imgui.h>
 
 #include "app/window/theme.h"
 

@@ -1,7 +1,6 @@
 #include "app/window/traces.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpate::app {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <utility>
 
 #include <epoxy/gl.h>
 #include <fmt/core.h>

@@ -10,7 +10,6 @@
 #include "view/render/map_legend.h"
 
 #include "app/session.h"
-#include "app/window/panels.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

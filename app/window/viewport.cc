@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <utility>
 
 #include <backends/imgui_impl_opengl3.h>
 #include <backends/imgui_impl_sdl.h>
@@ -18,7 +17,6 @@
 #include "app/numbers.h"
 #include "app/run_tape.h"
 #include "app/window/run_in_window.h"
-#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {

@@ -1,8 +1,5 @@
 #include "app/window/window.h"
 
-#include <algorithm>
-#include <utility>
-
 #include <epoxy/gl.h>
 #include <fmt/core.h>
 #include <imgui.h>
@@ -14,7 +11,6 @@
 #include "palpate/tool_path.h"
 
 #include "app/messages.h"
-#include "app/window/panels.h"
 #include "app/window/theme.h"
 
 namespace palpate::app {

@@ -15,7 +15,6 @@
 #include "io/scene/make_world.h"
 #include "io/scene/minimum_jerk.h"
 #include "io/system/clock.h"
-#include "palpate/scene.h"
 
 namespace palpate::bench {
 namespace {

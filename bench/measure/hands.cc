@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -12,7 +11,6 @@
 #include <vector>
 
 #include "core/base/spsc_queue.h"
-#include "core/haptics/simulation.h"
 #include "palpate/scripted_device.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "io/system/clock.h"
-#include "palpate/offscreen.h"
 #include "palpate/scripted_device.h"
 
 #include "bench/measure/bench_scene.h"

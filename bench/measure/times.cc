@@ -1,9 +1,6 @@
 #include "bench/measure/times.h"
 
 #include <algorithm>
-#include <utility>
-
-#include "core/base/statistics.h"
 
 namespace palpate::bench {
 

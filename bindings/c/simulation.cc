@@ -7,7 +7,6 @@
 #include "core/haptics/prepared_update.h"
 #include "io/system/clock.h"
 #include "io/system/path_text.h"
-#include "palpate/surface.h"
 
 #include "bindings/c/errors.h"
 #include "bindings/c/float_environment.h"

@@ -1,6 +1,5 @@
 #include "bindings/python/inclusion_argument.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "io/scene/names.h"

@@ -1,9 +1,7 @@
 #include "bindings/python/scene_arguments.h"
 
 #include <array>
-#include <string>
 #include <string_view>
-#include <utility>
 
 #include "io/record/tick_columns.h"
 #include "palpate/error.h"

@@ -1,7 +1,6 @@
 #include "bindings/python/surface.h"
 
 #include "palpate/error.h"
-#include "palpate/surface.h"
 
 namespace palpate::python {
 

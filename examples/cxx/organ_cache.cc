@@ -3,7 +3,6 @@
 #include "palpate/organ_cache.h"
 
 #include <iostream>
-#include <string>
 
 #include "palpate/error.h"
 #include "palpate/scene.h"

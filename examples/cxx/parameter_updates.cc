@@ -4,10 +4,8 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
-#include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "palpate/error.h"
 #include "palpate/scene.h"

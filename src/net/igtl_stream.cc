@@ -8,7 +8,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "palpate/surface.h"
 
 namespace palpate::net {
 namespace {

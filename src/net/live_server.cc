@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <map>
 #include <utility>  // before Asio: Asio 1.74 does not include it
 
 #include <boost/asio/io_context.hpp>

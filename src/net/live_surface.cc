@@ -1,7 +1,6 @@
 #include "net/live_surface.h"
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <span>
 #include <utility>

@@ -2,11 +2,9 @@
 
 #include <cmath>
 #include <functional>
-#include <optional>
 #include <type_traits>
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
 #include "io/system/csv_table.h"

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <iostream>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -19,7 +16,6 @@
 #include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/organ_cache.h"
-#include "run/tasks/communicator.h"
 
 #include "app/commands.h"
 #include "app/components.h"

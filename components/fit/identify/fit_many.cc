@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "run/tasks/for_each_task.h"
 

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 

@@ -8,7 +8,6 @@
 #include "core/base/portable_math.h"
 #include "core/base/statistics.h"
 
-#include "fit/identify/least_squares.h"
 #include "fit/identify/profile_path.h"
 
 namespace palpate::identify {

@@ -29,8 +29,6 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <optional>
-#include <utility>
 
 #include <fmt/core.h>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 #include <fmt/core.h>
@@ -10,7 +9,6 @@
 #include "core/base/text.h"
 #include "palpate/units.h"
 #include "view/report/gnuplot.h"
-#include "view/report/page.h"
 
 #include "fit/identify/fit_fields.h"
 

@@ -15,7 +15,6 @@
 #include "palpate/offscreen.h"
 #include "palpate/units.h"
 #include "view/report/gnuplot.h"
-#include "view/report/page.h"
 
 #include "fit/imaging/validation_fields.h"
 

@@ -2,7 +2,6 @@
 #include "study/session/trial_log.h"
 
 #include <algorithm>
-#include <string>
 #include <string_view>
 
 #include "io/system/sha256.h"

@@ -9,7 +9,6 @@
 
 #include "core/base/statistics.h"
 #include "core/base/text.h"
-#include "view/report/page.h"
 
 #include "study/session/analysis_text.h"
 

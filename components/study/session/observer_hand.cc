@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/random.h"
-#include "palpate/tool_path.h"
-
 namespace palpate::study {
 namespace {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
-#include <optional>
 
 #include "core/base/random.h"
 #include "core/base/text.h"

@@ -1,6 +1,5 @@
 #include "study/session/study.h"
 
-#include <algorithm>
 #include <iterator>
 
 #include <fmt/core.h>

@@ -10,9 +10,7 @@
 #include <ctime>
 #include <exception>
 #include <limits>
-#include <optional>
 #include <string_view>
-#include <utility>
 
 #include <fcntl.h>
 #include <fmt/core.h>

@@ -4,10 +4,8 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 

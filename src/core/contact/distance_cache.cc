@@ -50,7 +50,6 @@
 #include "core/contact/distance_cache.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "palpate/tool_contact.h"
 

@@ -26,7 +26,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/simd.h"

@@ -32,7 +32,6 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Core>
 

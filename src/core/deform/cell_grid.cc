@@ -1,6 +1,5 @@
 #include "core/deform/cell_grid.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

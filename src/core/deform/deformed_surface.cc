@@ -1,7 +1,6 @@
 #include "core/deform/deformed_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <utility>

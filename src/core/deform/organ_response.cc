@@ -4,7 +4,6 @@
 #include <map>
 #include <numeric>
 #include <string>
-#include <utility>
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"

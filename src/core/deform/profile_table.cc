@@ -1,6 +1,5 @@
 #include "core/deform/profile_table.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 

@@ -1,10 +1,7 @@
 #include "core/deform/surface_blocks.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "core/deform/float4x3.h"
 #include "palpate/surface.h"
 
 namespace palpate::deform {

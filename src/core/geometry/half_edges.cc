@@ -1,6 +1,5 @@
 #include "core/geometry/half_edges.h"
 
-#include <algorithm>
 #include <numeric>
 
 namespace palpate::geometry {

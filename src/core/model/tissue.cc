@@ -1,12 +1,7 @@
 #include "palpate/tissue.h"
 
-#include <array>
 #include <cmath>
-#include <limits>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "core/base/portable_math.h"
 #include "core/base/text.h"

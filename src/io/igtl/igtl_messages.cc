@@ -1,7 +1,6 @@
 #include "io/igtl/igtl_messages.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 namespace palpate::net {

@@ -1,9 +1,7 @@
 #include "io/record/update_columns.h"
 
-#include <array>
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>

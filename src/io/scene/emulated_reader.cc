@@ -4,7 +4,6 @@
 
 #include "io/scene/names.h"
 #include "io/scene/scene_keys.h"
-#include "palpate/scene.h"
 #include "palpate/units.h"
 
 namespace palpate::scene {

@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "io/scene/mesh_source.h"
 #include "io/scene/names.h"
 #include "io/scene/plausibility.h"
 #include "io/system/path_text.h"

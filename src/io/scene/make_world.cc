@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <string>
 
 #include "core/base/text.h"
 #include "core/contact/largest_stiffness.h"

@@ -13,9 +13,7 @@
 #include "io/scene/scene_keys.h"
 #include "io/scene/toml_reader.h"
 #include "io/system/file_content.h"
-#include "io/system/path_text.h"
 #include "palpate/error.h"
-#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string_view>
 
 #include <fmt/core.h>
@@ -17,7 +16,6 @@
 #include "io/scene/scene_keys.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
-#include "palpate/units.h"
 
 namespace palpate::scene {
 namespace {

@@ -12,7 +12,6 @@
 #include "core/base/text.h"
 #include "io/shapes/mesh_archive.h"
 #include "palpate/error.h"
-#include "palpate/mesh.h"
 #include "palpate/units.h"
 
 namespace palpate::geometry {

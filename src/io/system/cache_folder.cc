@@ -5,7 +5,6 @@
 #include <system_error>
 #include <vector>
 
-#include "io/system/files.h"
 #include "io/system/path_text.h"
 
 namespace palpate {

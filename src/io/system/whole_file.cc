@@ -2,10 +2,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <string>
 #include <system_error>
 
-#include "io/system/files.h"
 #include "io/system/path_text.h"
 #include "io/system/temporary.h"
 #include "palpate/error.h"

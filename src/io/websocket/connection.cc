@@ -1,7 +1,5 @@
 #include "io/websocket/connection.h"
 
-#include <algorithm>
-
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/http.hpp>

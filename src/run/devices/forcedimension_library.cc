@@ -1,8 +1,5 @@
 #include "run/devices/forcedimension_library.h"
 
-#include <array>
-#include <filesystem>
-
 #include <fmt/core.h>
 
 #include "io/system/cache_folder.h"

@@ -10,7 +10,6 @@
 #include "palpate/units.h"
 #include "run/devices/models.h"
 #include "run/devices/reasons.h"
-#include "run/devices/touch_library.h"
 #include "run/realtime/realtime.h"
 
 namespace palpate::devices {

@@ -1,7 +1,6 @@
 #include "run/session/statistics_observer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -1,14 +1,12 @@
 #include "palpate/offscreen.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
-#include "palpate/surface.h"
 #include "view/render/drape.h"
 #include "view/render/gl_context.h"
 #include "view/render/gl_objects.h"

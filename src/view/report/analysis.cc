@@ -7,7 +7,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <string>
 #include <utility>
 
 #include <Eigen/Core>

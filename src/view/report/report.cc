@@ -1,7 +1,5 @@
 #include "view/report/report.h"
 
-#include <string>
-
 #include <fmt/core.h>
 
 #include "view/report/sections.h"

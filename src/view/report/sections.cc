@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/core.h>
 
 #include "core/base/text.h"
 #include "palpate/mesh.h"
-#include "view/report/page.h"
 
 namespace palpate::report {
 namespace {

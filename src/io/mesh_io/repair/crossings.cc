@@ -1,7 +1,6 @@
 #include "io/mesh_io/repair/crossings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <numeric>

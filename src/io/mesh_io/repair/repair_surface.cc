@@ -5,11 +5,9 @@
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
-#include <utility>
 
 #include "core/base/index.h"
 #include "core/geometry/cell.h"
-#include "core/geometry/half_edges.h"
 
 namespace palpate::mesh_io {
 namespace {

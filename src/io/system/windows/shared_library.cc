@@ -2,7 +2,6 @@
 
 #include <array>
 #include <sstream>
-#include <string>
 #include <system_error>
 #include <vector>
 

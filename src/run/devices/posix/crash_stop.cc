@@ -3,9 +3,7 @@
 #include <array>
 #include <atomic>
 #include <csignal>
-#include <cstddef>
 #include <ctime>
-#include <memory>
 
 #include <unistd.h>
 
