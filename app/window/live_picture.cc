@@ -8,10 +8,6 @@
 
 namespace palpate::app {
 
-bool same(const render::Camera& a, const render::Camera& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
-}
-
 PixelRectangle in_pixels(const Rectangle& place, const Viewport& viewport) {
   const double ratio = viewport.enlarged();
   const auto rounded = [ratio](float length) { return static_cast<int>(std::lround(ratio * length)); };
@@ -92,7 +88,7 @@ void LivePicture::show(const haptics::Snapshot& snapshot, const render::Camera& 
   const PixelRectangle there = in_pixels(place, viewport);
   if (there.width < 1 || there.height < 1) return;
   fit(there.width, there.height);
-  if (stale_ || !same(camera, drawn_camera_)) {
+  if (stale_ || camera != drawn_camera_) {
     renderer_->draw_and_keep(snapshot, camera);
     drew_ = true;
     drawn_camera_ = camera;

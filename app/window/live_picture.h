@@ -71,9 +71,6 @@ class LivePicture final {
   render::Camera drawn_camera_;
 };
 
-/// [any] Whether two cameras are equal.
-[[nodiscard]] bool same(const render::Camera& a, const render::Camera& b);
-
 /// Rectangle of the window in pixels. As in OpenGL, y counts upwards from the lower edge.
 struct PixelRectangle {
   int x = 0;

@@ -229,7 +229,7 @@ void Viewer::draw_picture() {
   const double map = state_.map ? state_.map_range : 0.0;
   live_.set_map_range(map);
   live_.show_drape(state_.drape);
-  if (!same(camera, last_camera_)) moved_ns_ = frame_began_ns_;
+  if (camera != last_camera_) moved_ns_ = frame_began_ns_;
   last_camera_ = camera;
   const bool quiet = stills_fit_ && there_ && !playback_->playing() &&
                      frame_began_ns_ - moved_ns_ > kStillAfterNs && !ImGui::IsAnyItemActive() &&
@@ -258,7 +258,7 @@ void Viewer::draw_still(const PixelRectangle& place, const render::Camera& camer
     still_->resize(size.width, size.height);
   }
   if (!same_moment || !same_size || map != still_map_ || state_.drape != still_drape_ ||
-      !same(camera, still_camera_)) {
+      camera != still_camera_) {
     still_size_ = size;
     still_map_ = map;
     still_drape_ = state_.drape;

@@ -116,6 +116,8 @@ struct Camera {
   Vec3 target = Vec3::Zero();
   Vec3 up = Vec3::UnitZ();
   double vertical_view_deg = 30.0;
+
+  bool operator==(const Camera&) const = default;
 };
 
 /// [setup] A camera that frames organ and tool tip from the direction with the best view of the contact, 33

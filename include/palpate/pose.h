@@ -13,6 +13,7 @@ struct Pose {
   Quat rotation = Quat::Identity();
   Vec3 position = Vec3::Zero();
 
+  bool operator==(const Pose&) const = default;
   [[nodiscard]] Vec3 operator*(const Vec3& p) const noexcept { return rotation * p + position; }
   [[nodiscard]] Pose operator*(const Pose& inner) const noexcept {
     return {rotation * inner.rotation, rotation * inner.position + position};

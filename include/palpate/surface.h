@@ -51,6 +51,8 @@ struct Indentation {
   double depth = 0.0;             // D [m], displacement at the contact: u(0) = D
   double tip_radius = 0.0;        // R [m], radius of curvature of the tool tip
   double half_width = 0.0;  // half-width of the tool at the contact [m], upper bound of R_1; 0: no bound
+
+  bool operator==(const Indentation&) const = default;
 };
 
 /// Displacement profile u(r) around one contact (docs/model.md, section 3):

@@ -74,11 +74,6 @@ std::size_t hands_of(const haptics::Snapshot& snapshot) {
   return std::min<std::size_t>(snapshot.hands, kMaxHands);
 }
 
-bool same_indentation(const deform::Indentation& a, const deform::Indentation& b) {
-  return a.point == b.point && a.direction == b.direction && a.depth == b.depth &&
-         a.tip_radius == b.tip_radius && a.half_width == b.half_width;
-}
-
 }  // namespace
 
 std::string name_for_hand(const std::string& name, std::size_t hand) {
@@ -144,16 +139,9 @@ Bytes IgtlStream::status(const haptics::Snapshot& snapshot, std::int64_t unix_ns
   return messages.bytes();
 }
 
-bool IgtlStream::same(const Shape& a, const Shape& b) {
-  return a.organ_W.position == b.organ_W.position &&
-         a.organ_W.rotation.coeffs() == b.organ_W.rotation.coeffs() && a.reach == b.reach &&
-         std::equal(a.indentations.begin(), a.indentations.end(), b.indentations.begin(),
-                    b.indentations.end(), same_indentation);
-}
-
 Bytes IgtlStream::surface(const haptics::Snapshot& snapshot, std::int64_t unix_ns) {
   Shape now{deform::indentations_of(snapshot.hand_results()), snapshot.organ_W, snapshot.reach};
-  if (last_ != nullptr && same(now, *last_)) return {};
+  if (last_ != nullptr && now == *last_) return {};
   deformer_.deform(now.reach, now.indentations, vertices_);
   for (Vec3& vertex : vertices_) vertex = in_ras(now.organ_W * vertex);
   last_ = std::make_unique<Shape>(std::move(now));

@@ -38,8 +38,9 @@ class IgtlStream final {
     std::vector<deform::Indentation> indentations;
     Pose organ_W;
     model::FalloffRatios reach;
+
+    bool operator==(const Shape&) const = default;
   };
-  [[nodiscard]] static bool same(const Shape& a, const Shape& b);
 
   [[nodiscard]] Vec3 in_ras(const Vec3& vector_W) const;
   [[nodiscard]] Pose in_ras(const Pose& pose_W) const;

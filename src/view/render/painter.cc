@@ -31,14 +31,6 @@ Eigen::Vector2f texel_of(const Target& target) {
   return {1.0F / static_cast<float>(target.width()), 1.0F / static_cast<float>(target.height())};
 }
 
-bool same(const Pose& a, const Pose& b) {
-  return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
-}
-
-bool same(const Camera& a, const Camera& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_view_deg == b.vertical_view_deg;
-}
-
 // The entries of the soft shadow but for the outermost: nothing is covered in those.
 constexpr PixelBox kInnerShadow{1, 1, kSoftShadowSize - 1, kSoftShadowSize - 1};
 
@@ -369,8 +361,8 @@ Painter::Part Painter::whole() const {
 
 Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera, const LitRegion& region) {
   const Projection organ = projection_of(view, organ_.pose_W);
-  const bool same_view = drawn_ && same(drawn_->camera, camera) && drawn_->region == region &&
-                         same(drawn_->organ_W, organ_.pose_W);
+  const bool same_view =
+      drawn_ && drawn_->camera == camera && drawn_->region == region && drawn_->organ_W == organ_.pose_W;
   Drawn now{camera, region, organ_.pose_W, {}};
   for (const auto& tool : tools_) now.tools_W.push_back(tool->pose_W);
   const std::optional<Drawn> before = std::exchange(drawn_, std::move(now));
@@ -384,7 +376,7 @@ Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera
   organ_.mesh.add_changes(organ, tiles);
   bool bounded = !organ_.mesh.is_cut();
   for (std::size_t i = 0; i < tools_.size(); ++i) {
-    if (same(before->tools_W[i], tools_[i]->pose_W)) continue;
+    if (before->tools_W[i] == tools_[i]->pose_W) continue;
     for (const Pose& pose_W : {before->tools_W[i], tools_[i]->pose_W}) {
       const Projection projection = projection_of(view, pose_W);
       bounded = tools_[i]->blocks.add_pixels(projection, tiles) && bounded;
@@ -392,7 +384,7 @@ Painter::Part Painter::changed_part(const StudioView& view, const Camera& camera
     }
   }
   for (std::size_t i = 0; i < tools_.size() && !shadow.empty(); ++i) {
-    if (same(before->tools_W[i], tools_[i]->pose_W))
+    if (before->tools_W[i] == tools_[i]->pose_W)
       tools_[i]->blocks.add_shadow(projection_of(view, tools_[i]->pose_W), shadow, false);
   }
   for (const auto& tool : tools_) {
@@ -453,7 +445,7 @@ void Painter::draw_behind(const StudioView& view) {
 }
 
 void Painter::draw_backdrop(const StudioView& view, const Camera& camera) {
-  if (live_->backdrop_of && (!drape_ || same(*live_->backdrop_of, camera))) return;
+  if (live_->backdrop_of && (!drape_ || *live_->backdrop_of == camera)) return;
   live_->backdrop.bind();
   draw_behind(view);
   live_->backdrop_of = camera;

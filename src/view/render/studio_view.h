@@ -12,10 +12,7 @@ struct LitRegion {
   Quat rotation = Quat::Identity();      // of the box
   Vec3 half_size = Vec3(0.1, 0.1, 0.1);  // m, of the box
 
-  bool operator==(const LitRegion& other) const {
-    return middle == other.middle && radius == other.radius && rotation.coeffs() == other.rotation.coeffs() &&
-           half_size == other.half_size;
-  }
+  bool operator==(const LitRegion&) const = default;
   /// [any] Half the box's extent [m] along a unit vector.
   [[nodiscard]] double extent(const Vec3& along) const {
     return (rotation.conjugate() * along).cwiseAbs().dot(half_size);
