@@ -74,11 +74,12 @@ std::size_t hands_of(const haptics::Snapshot& snapshot) {
   return std::min<std::size_t>(snapshot.hands, kMaxHands);
 }
 
-}  // namespace
-
+/// Message name with the number of a hand: "PalpateTool" for hand 0, "PalpateTool2" for hand 1.
 std::string name_for_hand(const std::string& name, std::size_t hand) {
   return hand == 0 ? name : name + std::to_string(hand + 1);
 }
+
+}  // namespace
 
 IgtlStream::IgtlStream(const scene::Scene& scene)
     : rate_Hz_(scene.rate_Hz),

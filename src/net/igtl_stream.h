@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "io/igtl/igtl_messages.h"
@@ -10,9 +9,6 @@
 #include "palpate/tick_observer.h"
 
 namespace palpate::net {
-
-/// [any] Message name with the number of a hand: "PalpateTool" for hand 0, "PalpateTool2" for hand 1.
-[[nodiscard]] std::string name_for_hand(const std::string& name, std::size_t hand);
 
 /// The messages of one run (docs/openigtlink.md). All members: [setup], one thread.
 class IgtlStream final {

@@ -180,6 +180,24 @@ std::string verdict(const identify::Sweep& sweep, double unit) {
                      sweep.open_above ? ", and perhaps more" : "");
 }
 
+Json sweeps_json(const std::vector<identify::Sweep>& sweeps) {
+  Json json = Json::array();
+  for (const identify::Sweep& sweep : sweeps) {
+    const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
+    Json points = Json::array();
+    for (const identify::SweepPoint& point : sweep.points) points.push_back(point_json(point, label.unit));
+    json.push_back({{"specimen", sweep.specimen.empty() ? Json(nullptr) : Json(sweep.specimen)},
+                    {"parameter", label.name},
+                    {"best", sweep.best / label.unit},
+                    {"best_nrmse", sweep.best_nrmse},
+                    {"open_below", sweep.open_below},
+                    {"open_above", sweep.open_above},
+                    {"found_better", sweep.found_better},
+                    {"points", std::move(points)}});
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string fit_json(const std::vector<identify::SpecimenFit>& fits, const identify::PooledFit& pooled,
@@ -203,24 +221,6 @@ std::string fit_text(const std::vector<identify::SpecimenFit>& fits, const ident
             size_line(pooled.size) + warning_lines(pooled.warnings);
   }
   return text;
-}
-
-Json sweeps_json(const std::vector<identify::Sweep>& sweeps) {
-  Json json = Json::array();
-  for (const identify::Sweep& sweep : sweeps) {
-    const identify::ParameterLabel label = identify::labels(0)[sweep.parameter];
-    Json points = Json::array();
-    for (const identify::SweepPoint& point : sweep.points) points.push_back(point_json(point, label.unit));
-    json.push_back({{"specimen", sweep.specimen.empty() ? Json(nullptr) : Json(sweep.specimen)},
-                    {"parameter", label.name},
-                    {"best", sweep.best / label.unit},
-                    {"best_nrmse", sweep.best_nrmse},
-                    {"open_below", sweep.open_below},
-                    {"open_above", sweep.open_above},
-                    {"found_better", sweep.found_better},
-                    {"points", std::move(points)}});
-  }
-  return json;
 }
 
 std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps) {

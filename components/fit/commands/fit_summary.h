@@ -69,9 +69,6 @@ struct MapValidation {
 [[nodiscard]] std::string map_validation_json(const MapValidation& map,
                                               const std::vector<std::string>& missed);
 
-/// [setup] Sweeps as a JSON list (docs/fitting.md lists its fields).
-[[nodiscard]] nlohmann::ordered_json sweeps_json(const std::vector<identify::Sweep>& sweeps);
-
 /// [setup] Sweeps as CSV, one line per swept value. A field without a value is empty.
 [[nodiscard]] std::string sweeps_csv(const std::vector<identify::Sweep>& sweeps);
 

@@ -228,25 +228,8 @@ std::string verdict(const identify::Sweep& sweep) {
   return "bounded on both sides";
 }
 
-}  // namespace
-
-std::filesystem::path write_fit_report(const std::vector<identify::SpecimenFit>& fits,
-                                       const identify::PooledFit& pooled,
-                                       const std::vector<identify::Sweep>& sweeps,
-                                       const identify::Settings& settings, const std::string& command,
-                                       const std::filesystem::path& folder) {
-  make_report_folder(folder);
-  Page page(fmt::format("Fit of {}{}", fits.size(), fits.size() == 1 ? " specimen" : " specimens"),
-            "Tissue parameters from measured force over displacement, by palpate");
-  write_summary(page, fits, pooled, settings, command);
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    const std::string number = std::to_string(i + 1);
-    write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
-  }
-  write_sweeps(page, sweeps, folder);
-  return page.write(folder);
-}
-
+// A section with a figure per sweep: error over the fixed value, the confidence set, and the other
+// parameters.
 void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
                   const std::filesystem::path& folder) {
   if (sweeps.empty()) return;
@@ -264,6 +247,25 @@ void write_sweeps(Page& page, const std::vector<identify::Sweep>& sweeps,
   for (const identify::Sweep& sweep : sweeps)
     figures.push_back(draw(sweep, folder / fmt::format("sweep-{}.svg", figures.size() + 1)));
   page.figures("one", figures);
+}
+
+}  // namespace
+
+std::filesystem::path write_fit_report(const std::vector<identify::SpecimenFit>& fits,
+                                       const identify::PooledFit& pooled,
+                                       const std::vector<identify::Sweep>& sweeps,
+                                       const identify::Settings& settings, const std::string& command,
+                                       const std::filesystem::path& folder) {
+  make_report_folder(folder);
+  Page page(fmt::format("Fit of {}{}", fits.size(), fits.size() == 1 ? " specimen" : " specimens"),
+            "Tissue parameters from measured force over displacement, by palpate");
+  write_summary(page, fits, pooled, settings, command);
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const std::string number = std::to_string(i + 1);
+    write_specimen(page, fits[i], draw_curve(fits[i], folder / ("specimen-" + number + ".svg")), i + 1);
+  }
+  write_sweeps(page, sweeps, folder);
+  return page.write(folder);
 }
 
 }  // namespace palpate::report

@@ -325,6 +325,31 @@ plot 'profile.dat' using 1:(-$3):3 with filledcurves lc rgb '#f6d9c4', \
                two_panes(620, kKeyLeft, 0.36, upper, lower), {{"profile.dat", rows_of(set)}});
 }
 
+void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
+  const imaging::ImageMeasurement& measured = set.measured;
+  page.section("pictures", "Measured in photographs");
+  page.figures("one", {photograph(set, false, folder / "image-before.png"),
+                       photograph(set, true, folder / "image-after.png"),
+                       draw_profile(set, folder / "image-profile.svg")});
+  page.facts(
+      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_text))},
+       {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
+       {"uncertain by (95 %, median)",
+        fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),
+                    digits(measured.uncertainty / set.settings.pixel))},
+       {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
+       {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
+                                    percent(measured.after.coverage, 1))},
+       {"surface's tilt in the picture", digits(measured.tilt / imaging::kRadiansPerDegree) + " degrees"},
+       {"second picture against the first, taken out", digits(measured.turn / imaging::kRadiansPerDegree) +
+                                                           " degrees, " +
+                                                           digits(measured.shift / kMillimetre) + " mm"},
+       {"depth",
+        digits(set.comparison.depth / kMillimetre) + " mm" +
+            (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},
+       {"model within the uncertainty at", percent(set.within_uncertainty, 1) + " of the places"}});
+}
+
 }  // namespace
 
 std::string zeros_text(const ForceSet& set) {
@@ -363,31 +388,6 @@ std::string image_text(const ImageSet& set) {
           ? "; the tool hides the deepest place: the depth is the one that suits the line best, so only "
             "the shape is compared"
           : "");
-}
-
-void write_image_section(Page& page, const ImageSet& set, const std::filesystem::path& folder) {
-  const imaging::ImageMeasurement& measured = set.measured;
-  page.section("pictures", "Measured in photographs");
-  page.figures("one", {photograph(set, false, folder / "image-before.png"),
-                       photograph(set, true, folder / "image-after.png"),
-                       draw_profile(set, folder / "image-profile.svg")});
-  page.facts(
-      {{"confidence", fmt::format("{} of 100, {}", measured.confidence, escaped(measured.confidence_text))},
-       {"scale", digits(set.settings.pixel / kMillimetre) + " mm a pixel"},
-       {"uncertain by (95 %, median)",
-        fmt::format("{} mm, {} pixels", digits(measured.uncertainty / kMillimetre),
-                    digits(measured.uncertainty / set.settings.pixel))},
-       {"of which how far the flanks moved", digits(measured.far_uncertainty / kMillimetre) + " mm"},
-       {"line seen on", fmt::format("{} of the width before, {} after", percent(measured.before.coverage, 1),
-                                    percent(measured.after.coverage, 1))},
-       {"surface's tilt in the picture", digits(measured.tilt / imaging::kRadiansPerDegree) + " degrees"},
-       {"second picture against the first, taken out", digits(measured.turn / imaging::kRadiansPerDegree) +
-                                                           " degrees, " +
-                                                           digits(measured.shift / kMillimetre) + " mm"},
-       {"depth",
-        digits(set.comparison.depth / kMillimetre) + " mm" +
-            (set.depth_fitted ? ", the one that suits the line best: the tool hides the deepest place" : "")},
-       {"model within the uncertainty at", percent(set.within_uncertainty, 1) + " of the places"}});
 }
 
 }  // namespace palpate::report

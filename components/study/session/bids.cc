@@ -42,6 +42,15 @@ void make_folder(const fs::path& folder) {
 
 void write_json(const fs::path& file, const Json& json) { write_output(file, json.dump(2) + '\n'); }
 
+// A name with letters and digits alone, as BIDS needs: "weak-force" is "weakforce".
+std::string bids_name(const std::string& name) {
+  std::string plain;
+  for (const char c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) plain += c;
+  }
+  return plain.empty() ? "task" : plain;
+}
+
 // Names of the tasks in files; two that differ in punctuation alone get a number.
 std::vector<std::string> task_names(const Study& study) {
   std::vector<std::string> names;
@@ -193,14 +202,6 @@ void link_recordings(const BidsSource& source, const Participant& person, const 
 }
 
 }  // namespace
-
-std::string bids_name(const std::string& name) {
-  std::string plain;
-  for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) plain += c;
-  }
-  return plain.empty() ? "task" : plain;
-}
 
 void write_bids(const BidsSource& source, const fs::path& folder) {
   if (!is_free_folder(folder)) {

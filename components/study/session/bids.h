@@ -17,9 +17,6 @@ struct BidsSource {
   bool simulated = false;
 };
 
-/// [any] A name with letters and digits alone, as BIDS needs: "weak-force" is "weakforce".
-[[nodiscard]] std::string bids_name(const std::string& name);
-
 /// [setup] Writes the study as a folder of the Brain Imaging Data Structure 1.8 (modality beh): one table for
 /// each person, session, task and repetition, with its description. People who withdrew are left out. Until
 /// unblinding the conditions are n/a, and the recordings stay where they are; after it they are linked, or

@@ -126,14 +126,15 @@ std::vector<haptics::WorkspaceMapping> mappings_of(const Scene& scene) {
   return mappings;
 }
 
-}  // namespace
-
+/// Where the scene's tissue is not uniform.
 model::TissueVariation variation_of(const Scene& scene) {
   model::TissueVariation variation;
   for (const InclusionSetup& one : scene.inclusions) variation.inclusions.push_back(one.inclusion);
   variation.stiffness = scene.stiffness;
   return variation;
 }
+
+}  // namespace
 
 model::OrganMotion organ_motion_of(const Scene& scene) {
   return {scene.organ_motion, geometry::bounds(scene.organ).middle()};

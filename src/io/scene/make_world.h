@@ -18,9 +18,6 @@ namespace palpate::scene {
 /// stores, and its world. @return a sentence for each change
 [[nodiscard]] std::vector<std::string> apply_device_abilities(Scene& scene, haptics::SimulationWorld& world);
 
-/// [setup] Where the scene's tissue is not uniform.
-[[nodiscard]] model::TissueVariation variation_of(const Scene& scene);
-
 /// [setup] The organ's motion; it rotates about the centre of its bounding box. @throws ParameterError.
 [[nodiscard]] model::OrganMotion organ_motion_of(const Scene& scene);
 

@@ -23,6 +23,11 @@ constexpr double kMillisecondsPerSecond = 1000.0;  // slew rates are given per m
 constexpr Range kPosition{-1e6, 1e6};        // mm: a kilometre
 constexpr Range kRotation{-3600.0, 3600.0};  // deg: ten turns
 
+PathInterpolation parse_interpolation(const LocatedString& stated) {
+  if (const auto known = interpolation_of(stated.value)) return *known;
+  stated.fail("must be linear or cubic");
+}
+
 /// Reads one scene file.
 class SceneReader final {
  public:
@@ -296,11 +301,6 @@ Task parse_task(const LocatedString& stated) {
 OrganFrame parse_organ_frame(const LocatedString& stated) {
   if (const auto frame = find_organ_frame(stated.value)) return *frame;
   stated.fail("must be ras or lps");
-}
-
-PathInterpolation parse_interpolation(const LocatedString& stated) {
-  if (const auto known = interpolation_of(stated.value)) return *known;
-  stated.fail("must be linear or cubic");
 }
 
 LengthUnit parse_unit(const LocatedString& stated) {

@@ -132,7 +132,4 @@ struct SceneFile {
 /// [setup] "ras" or "lps". @throws InputError naming where `stated` was written.
 [[nodiscard]] OrganFrame parse_organ_frame(const LocatedString& stated);
 
-/// [setup] "linear" or "cubic". @throws InputError naming where `stated` was written.
-[[nodiscard]] PathInterpolation parse_interpolation(const LocatedString& stated);
-
 }  // namespace palpate::scene
