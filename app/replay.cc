@@ -1,11 +1,10 @@
 // `palpate replay`: computes the ticks of a recording again from its device samples and compares the rows.
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 
+#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "io/system/path_text.h"
@@ -26,11 +25,7 @@ struct ReplayFlags {
   bool no_cache = false;
 };
 
-std::string hexadecimal(std::uint64_t value) {
-  std::array<char, 20> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(value));
-  return text.data();
-}
+std::string hexadecimal(std::uint64_t value) { return fmt::format("{:016x}", value); }
 
 void print_json(const record::Recording& recording, const record::ReplayResult& result, std::uint64_t ticks) {
   nlohmann::ordered_json json;

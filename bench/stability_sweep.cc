@@ -1,13 +1,12 @@
 // Runs the emulated hand over devices, grips, tissues and rates, and writes the result of each case as CSV.
 // tools/plot_stability draws docs/pictures/stability.png from it. Takes minutes on one core. Results do not
 // depend on machine or clock. Usage: palpate_stability_sweep FILE.csv
-#include <array>
-#include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <optional>
-#include <string>
+
+#include "core/base/text.h"
 
 #include "bench/measure/stability.h"
 
@@ -32,11 +31,7 @@ const char* warning_of(const palpate::haptics::StabilityCheck& check) {
 }
 
 void write_row(std::ostream& out, const StabilityCase& c, const StabilityResult& r) {
-  const auto text = [](double value) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.4g", value);
-    return std::string(digits.data());
-  };
+  const auto text = [](double value) { return palpate::brief(value); };
   out << c.tissue.name << ',' << text(r.stiffness) << ',' << text(c.rate_Hz) << ',' << text(c.grip.stiffness)
       << ',' << text(c.grip.damping) << ',' << text(c.device.damping) << ',' << text(c.device.friction) << ','
       << text(c.device.resolution * kMillimetres) << ',' << text(r.depth * kMillimetres) << ','

@@ -15,6 +15,7 @@
 #include "io/record/scene_json.h"
 #include "io/record/test/sample_recording.h"
 #include "io/system/array_file.h"
+#include "io/system/base64.h"
 #include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/tissue.h"
@@ -203,21 +204,6 @@ std::string gltf_json(const Shape& shape, const std::string& uri) {
          std::to_string(shape.vertices.size()) +
          R"(},{"bufferView":1,"componentType":5123,"type":"SCALAR","count":)" + std::to_string(corners) +
          "}]}";
-}
-
-std::string base64(const std::string& bytes) {
-  constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k > bytes.size() ? '=' : kDigits[bits >> (18 - 6 * k) & 63U];
-    }
-  }
-  return text;
 }
 
 std::string gltf(const Shape& shape) {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <initializer_list>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "app/window/theme.h"
 
@@ -31,9 +32,7 @@ std::string number(double value, double step) {
   int digits = 0;  // decimals of the step
   for (double whole = step; digits < 6 && std::abs(whole - std::round(whole)) > 1e-6 * whole; whole *= 10.0)
     ++digits;
-  char text[32];
-  (void)std::snprintf(text, sizeof text, "%.*f", digits, value == 0.0 ? 0.0 : value);
-  return text;
+  return fmt::format("{:.{}f}", value == 0.0 ? 0.0 : value, digits);
 }
 
 double round_up_to(double value, std::initializer_list<double> factors) {

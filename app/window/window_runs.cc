@@ -447,7 +447,7 @@ void Observers::open(const std::filesystem::path& program, const std::filesystem
 
 std::size_t Observers::count_running() {
   const auto ended = [](pid_t child) { return waitpid(child, nullptr, WNOHANG) != 0; };
-  children_.erase(std::remove_if(children_.begin(), children_.end(), ended), children_.end());
+  std::erase_if(children_, ended);
   return children_.size();
 }
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "palpate/error.h"
 
@@ -24,9 +24,7 @@ using Shape = std::vector<py::ssize_t>;
 using Output = py::array_t<double, py::array::c_style>;
 
 std::string text_of(const Shape& shape) {
-  std::string text;
-  for (const py::ssize_t size : shape) text += (text.empty() ? "" : ", ") + std::to_string(size);
-  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
 }
 
 Shape shape_of(const py::array& array) { return {array.shape(), array.shape() + array.ndim()}; }

@@ -70,9 +70,7 @@ void IgtlClients::poll() {
 }
 
 void IgtlClients::remove_closed() {
-  clients_.erase(
-      std::remove_if(clients_.begin(), clients_.end(), [](const Client& client) { return client.gone; }),
-      clients_.end());
+  std::erase_if(clients_, [](const Client& client) { return client.gone; });
 }
 
 void IgtlClients::send_on(Client& client) {

@@ -159,7 +159,7 @@ std::vector<std::string> unit_questions(const Specimen& specimen) {
     all.push_back(unusual(kTipRadius, specimen.tip_radius, "the indenter's radius is", "indenter_radius_mm",
                           kMillimetre));
   }
-  all.erase(std::remove(all.begin(), all.end(), std::string()), all.end());
+  std::erase(all, std::string());
   return all;
 }
 

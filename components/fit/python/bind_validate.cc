@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 
 #include "bindings/python/scene_arguments.h"
@@ -186,9 +187,7 @@ py::dict validate(const TissueArgument& tissue, std::vector<identify::Specimen> 
   request.tip_radius = tip_radius;
   request.fit_reach = fit_reach;
   request.rule = {as_drawn, surface_radius.value_or(0.0)};
-  std::string names;
-  for (const std::string& name : against) names += (names.empty() ? "" : ",") + name;
-  request.baselines = validate::parse_baselines(names);
+  request.baselines = validate::parse_baselines(joined(against, ","));
   imaging::Validation validation;
   {
     const py::gil_scoped_release others_may_run;

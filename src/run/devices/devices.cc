@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "io/scene/device_kinds.h"
+#include "io/scene/names.h"
 #include "palpate/error.h"
 #include "palpate/recording.h"
 #include "palpate/scripted_device.h"
@@ -252,12 +253,7 @@ std::string names_of_kinds(bool connected) {
     if (kind.open == open_host) continue;
     if (!connected || kind.connect != nullptr) names.emplace_back(kind.name);
   }
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
-    text += names[i];
-  }
-  return text;
+  return scene::alternatives(names);
 }
 
 }  // namespace

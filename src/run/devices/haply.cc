@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "io/system/clock.h"
 #include "palpate/error.h"
 #include "run/realtime/realtime.h"
@@ -37,15 +38,9 @@ std::string first_message(websocket::Client& link, std::int64_t limit_ns, const 
   }
 }
 
-std::string list_of(const std::vector<std::string>& ids) {
-  std::string text;
-  for (const std::string& id : ids) text += (text.empty() ? "" : ", ") + id;
-  return text;
-}
-
 std::string lacking(std::size_t place, const std::vector<std::string>& arms) {
   if (arms.empty()) return "the service has no Inverse3";
-  return fmt::format("the service has no Inverse3 number {}, only {}", place + 1, list_of(arms));
+  return fmt::format("the service has no Inverse3 number {}, only {}", place + 1, joined(arms));
 }
 
 }  // namespace
@@ -264,8 +259,8 @@ Probe probe_haply(const std::string& address) {
         read_haply_inventory(first_message(link, websocket::Client::kOpeningLimit, never));
     link.close(kShutdownLimit);
     if (found.arms.empty()) return {kKind, false, "the service at " + where + " has no Inverse3"};
-    const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + list_of(found.grips);
-    return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, list_of(found.arms), grips)};
+    const std::string grips = found.grips.empty() ? "no verse grip" : "verse grip " + joined(found.grips);
+    return {kKind, true, fmt::format("at {}: Inverse3 {}; {}", where, joined(found.arms), grips)};
   } catch (const websocket::Error& error) {
     return {kKind, false, fmt::format("no service at {}: {}{}", where, error.what(), kHowToStart)};
   } catch (const InputError& error) {

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <iterator>
+
+#include "core/base/text.h"
 
 namespace palpate::render {
 namespace {
@@ -49,13 +50,12 @@ void draw_bar(Image& image, int square, const LegendText& legend) {
   for (int mark = 0; mark < kMarks; ++mark) {
     const double share = mark / (kMarks - 1.0);
     const int at = y + static_cast<int>(std::lround((1.0 - share) * (bar_height - 1)));
-    char text[16];
     const double range = legend.high - legend.low;
     const double value = legend.low + share * range;
     // Neither "-0" nor the rounding error of a zero between the ends.
-    std::snprintf(text, sizeof text, "%.3g", std::abs(value) < 1e-9 * range ? 0.0 : legend.scale * value);
+    const std::string text = brief(std::abs(value) < 1e-9 * range ? 0.0 : legend.scale * value, 3);
     fill(image, x + bar_width, at - square / 2, 3 * square, std::max(1, square), kTextColour);
-    write(image, x + bar_width + 5 * square, at - kGlyphHeight * square / 2, square, text);
+    write(image, x + bar_width + 5 * square, at - kGlyphHeight * square / 2, square, text.c_str());
   }
 }
 
