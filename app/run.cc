@@ -40,8 +40,10 @@
 namespace palpate::app {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Help text of --igtl.
-inline constexpr const char* kIgtlHelp =
+constexpr const char* kIgtlHelp =
     "[ADDRESS:]PORT: show the run to 3D Slicer and other OpenIGTLink clients, on this machine only unless "
     "ADDRESS is 0.0.0.0 or an address of this machine in a network";
 
@@ -51,54 +53,48 @@ class IgtlService final {
  public:
   /// Starts to listen. @param where value of --igtl, [ADDRESS:]PORT; nullopt: no server
   /// @throws InputError naming --igtl when the value is invalid or the server cannot listen at it.
-  explicit IgtlService(const std::optional<std::string>& where);
+  explicit IgtlService(const std::optional<std::string>& where) {
+    if (!where) return;
+    address_ = net::parse_igtl_address(*where);
+    server_ = std::make_unique<net::IgtlServer>(address_);
+  }
 
   /// Null without --igtl.
   [[nodiscard]] net::IgtlServer* server() noexcept { return server_.get(); }
+
   /// Reports the server's address, and whether other machines can reach it, on standard error.
-  void report_where() const;
+  void report_where() const {
+    if (server_ == nullptr) return;
+    const std::string port = std::to_string(address_.port);
+    const bool local = address_.host.rfind("127.", 0) == 0;
+    report_message(fmt::format(
+        "OpenIGTLink: listening at {}:{}{}", address_.host, port,
+        local ? ", for programs on this machine only (for other machines: --igtl 0.0.0.0:" + port + ")"
+              : ": anyone who can reach it over the network can see the run; there is no password"));
+  }
+
   /// Call it after the last run. Ends the server and reports its statistics. @return the statistics; nullopt
   /// without a server
-  std::optional<net::IgtlStatistics> finish();
+  std::optional<net::IgtlStatistics> finish() {
+    if (server_ == nullptr) return std::nullopt;
+    net::IgtlStatistics tally = server_->finish();
+    server_.reset();
+    std::string text = fmt::format("OpenIGTLink: {}, {} sent, {} skipped for slow clients",
+                                   counted(tally.clients, "client", "clients"),
+                                   counted(tally.frames, "frame", "frames"), tally.frames_left_out);
+    if (tally.given_up > 0)
+      text += fmt::format("; {} disconnected because they no longer received data", tally.given_up);
+    if (tally.refused > 0)
+      text += fmt::format("; {} refused because too many clients were connected", tally.refused);
+    if (!tally.failure.empty()) text += "; the server ended early: " + tally.failure;
+    report_message(text);
+    return tally;
+  }
 
  private:
   net::IgtlAddress address_;
   std::unique_ptr<net::IgtlServer> server_;
 };
-
-IgtlService::IgtlService(const std::optional<std::string>& where) {
-  if (!where) return;
-  address_ = net::parse_igtl_address(*where);
-  server_ = std::make_unique<net::IgtlServer>(address_);
-}
-
-void IgtlService::report_where() const {
-  if (server_ == nullptr) return;
-  const std::string port = std::to_string(address_.port);
-  const bool local = address_.host.rfind("127.", 0) == 0;
-  report_message(fmt::format(
-      "OpenIGTLink: listening at {}:{}{}", address_.host, port,
-      local ? ", for programs on this machine only (for other machines: --igtl 0.0.0.0:" + port + ")"
-            : ": anyone who can reach it over the network can see the run; there is no password"));
-}
-
-std::optional<net::IgtlStatistics> IgtlService::finish() {
-  if (server_ == nullptr) return std::nullopt;
-  net::IgtlStatistics tally = server_->finish();
-  server_.reset();
-  std::string text = fmt::format("OpenIGTLink: {}, {} sent, {} skipped for slow clients",
-                                 counted(tally.clients, "client", "clients"),
-                                 counted(tally.frames, "frame", "frames"), tally.frames_left_out);
-  if (tally.given_up > 0)
-    text += fmt::format("; {} disconnected because they no longer received data", tally.given_up);
-  if (tally.refused > 0)
-    text += fmt::format("; {} refused because too many clients were connected", tally.refused);
-  if (!tally.failure.empty()) text += "; the server ended early: " + tally.failure;
-  report_message(text);
-  return tally;
-}
-
-namespace fs = std::filesystem;
 
 struct RunFlags {
   scene::Overrides request;

@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -41,31 +40,6 @@
 namespace palpate::app {
 namespace {
 
-/// Writes the pictures of a film in order: to ffmpeg, which encodes them, or as PNG files to a folder.
-class Film final {
- public:
-  /// [setup] Starts ffmpeg when it is installed; otherwise makes the folder FILE-frames in the file's folder.
-  /// @param width, height size of the pictures [px] @param frames_a_second frame rate [Hz]
-  /// @throws InputError when ffmpeg cannot be started, or the folder cannot be made.
-  Film(std::filesystem::path file, int width, int height, double frames_a_second);
-  ~Film();
-  Film(const Film&) = delete;
-  Film& operator=(const Film&) = delete;
-
-  /// [setup] Writes the next picture. @throws InputError when it cannot be written.
-  void add(const render::Image& picture);
-  /// [setup] Ends the film. @return a message with the number of pictures and their file or folder
-  /// @throws InputError when ffmpeg failed.
-  [[nodiscard]] std::string finish();
-
- private:
-  std::filesystem::path file_;
-  std::filesystem::path folder_;  // folder of the PNG files; empty: ffmpeg makes the film
-  int pipe_ = -1;                 // file descriptor that ffmpeg reads from; -1: none
-  int child_ = -1;                // process id of ffmpeg; -1: none
-  std::size_t frames_ = 0;
-};
-
 namespace fs = std::filesystem;
 
 // Starts ffmpeg, which reads raw RGB pictures from a pipe. Returns ffmpeg's process id and the end of the
@@ -99,60 +73,77 @@ bool ffmpeg_installed() {
   return false;
 }
 
-Film::Film(fs::path file, int width, int height, double frames_a_second) : file_(std::move(file)) {
-  if (ffmpeg_installed()) {
-    std::signal(SIGPIPE, SIG_IGN);  // write() reports an ffmpeg that died, so the message can explain it
-    const auto [child, pipe] = start_ffmpeg(file_, width, height, frames_a_second);
-    child_ = child;
-    pipe_ = pipe;
-    return;
+/// Writes the pictures of a film in order: to ffmpeg, which encodes them, or as PNG files to a folder.
+class Film final {
+ public:
+  /// [setup] Starts ffmpeg when it is installed; otherwise makes the folder FILE-frames in the file's folder.
+  /// @param width, height size of the pictures [px] @param frames_a_second frame rate [Hz]
+  /// @throws InputError when ffmpeg cannot be started, or the folder cannot be made.
+  Film(fs::path file, int width, int height, double frames_a_second) : file_(std::move(file)) {
+    if (ffmpeg_installed()) {
+      std::signal(SIGPIPE, SIG_IGN);  // write() reports an ffmpeg that died, so the message can explain it
+      const auto [child, pipe] = start_ffmpeg(file_, width, height, frames_a_second);
+      child_ = child;
+      pipe_ = pipe;
+      return;
+    }
+    folder_ = file_;
+    folder_.replace_extension();
+    folder_ += "-frames";
+    std::error_code failed;
+    fs::create_directories(folder_, failed);
+    if (failed) throw InputError(folder_.string() + ": the folder cannot be made: " + failed.message());
   }
-  folder_ = file_;
-  folder_.replace_extension();
-  folder_ += "-frames";
-  std::error_code failed;
-  fs::create_directories(folder_, failed);
-  if (failed) throw InputError(folder_.string() + ": the folder cannot be made: " + failed.message());
-}
 
-Film::~Film() {
-  if (pipe_ >= 0) close(pipe_);
-  if (child_ > 0) waitpid(child_, nullptr, 0);
-}
-
-void Film::add(const render::Image& picture) {
-  ++frames_;
-  if (!folder_.empty()) {
-    std::array<char, 24> name{};
-    std::snprintf(name.data(), name.size(), "%06zu.png", frames_);
-    render::write_png(picture, folder_ / name.data());
-    return;
+  ~Film() {
+    if (pipe_ >= 0) close(pipe_);
+    if (child_ > 0) waitpid(child_, nullptr, 0);
   }
-  std::size_t done = 0;
-  while (done < picture.rgb.size()) {
-    const ssize_t written = write(pipe_, picture.rgb.data() + done, picture.rgb.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0)
-      throw InputError(file_.string() +
-                       ": ffmpeg stopped before the end of the film; its messages are above");
-    done += static_cast<std::size_t>(written);
-  }
-}
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
 
-std::string Film::finish() {
-  const std::string count = std::to_string(frames_) + " pictures";
-  if (!folder_.empty())
-    return fmt::format(
-        "{} as PNG files in {}: a film needs ffmpeg, which is not installed (Debian package ffmpeg)", count,
-        folder_.string());
-  close(pipe_);
-  pipe_ = -1;
-  int status = 0;
-  const int child = std::exchange(child_, -1);
-  if (waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw InputError(file_.string() + ": ffmpeg could not make the film; its messages are above");
-  return count + " in " + file_.string();
-}
+  /// [setup] Writes the next picture. @throws InputError when it cannot be written.
+  void add(const render::Image& picture) {
+    ++frames_;
+    if (!folder_.empty()) {
+      render::write_png(picture, folder_ / fmt::format("{:06}.png", frames_));
+      return;
+    }
+    std::size_t done = 0;
+    while (done < picture.rgb.size()) {
+      const ssize_t written = write(pipe_, picture.rgb.data() + done, picture.rgb.size() - done);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0)
+        throw InputError(file_.string() +
+                         ": ffmpeg stopped before the end of the film; its messages are above");
+      done += static_cast<std::size_t>(written);
+    }
+  }
+
+  /// [setup] Ends the film. @return a message with the number of pictures and their file or folder
+  /// @throws InputError when ffmpeg failed.
+  [[nodiscard]] std::string finish() {
+    const std::string count = std::to_string(frames_) + " pictures";
+    if (!folder_.empty())
+      return fmt::format(
+          "{} as PNG files in {}: a film needs ffmpeg, which is not installed (Debian package ffmpeg)", count,
+          folder_.string());
+    close(pipe_);
+    pipe_ = -1;
+    int status = 0;
+    const int child = std::exchange(child_, -1);
+    if (waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+      throw InputError(file_.string() + ": ffmpeg could not make the film; its messages are above");
+    return count + " in " + file_.string();
+  }
+
+ private:
+  fs::path file_;
+  fs::path folder_;  // folder of the PNG files; empty: ffmpeg makes the film
+  int pipe_ = -1;    // file descriptor that ffmpeg reads from; -1: none
+  int child_ = -1;   // process id of ffmpeg; -1: none
+  std::size_t frames_ = 0;
+};
 
 struct ViewFlags {
   std::string file;
