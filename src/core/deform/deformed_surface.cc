@@ -7,6 +7,7 @@
 
 #include "core/base/index.h"
 #include "core/base/infinity.h"
+#include "core/deform/surface_parts.h"
 
 namespace palpate::deform {
 namespace {
@@ -23,21 +24,9 @@ constexpr double kImprintReach = 20e-3;        // m; fronts under a press go at 
 constexpr std::size_t kMaxContacts = 24;       // kept with their fronts
 constexpr double kFreeShareOfThickness = 0.7;  // as in limited_depth()
 
-std::vector<Vector3f> angle_weighted_normals(const geometry::TriangleMesh& mesh) {
-  std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
-  for (const geometry::Triangle& t : mesh.triangles) {
-    const std::array<Vec3, 3> edge = {mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])],
-                                      mesh.vertices[at(t[2])] - mesh.vertices[at(t[1])],
-                                      mesh.vertices[at(t[0])] - mesh.vertices[at(t[2])]};
-    const Vec3 area = edge[0].cross(edge[1]);
-    const double doubled = area.norm();
-    if (!(doubled > 0.0)) continue;
-    for (std::size_t k = 0; k < 3; ++k)
-      sums[at(t[k])] += (std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3])) / doubled) * area;
-  }
+std::vector<Vector3f> float_normals(const geometry::TriangleMesh& mesh) {
   std::vector<Vector3f> normals;
-  normals.reserve(sums.size());
-  for (const Vec3& sum : sums) normals.emplace_back(sum.normalized().cast<float>());
+  for (const Vec3& normal : vertex_normals(mesh)) normals.emplace_back(normal.cast<float>());
   return normals;
 }
 
@@ -94,7 +83,7 @@ DeformedSurface::DeformedSurface(geometry::TriangleMesh rest, const model::Fallo
       profile_(reach, rounding),
       least_share_(least_share),
       end_(profile_.where(least_share)),
-      rest_normals_(angle_weighted_normals(rest_)),
+      rest_normals_(float_normals(rest_)),
       blocks_(surface_.vertices, rest_normals_),
       vertices_(rest_.vertices.size()),
       state_(blocks_.count()) {

@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/base/index.h"
 #include "palpate/mesh.h"
@@ -25,6 +27,26 @@ void for_each_part(const geometry::TriangleMesh& mesh, double size, const Use& u
       }
     }
   }
+}
+
+/// [setup] Unit vertex normals: means of the triangles' normals weighted by their angle at the vertex; zero
+/// for a vertex without triangles.
+[[nodiscard]] inline std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const std::array<Vec3, 3> edge = {mesh.vertices[at(t[1])] - mesh.vertices[at(t[0])],
+                                      mesh.vertices[at(t[2])] - mesh.vertices[at(t[1])],
+                                      mesh.vertices[at(t[0])] - mesh.vertices[at(t[2])]};
+    const Vec3 area = edge[0].cross(edge[1]);
+    const double doubled = area.norm();
+    if (!(doubled > 0.0)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle = std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3]));
+      normals[at(t[k])] += (angle / doubled) * area;
+    }
+  }
+  for (Vec3& normal : normals) normal.normalize();
+  return normals;
 }
 
 }  // namespace palpate::deform

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "core/base/index.h"
+#include "core/deform/surface_parts.h"
 #include "core/geometry/half_edges.h"
 
 namespace palpate::render {
@@ -146,7 +147,7 @@ bool split(TriangleMesh& mesh, const Edges& edges, const PointOn& point_on) {
 
 bool refine_once(TriangleMesh& mesh, const RefineRule& rule) {
   const Edges edges = find_edges(mesh, rule.crease_deg);
-  const std::vector<Vec3> normals = vertex_normals(mesh.vertices, mesh.triangles);
+  const std::vector<Vec3> normals = deform::vertex_normals(mesh);
   return split(mesh, edges, [&](std::size_t i) -> std::optional<Vec3> {
     const auto [ia, ib] = edges.ends[i];
     const Vec3& a = mesh.vertices[at(ia)];
@@ -237,24 +238,6 @@ void smooth_bumps(TriangleMesh& mesh, double limit, double crease_deg) {
       mesh.vertices[v] = original[v] + offset;
     }
   }
-}
-
-std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
-  std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
-  for (const Triangle& t : triangles) {
-    const std::array<Vec3, 3> edge = {vertices[at(t[1])] - vertices[at(t[0])],
-                                      vertices[at(t[2])] - vertices[at(t[1])],
-                                      vertices[at(t[0])] - vertices[at(t[2])]};
-    const Vec3 area = edge[0].cross(edge[1]);
-    const double doubled = area.norm();
-    if (!(doubled > 0.0)) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double angle = std::atan2(doubled, -edge[k].dot(edge[(k + 2) % 3]));
-      normals[at(t[k])] += (angle / doubled) * area;
-    }
-  }
-  for (Vec3& normal : normals) normal.normalize();
-  return normals;
 }
 
 double mean_edge(const TriangleMesh& mesh) {

@@ -33,11 +33,6 @@ void smooth_bumps(geometry::TriangleMesh& mesh, double limit, double crease_deg)
 /// normals interpolated over the triangles turn within the band.
 void narrow_creases(geometry::TriangleMesh& mesh, double crease_deg, double band);
 
-/// [setup] Unit vertex normals: means of the triangles' normals weighted by their angle at the vertex; zero
-/// for a vertex without triangles.
-[[nodiscard]] std::vector<Vec3> vertex_normals(const std::vector<Vec3>& vertices,
-                                               const std::vector<geometry::Triangle>& triangles);
-
 /// [setup] Mean length of the edges [m].
 [[nodiscard]] double mean_edge(const geometry::TriangleMesh& mesh);
 

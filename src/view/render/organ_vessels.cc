@@ -23,7 +23,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "view/render/display_mesh.h"
+#include "core/deform/surface_parts.h"
 
 namespace palpate::render {
 namespace {
@@ -161,7 +161,7 @@ void paint_vessels(std::string_view organ_name, const geometry::TriangleMesh& re
   for (const OrganVessel& vessel : organ_vessels())
     if (vessel.organ == without_detail(organ_name)) own.push_back(&vessel);
   if (own.empty()) return;
-  const std::vector<Vec3> normals = vertex_normals(rest.vertices, rest.triangles);
+  const std::vector<Vec3> normals = deform::vertex_normals(rest);
   for (std::size_t v = 0; v < pattern.size(); ++v) {
     StaticVertex& vertex = pattern[v];
     Beside nearest;

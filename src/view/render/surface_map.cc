@@ -5,9 +5,9 @@
 #include <unordered_map>
 
 #include "core/base/index.h"
+#include "core/deform/surface_parts.h"
 #include "core/geometry/cell.h"
 #include "core/geometry/signed_distance.h"
-#include "view/render/display_mesh.h"
 
 namespace palpate::render {
 namespace {
@@ -82,7 +82,7 @@ SurfaceMap::SurfaceMap(const geometry::TriangleMesh& mesh, std::span<const Vec3>
   PointsByCell cells;
   for (std::size_t i = 0; i < points_S.size(); ++i)
     cells[geometry::cell_at(points_S[i], kReach)].push_back(static_cast<std::int32_t>(i));
-  const std::vector<Vec3> vertex_normals_S = vertex_normals(mesh.vertices, mesh.triangles);
+  const std::vector<Vec3> vertex_normals_S = deform::vertex_normals(mesh);
   point_of_.reserve(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     point_of_.push_back(nearest_point(mesh.vertices[v], vertex_normals_S[v], points_S, point_normals, cells));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/deform/surface_parts.h"
 #include "view/render/display_mesh.h"
 
 namespace palpate::render {
@@ -153,7 +154,7 @@ std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh, const geom
   const float radius = std::max(1e-6F, 0.5F * static_cast<float>(box.size().norm()));
   std::vector<Vector3f> corners;
   for (const Vec3& v : blocker.vertices) corners.emplace_back(v.cast<float>());
-  const std::vector<Vec3> normals = vertex_normals(mesh.vertices, mesh.triangles);
+  const std::vector<Vec3> normals = deform::vertex_normals(mesh);
   std::vector<float> open(mesh.vertices.size(), 0.0F);
   std::vector<float> all(mesh.vertices.size(), 0.0F);
   std::vector<Vector3f> placed(corners.size());

@@ -80,7 +80,7 @@ TEST(NarrowCreases, NormalsOfABoxTurnWithinTheBandAlone) {
   narrow_creases(box, 50.0, 1e-4);
   EXPECT_TRUE(closed(box));
   EXPECT_NEAR(geometry::signed_volume(box), 0.04 * 0.04 * 0.04, 1e-12);
-  const std::vector<Vec3> normals = vertex_normals(box.vertices, box.triangles);
+  const std::vector<Vec3> normals = deform::vertex_normals(box);
   double turning = 0.0;  // m^2, area of the triangles whose corners' normals differ
   for (const geometry::Triangle& t : box.triangles) {
     const auto at = [&t](const auto& of, std::size_t k) { return of[static_cast<std::size_t>(t[k])]; };
@@ -109,7 +109,7 @@ TEST(EvenOut, MovesNoVertexByMoreThanTheLimitAndNoSharpOne) {
 
 TEST(VertexNormals, AreRadialOnABall) {
   const geometry::TriangleMesh ball = geometry::make_ball(0.02, 1280);
-  const std::vector<Vec3> normals = vertex_normals(ball.vertices, ball.triangles);
+  const std::vector<Vec3> normals = deform::vertex_normals(ball);
   for (std::size_t v = 0; v < normals.size(); ++v)
     EXPECT_GT(normals[v].dot(ball.vertices[v].normalized()), 0.999);
 }
