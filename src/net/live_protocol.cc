@@ -48,6 +48,11 @@ class Members final {
     const auto found = object_.find(key);
     return found == object_.end() ? nullptr : &*found;
   }
+  [[nodiscard]] Members required_object(const std::string& key, const std::string& want) {
+    const json* value = find(key);
+    if (value == nullptr) throw LiveError("field", path_of(key) + ": missing, must be " + want, path_of(key));
+    return {*value, path_of(key)};
+  }
   [[nodiscard]] std::optional<double> number(const std::string& key) {
     const json* value = find(key);
     if (value == nullptr) return std::nullopt;
@@ -112,11 +117,7 @@ json parse(std::string_view text) {
 
 TissueEdit read_tissue(Members& root) {
   TissueEdit edit;
-  const json* object = root.find("tissue");
-  if (object == nullptr) {
-    throw LiveError("field", "tissue: missing, must be an object of the tissue's new values", "tissue");
-  }
-  Members tissue(*object, "tissue");
+  Members tissue = root.required_object("tissue", "an object of the tissue's new values");
   edit.preset = tissue.text("preset", kLongestName);
   edit.name = tissue.text("name", kLongestName);
   if (const json* law = tissue.find("law"); law != nullptr) {
@@ -162,11 +163,7 @@ TissueEdit read_tissue(Members& root) {
 
 NoiseEdit read_noise(Members& root) {
   NoiseEdit edit;
-  const json* object = root.find("noise");
-  if (object == nullptr) {
-    throw LiveError("field", "noise: missing, must be an object of the noise's new values", "noise");
-  }
-  Members noise(*object, "noise");
+  Members noise = root.required_object("noise", "an object of the noise's new values");
   edit.enabled = noise.flag("enabled");
   edit.gain = noise.number("gain_N_m");
   edit.threshold = noise.number("threshold_mm");
@@ -200,14 +197,8 @@ Vec3 read_vector(const json& value, const std::string& path) {
 
 InclusionEdit read_inclusion(Members& root) {
   InclusionEdit edit;
-  const json* object = root.find("inclusion");
-  if (object == nullptr) {
-    throw LiveError("field",
-                    "inclusion: missing, must be an object with name or number, and the inclusion's new "
-                    "values",
-                    "inclusion");
-  }
-  Members inclusion(*object, "inclusion");
+  Members inclusion =
+      root.required_object("inclusion", "an object with name or number, and the inclusion's new values");
   edit.name = inclusion.text("name", kLongestText);
   if (const json* number = inclusion.find("number")) {
     edit.number = read_number(*number, inclusion.path_of("number"));
@@ -393,12 +384,10 @@ const Reader& find_reader(const json& command) {
     const auto found = readers().find(command.get_ref<const std::string&>());
     if (found != readers().end()) return found->second;
   }
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   const std::string near =
       command.is_string() ? nearest_word(command.get_ref<const std::string&>(), names) : std::string();
   throw LiveError("command",
-                  "do = " + ascii_excerpt(command.dump(-1, ' ', true)) + ": must be one of " + list +
+                  "do = " + ascii_excerpt(command.dump(-1, ' ', true)) + ": must be one of " + joined(names) +
                       (near.empty() ? "" : "; did you mean " + near + "?"),
                   "do");
 }

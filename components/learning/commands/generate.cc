@@ -87,7 +87,7 @@ int generate_episodes(GenerateFlags& flags) {
   return kDone;
 }
 
-void add_generate(CLI::App& program, int& exit_code) {
+void add_generate(CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
   auto flags = std::make_shared<GenerateFlags>();
   GenerateRequest& request = flags->request;
   learning::Settings& settings = request.settings;
@@ -151,9 +151,5 @@ void add_generate(CLI::App& program, int& exit_code) {
 }  // namespace palpate::app
 
 int main(int argc, char** argv) {
-  using namespace palpate::app;
-  return run_component_program(argc, argv,
-                               [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
-                                 add_generate(program, exit_code);
-                               });
+  return palpate::app::run_component_program(argc, argv, palpate::app::add_generate);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/text.h"
+#include "io/scene/plausibility.h"
 #include "palpate/error.h"
 #include "palpate/tool_path.h"
 
@@ -35,9 +36,7 @@ class RandomWalk final : public Policy {
     low_ = Vec3(-kAside, -kAside, -kDown);
     high_ = Vec3(kAside, kAside, kUp);
     if (environment.settings().task != Task::kSearch) return;
-    geometry::TriangleMesh organ = environment.scene().organ;
-    geometry::transform(organ, environment.scene().organ_pose);
-    const geometry::Bounds box = geometry::bounds(organ);
+    const geometry::Bounds box = scene::organ_box(environment.scene());
     low_.head<2>() = (box.low - environment.start()).head<2>();
     high_.head<2>() = (box.high - environment.start()).head<2>();
   }

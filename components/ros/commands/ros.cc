@@ -151,7 +151,7 @@ void add_ros_flags(CLI::App& command, RosFlags& flags) {
   command.add_flag("--json", flags.json, "summary as one JSON document");
 }
 
-void add_ros(CLI::App& program, int& exit_code) {
+void add_ros(CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
   CLI::App* command = add_component_command(program, "ros");
   auto flags = std::make_shared<RosFlags>();
   add_scene_flags(*command, flags->request);
@@ -181,9 +181,5 @@ void add_ros(CLI::App& program, int& exit_code) {
 }  // namespace palpate::app
 
 int main(int argc, char** argv) {
-  using namespace palpate::app;
-  return run_component_program(argc, argv,
-                               [](CLI::App& program, const std::string& /*command_line*/, int& exit_code) {
-                                 add_ros(program, exit_code);
-                               });
+  return palpate::app::run_component_program(argc, argv, palpate::app::add_ros);
 }

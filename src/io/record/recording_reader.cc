@@ -108,35 +108,29 @@ geometry::TriangleMesh read_mesh(hid_t file, const std::string& path, std::uint6
   return mesh;
 }
 
-/// A value of /run; 0 when it cannot be read (a truncated file).
-std::int64_t run_value(hid_t file, const char* name) {
-  std::int64_t value = 0;
-  const std::string path = std::string("/run/") + name;
-  const hid_t id = hdf5::open_dataset(file, path);
-  if (id < 0) return 0;
-  const Handle dataset(id, path);
-  const Handle space(H5Dget_space(id), path);
-  if (H5Sget_simple_extent_npoints(space.id()) != 1) return 0;
-  if (H5Dread(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, &value) < 0) return 0;
-  return value;
-}
-
-/// A count of /run, as run_value(). @throws hdf5::Error when it is negative
-std::uint64_t run_count(hid_t file, const char* name) {
-  const std::int64_t value = run_value(file, name);
-  if (value < 0) throw hdf5::Error(fmt::format("/run/{} is {}, want at least 0", name, value));
-  return static_cast<std::uint64_t>(value);
-}
-
-TimeStatistics run_figures(hid_t file, const char* name) {
-  std::array<std::int64_t, 4> values{};
+/// Values of /run; 0 when they cannot be read (a truncated file).
+template <std::size_t kCount>
+std::array<std::int64_t, kCount> run_values(hid_t file, const char* name) {
+  std::array<std::int64_t, kCount> values{};
   const std::string path = std::string("/run/") + name;
   const hid_t id = hdf5::open_dataset(file, path);
   if (id < 0) return {};
   const Handle dataset(id, path);
   const Handle space(H5Dget_space(id), path);
-  if (H5Sget_simple_extent_npoints(space.id()) != 4) return {};
+  if (H5Sget_simple_extent_npoints(space.id()) != kCount) return {};
   if (H5Dread(id, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) return {};
+  return values;
+}
+
+/// A count of /run, as run_values(). @throws hdf5::Error when it is negative
+std::uint64_t run_count(hid_t file, const char* name) {
+  const std::int64_t value = run_values<1>(file, name)[0];
+  if (value < 0) throw hdf5::Error(fmt::format("/run/{} is {}, want at least 0", name, value));
+  return static_cast<std::uint64_t>(value);
+}
+
+TimeStatistics run_figures(hid_t file, const char* name) {
+  const std::array<std::int64_t, 4> values = run_values<4>(file, name);
   return {values[0], values[1], values[2], values[3]};
 }
 
@@ -187,12 +181,13 @@ RunFacts read_facts(hid_t file) {
   facts.machine = hdf5::read_text_attribute(file, "machine");
   facts.started_unix_ns = hdf5::read_integer_attribute(file, "started_unix_ns");
   facts.offline = hdf5::read_integer_attribute(file, "offline") != 0;
-  facts.complete = run_value(file, run_names::kComplete) == 1;
+  facts.complete = run_values<1>(file, run_names::kComplete)[0] == 1;
   facts.missed_deadlines = run_count(file, run_names::kMissedDeadlines);
-  facts.longest_gap_ns = run_value(file, run_names::kLongestGap);
-  facts.realtime_priority = run_value(file, run_names::kRealtimePriority) != 0;
-  facts.memory_locked = run_value(file, run_names::kMemoryLocked) != 0;
-  facts.polled = run_value(file, run_names::kPolled) != 0;  // 0 in older files, which had no such option
+  facts.longest_gap_ns = run_values<1>(file, run_names::kLongestGap)[0];
+  facts.realtime_priority = run_values<1>(file, run_names::kRealtimePriority)[0] != 0;
+  facts.memory_locked = run_values<1>(file, run_names::kMemoryLocked)[0] != 0;
+  facts.polled =
+      run_values<1>(file, run_names::kPolled)[0] != 0;  // 0 in older files, which had no such option
   facts.tick_time = run_figures(file, run_names::kTickTime);
   facts.lateness = run_figures(file, run_names::kLateness);
   facts.tick_histogram = run_histogram(file, run_names::kTickHistogram);

@@ -165,16 +165,20 @@ void create_summary(hid_t file) {
   (void)hdf5::create_text(run.id(), kRemarks, kRemarkBytes);
 }
 
-Handle create_ticks(hid_t file, hid_t row_type) {
+/// An empty list of rows that can grow, with a checksum for each chunk.
+Handle create_rows(hid_t file, const std::string& name, hid_t row_type, hsize_t chunk) {
   const hsize_t none = 0;
   const hsize_t unlimited = H5S_UNLIMITED;
-  const hsize_t chunk = RecordingWriter::kChunkRows;
-  const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /ticks");
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/ticks");
-  check(H5Pset_chunk(properties.id(), 1, &chunk), "chunks of /ticks");
-  check(H5Pset_fletcher32(properties.id()), "checksums of /ticks");
-  Handle ticks(H5Dcreate2(file, "ticks", row_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-               "/ticks");
+  const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /" + name);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/" + name);
+  check(H5Pset_chunk(properties.id(), 1, &chunk), "chunks of /" + name);
+  check(H5Pset_fletcher32(properties.id()), "checksums of /" + name);
+  return {H5Dcreate2(file, name.c_str(), row_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+          "/" + name};
+}
+
+Handle create_ticks(hid_t file, hid_t row_type) {
+  Handle ticks = create_rows(file, "ticks", row_type, RecordingWriter::kChunkRows);
   hdf5::write_attribute(ticks.id(), "phase", std::string("0 approach, 1 press, 2 pull"));
   hdf5::write_attribute(
       ticks.id(), "fault",
@@ -185,15 +189,7 @@ Handle create_ticks(hid_t file, hid_t row_type) {
 /// The dataset of parameter updates; it stays empty in most runs.
 Handle create_changes(hid_t file, hid_t change_type) {
   constexpr hsize_t kChunk = 16;
-  const hsize_t none = 0;
-  const hsize_t unlimited = H5S_UNLIMITED;
-  const Handle space(H5Screate_simple(1, &none, &unlimited), "space of /changes");
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), "/changes");
-  check(H5Pset_chunk(properties.id(), 1, &kChunk), "chunks of /changes");
-  check(H5Pset_fletcher32(properties.id()), "checksums of /changes");
-  Handle changes(
-      H5Dcreate2(file, "changes", change_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-      "/changes");
+  Handle changes = create_rows(file, "changes", change_type, kChunk);
   hdf5::write_attribute(changes.id(), "what", std::string("1 tissue, 2 noise, 4 inclusion, 8 stimulus"));
   hdf5::write_attribute(changes.id(), "law", std::string("0 layered, 1 smooth"));
   return changes;

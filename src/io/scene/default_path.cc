@@ -12,6 +12,7 @@
 #include "io/scene/device_kinds.h"
 #include "io/scene/minimum_jerk.h"
 #include "io/scene/organ_distance.h"
+#include "io/scene/plausibility.h"
 #include "io/scene/search.h"
 #include "palpate/spring_law.h"
 #include "palpate/tool_path.h"
@@ -72,12 +73,6 @@ Vec3 lowest_point(const geometry::Tool& tool) {
     count += 1.0;
   }
   return {sum.x() / count, sum.y() / count, lowest};
-}
-
-geometry::Bounds world_bounds(const Scene& scene) {
-  geometry::TriangleMesh placed = scene.organ;
-  geometry::transform(placed, scene.organ_pose);
-  return geometry::bounds(placed);
 }
 
 /// Where a hand comes down: the organ's centre; several hands side by side along its longer side.
@@ -281,7 +276,7 @@ PressPoint square_point_of(const Scene& scene, const geometry::SignedDistance& s
 
 PressPoint press_point_of(const Scene& scene, std::size_t hand, const Vec3& tip) {
   const geometry::SignedDistance surface = organ_distance_of(scene);
-  const geometry::Bounds box = world_bounds(scene);
+  const geometry::Bounds box = organ_box(scene);
   const Vec3 touch = surface_below(scene, surface, box, column_of(box, hand, scene.tools.size()));
   const bool inserts = scene.task == Task::kInsert;
   const double entry = inserts ? entry_depth(scene) : 0.0;

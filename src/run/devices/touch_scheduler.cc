@@ -66,21 +66,19 @@ void TouchScheduler::add(TouchArm& arm) {
     arms_.push_back(&arm);
     resume();
   } catch (...) {
-    pause();
-    arms_.erase(std::remove(arms_.begin(), arms_.end(), &arm), arms_.end());
-    close(arm);
-    try {
-      resume();
-    } catch (const InputError&) {  // the other arms' samples become stale, and their loop latches that fault
-    }
+    take_out(arm);
     throw;
   }
 }
 
 void TouchScheduler::remove(TouchArm& arm) noexcept {
   const std::lock_guard<std::mutex> lock(mutex_);
+  take_out(arm);
+}
+
+void TouchScheduler::take_out(TouchArm& arm) noexcept {
   pause();
-  arms_.erase(std::remove(arms_.begin(), arms_.end(), &arm), arms_.end());
+  std::erase(arms_, &arm);
   close(arm);
   try {
     resume();

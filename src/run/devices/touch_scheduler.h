@@ -84,6 +84,7 @@ class TouchScheduler final {
   static unsigned frame(void* scheduler) noexcept;
   void open(TouchArm& arm);
   void close(TouchArm& arm) noexcept;
+  void take_out(TouchArm& arm) noexcept;
   void resume();
   void pause() noexcept;
   void exchange(TouchArm& arm, bool quiet) noexcept;

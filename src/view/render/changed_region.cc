@@ -68,24 +68,14 @@ ChangedShadow::Cells ChangedShadow::cells_of(const ScreenBox& entries, float mar
           cell(entries.high + margin)};
 }
 
-void ChangedShadow::add(const ScreenBox& entries, float nearest) noexcept {
-  entries_.add(entries);
+void ChangedShadow::add(const ScreenBox& entries, float nearest, bool moved) noexcept {
+  if (moved) entries_.add(entries);
   const Cells cells = cells_of(entries, kShadowReach);
   const float depth = std::clamp(nearest, 0.0F, 1.0F) - kDepthMargin;
   for (std::size_t y = cells.low; y <= cells.high; ++y)
     for (std::size_t x = cells.left; x <= cells.right; ++x) {
       float& cell = nearest_[y * kCells + x];
-      cell = std::min(cell, depth);
-    }
-}
-
-void ChangedShadow::add_resting(const ScreenBox& entries, float nearest) noexcept {
-  const Cells cells = cells_of(entries, kShadowReach);
-  const float depth = std::clamp(nearest, 0.0F, 1.0F) - kDepthMargin;
-  for (std::size_t y = cells.low; y <= cells.high; ++y)
-    for (std::size_t x = cells.left; x <= cells.right; ++x) {
-      float& cell = nearest_[y * kCells + x];
-      if (cell != kUnchanged) cell = std::min(cell, depth);
+      if (moved || cell != kUnchanged) cell = std::min(cell, depth);
     }
 }
 
@@ -153,11 +143,7 @@ void RigidBlocks::add_shadow(const Projection& projection, ChangedShadow& shadow
       entries.add(entry.head<2>());
       nearest = std::min(nearest, entry.z());
     }
-    if (moved) {
-      shadow.add(entries, nearest);
-    } else {
-      shadow.add_resting(entries, nearest);
-    }
+    shadow.add(entries, nearest, moved);
   }
 }
 

@@ -29,12 +29,10 @@ class ChangedShadow final {
 
   ChangedShadow() { clear(); }
   void clear() noexcept;
-  /// Adds the bounding box of a caster that moved: entries of the shadow map, and the depth [0 to 1] nearest
-  /// to the light.
-  void add(const ScreenBox& entries, float nearest) noexcept;
-  /// Adds a caster that rests, after all that moved. Their depths are mixed where the map is softened, so
+  /// Adds the bounding box of a caster: entries of the shadow map, and the depth [0 to 1] nearest to the
+  /// light. Casters that rest come after all that moved: their depths are mixed where the map is softened, so
   /// that surface behind either can have another shadow.
-  void add_resting(const ScreenBox& entries, float nearest) noexcept;
+  void add(const ScreenBox& entries, float nearest, bool moved) noexcept;
   [[nodiscard]] bool empty() const noexcept { return entries_.empty(); }
   /// The entries of the map, before it is softened, that may have changed.
   [[nodiscard]] PixelBox entries() const noexcept { return pixels_of(entries_, kEntries, kEntries); }

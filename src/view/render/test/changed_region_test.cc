@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Both, ChangedPart, testing::Values(Quality::kBalanced, 
 TEST(ChangedShadow, FallsOnWhatIsBehindTheCasterAndNotBeforeOrBesideIt) {
   ChangedShadow shadow;
   const ScreenBox caster{100.0F, 100.0F, 110.0F, 110.0F};
-  shadow.add(caster, 0.5F);
+  shadow.add(caster, 0.5F, true);
   EXPECT_TRUE(shadow.falls_on(caster, 0.6F));
   EXPECT_FALSE(shadow.falls_on(caster, 0.4F));
   EXPECT_FALSE(shadow.falls_on({130.0F, 100.0F, 140.0F, 110.0F}, 0.6F));
@@ -194,8 +194,8 @@ TEST(ChangedShadow, FallsOnWhatIsBehindACasterThatRestsBesideOneThatMoved) {
   ChangedShadow shadow;
   const ScreenBox moved{100.0F, 100.0F, 110.0F, 110.0F};
   const ScreenBox far_away{180.0F, 100.0F, 190.0F, 110.0F};
-  shadow.add(moved, 0.5F);
-  shadow.add_resting({104.0F, 104.0F, 190.0F, 110.0F}, 0.3F);
+  shadow.add(moved, 0.5F, true);
+  shadow.add({104.0F, 104.0F, 190.0F, 110.0F}, 0.3F, false);
   EXPECT_TRUE(shadow.falls_on(moved, 0.4F));
   EXPECT_FALSE(shadow.falls_on(moved, 0.2F));
   EXPECT_FALSE(shadow.falls_on(far_away, 0.9F)) << "nothing moved there";
@@ -203,14 +203,14 @@ TEST(ChangedShadow, FallsOnWhatIsBehindACasterThatRestsBesideOneThatMoved) {
 
 TEST(ChangedShadow, ReachesAsFarAsTheMapIsSoftened) {
   ChangedShadow shadow;
-  shadow.add({100.0F, 100.0F, 110.0F, 110.0F}, 0.5F);
+  shadow.add({100.0F, 100.0F, 110.0F, 110.0F}, 0.5F, true);
   constexpr float kReached = 110.0F + ChangedShadow::kBlur + 0.9F;
   EXPECT_TRUE(shadow.falls_on({kReached, 105.0F, 140.0F, 106.0F}, 0.6F));
 }
 
 TEST(ChangedShadow, OfACasterBesideTheMapFallsOnWhatLiesBesideItThere) {
   ChangedShadow shadow;
-  shadow.add({-50.0F, 100.0F, -40.0F, 110.0F}, 0.5F);
+  shadow.add({-50.0F, 100.0F, -40.0F, 110.0F}, 0.5F, true);
   EXPECT_TRUE(shadow.falls_on({-90.0F, 104.0F, -80.0F, 106.0F}, 0.6F));
 }
 
