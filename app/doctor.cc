@@ -11,7 +11,6 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "core/base/text.h"
 #include "run/realtime/machine_checks.h"
 
 #include "app/commands.h"

@@ -13,7 +13,6 @@
 
 #include "io/record/machine.h"
 #include "io/system/output_file.h"
-#include "palpate/error.h"
 #include "palpate/scene.h"
 #include "palpate/spring_law.h"
 #include "palpate/touch_noise.h"

@@ -14,7 +14,6 @@
 #include "app/messages.h"
 #include "app/session.h"
 #include "app/window/panels.h"
-#include "app/window/theme.h"
 
 namespace palpate::app {
 namespace {

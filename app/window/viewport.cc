@@ -12,7 +12,7 @@
 
 #include "io/system/clock.h"
 #include "palpate/error.h"
-#include "view/render/painter.h"
+#include "view/render/gl_objects.h"
 
 #include "app/numbers.h"
 #include "app/run_tape.h"

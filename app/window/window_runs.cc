@@ -9,7 +9,6 @@
 
 #include "io/scene/support_reader.h"
 #include "io/system/child_process.h"
-#include "io/system/clock.h"
 #include "io/system/file_exists.h"
 #include "io/system/output_file.h"
 #include "palpate/error.h"

@@ -10,7 +10,6 @@
 #include "core/base/text.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
-#include "palpate/tick_observer.h"
 #include "palpate/touch_noise.h"
 #include "palpate/units.h"
 

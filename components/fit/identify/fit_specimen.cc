@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include "core/base/portable_math.h"
-#include "core/base/text.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
 

@@ -37,7 +37,6 @@
 #include "core/base/portable_math.h"
 #include "core/base/text.h"
 #include "palpate/error.h"
-#include "palpate/units.h"
 
 #include "fit/identify/local_optima.h"
 #include "fit/identify/needle_intervals.h"

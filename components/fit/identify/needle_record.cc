@@ -13,7 +13,6 @@
 #include "core/base/text.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
-#include "palpate/units.h"
 
 #include "fit/identify/loading.h"
 #include "fit/identify/plausible_specimen.h"

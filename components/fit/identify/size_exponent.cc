@@ -12,7 +12,6 @@
 #include "core/model/tissue_fields.h"
 #include "palpate/error.h"
 #include "palpate/spring_law.h"
-#include "palpate/units.h"
 
 namespace palpate::identify {
 namespace {

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
-#include "palpate/units.h"
 
 #include "study/session/analysis_parts.h"
 #include "study/session/course.h"

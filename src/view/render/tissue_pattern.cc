@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/deform/surface_parts.h"
-#include "view/render/display_mesh.h"
 
 namespace palpate::render {
 namespace {

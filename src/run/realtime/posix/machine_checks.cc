@@ -5,7 +5,6 @@
 #include <fstream>
 #include <map>
 
-#include "core/base/text.h"
 #include "run/realtime/realtime.h"
 
 namespace palpate::realtime {
