@@ -83,12 +83,14 @@ class PressedTip final {
 /// the inclusion has the energy U(D, s) = U_0(D) (1 + e(D, s^2)), with U_0 that of the uniform tissue. The
 /// normal force is dU/dD and the lateral force -dU/ds, so no closed path gives energy. e = gamma(D) g(s, D):
 ///
-///     gamma = (m - 1) X / (P + X),   X = A a^3 c / (h^2 - b a^2 + k c^2)^2,
+///     gamma = (m - 1) X / (P + X),   X = A a^3 c / ((h^2 - a^2 + k c^2) (h^2 + k c^2)),
 ///     P = 1 + beta (1 + eta (a/h)^3) (m - 1),   g = (1 + s^2 / w^2)^-3,
 ///     w^2 = (1 - zeta (a/h)^3 (m - 1) / P) (kappa_1 h^2 + kappa_2 c^2).
 ///
-/// X and g have the shape of the energy that a point load's stress has in a far inclusion. The constants are
-/// fitted to finite elements (tools/update_lump_references).
+/// X and g have the shape of the energy that a point load's stress has in a far inclusion. Just under the
+/// skin, with a cover h - a much thinner than a, X grows as c / (h - a), which a stiff floor under a thin
+/// layer gives, until c is wider than the cover; then it is in proportion to a / c, as where the tip presses
+/// the inclusion itself. The constants are fitted to finite elements (tools/update_lump_references).
 class InclusionLaw final {
  public:
   /// e and its derivatives.
@@ -100,7 +102,8 @@ class InclusionLaw final {
 
   /// A ratio of 1: e = 0.
   InclusionLaw() = default;
-  /// [rt] @param radius a [m] @param depth h of the centre below the surface [m], >= a @param ratio m
+  /// [rt] @param radius a [m] @param depth h of the centre below the surface [m], >= a; a cover thinner than
+  /// 1 % of a counts as that @param ratio m
   InclusionLaw(double radius, double depth, double ratio) noexcept;
 
   /// [rt] @param square s^2 [m^2], >= 0
@@ -119,7 +122,8 @@ class InclusionLaw final {
 
  private:
   double strength_ = 0.0;          // A a^3 [m^3]
-  double depth_ = 1.0;             // h^2 - b a^2 [m^2]
+  double cover_ = 1.0;             // h^2 - a^2 [m^2]
+  double depth_ = 1.0;             // h^2 [m^2]
   double width_ = 1.0;             // w^2 where c = 0 [m^2]
   double width_by_contact_ = 0.0;  // d(w^2)/d(c^2)
   double contrast_ = 0.0;          // m - 1
@@ -132,7 +136,8 @@ struct CappedFactor {
   double slope = 1.0;
 };
 
-/// Factors up to this are not capped: one inclusion alone gives at most 4.75 times the uniform energy.
+/// Factors up to this are not capped. One inclusion alone gives less, unless it is hard and its cover is
+/// thinner than 6 % of its radius: then at most 10.8 before the cap.
 inline constexpr double kUncappedFactor = 5.0;
 /// The largest factor of any number of inclusions.
 inline constexpr double kLargestEnergyFactor = 10.0;

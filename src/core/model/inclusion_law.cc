@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/portable_math.h"
@@ -10,15 +11,16 @@ namespace palpate::model {
 namespace {
 
 // Shape constants of the law, fitted by tools/update_lump_references.
-constexpr double kStrength = 2.3;        // A
-constexpr double kRise = 0.6;            // b
-constexpr double kReach = 1.4;           // k
-constexpr double kBound = 0.45;          // beta
-constexpr double kNear = 0.4;            // eta
-constexpr double kFlattening = 0.45;     // omega
-constexpr double kWidthByDepth = 0.88;   // kappa_1
-constexpr double kWidthByContact = 2.3;  // kappa_2
-constexpr double kNarrowing = 0.18;      // zeta
+constexpr double kStrength = 2.32;        // A
+constexpr double kReach = 1.38;           // k
+constexpr double kBound = 0.445;          // beta
+constexpr double kNear = 0.4;             // eta
+constexpr double kFlattening = 0.45;      // omega
+constexpr double kWidthByDepth = 0.855;   // kappa_1
+constexpr double kWidthByContact = 2.47;  // kappa_2
+constexpr double kNarrowing = 0.165;      // zeta
+// The least h^2 - a^2, in a^2: of a cover of 1 % of the radius.
+constexpr double kThinnestCover = 0.02;
 
 }  // namespace
 
@@ -58,7 +60,8 @@ PressedTip::PressedTip(double tip_radius, double depth) noexcept {
 
 InclusionLaw::InclusionLaw(double radius, double depth, double ratio) noexcept
     : strength_(kStrength * radius * radius * radius),
-      depth_(depth * depth - kRise * radius * radius),
+      cover_(std::max(depth * depth - radius * radius, kThinnestCover * radius * radius)),
+      depth_(depth * depth),
       contrast_(ratio - 1.0) {
   const double share = radius / depth;
   const double cubed = share * share * share;
@@ -69,9 +72,12 @@ InclusionLaw::InclusionLaw(double radius, double depth, double ratio) noexcept
 }
 
 InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const noexcept {
-  const double inverse = 1.0 / (depth_ + kReach * tip.square);
-  const double x = strength_ * tip.radius * inverse * inverse;
-  const double x_by_depth = x * (tip.log_slope - 2.0 * kReach * inverse * tip.by_depth);
+  const double reach = kReach * tip.square;
+  const double cover = cover_ + reach;
+  const double depth = depth_ + reach;
+  const double inverse = 1.0 / (cover * depth);
+  const double x = strength_ * tip.radius * inverse;
+  const double x_by_depth = x * (tip.log_slope - kReach * tip.by_depth * (cover + depth) * inverse);
   const double whole = 1.0 / (bound_ + x);
   const double gamma = contrast_ * x * whole;
   const double gamma_by_depth = contrast_ * bound_ * whole * whole * x_by_depth;
@@ -85,10 +91,12 @@ InclusionLaw::Extra InclusionLaw::at(const PressedTip& tip, double square) const
 
 InclusionLaw::Slopes InclusionLaw::slopes(const PressedTip& tip, double square, const PressedTip& deeper,
                                           const std::array<InclusionLaw, 3>& others) const noexcept {
-  const double inverse = 1.0 / (depth_ + kReach * tip.square);
-  const double x_by_strength = tip.radius * inverse * inverse;
+  const double cover = 1.0 / (cover_ + kReach * tip.square);
+  const double deep = 1.0 / (depth_ + kReach * tip.square);
+  const double x_by_strength = tip.radius * cover * deep;
   const double x = strength_ * x_by_strength;
-  const double x_rise = tip.log_slope - 2.0 * kReach * inverse * tip.by_depth;  // d(ln X)/dD
+  const double fall = kReach * (cover + deep);
+  const double x_rise = tip.log_slope - fall * tip.by_depth;  // d(ln X)/dD
   const double whole = 1.0 / (bound_ + x);
   const double gamma_rise = bound_ * whole * x_rise;  // d(ln gamma)/dD
   const double width = width_ + width_by_contact_ * tip.square;
@@ -115,20 +123,20 @@ InclusionLaw::Slopes InclusionLaw::slopes(const PressedTip& tip, double square, 
   };
   for (std::size_t i = 0; i < others.size(); ++i) {
     const InclusionLaw& other = others[i];
-    const double depth = other.depth_ - depth_;
+    const double cover_more = cover * (other.cover_ - cover_);
+    const double depth_more = deep * (other.depth_ - depth_);
     const double widening = other.width_by_contact_ - width_by_contact_;
     made.by_law[i] = changed(other.contrast_ - contrast_, other.bound_ - bound_,
-                             (other.strength_ - strength_) * x_by_strength - 2.0 * x * inverse * depth,
-                             2.0 * kReach * inverse * inverse * tip.by_depth * depth,
+                             (other.strength_ - strength_) * x_by_strength - x * (cover_more + depth_more),
+                             kReach * tip.by_depth * (cover * cover_more + deep * depth_more),
                              other.width_ - width_ + widening * tip.square, widening * tip.by_depth);
   }
   const double square_more = deeper.square - tip.square;
   const double by_depth_more = deeper.by_depth - tip.by_depth;
   made.by_depth_twice =
-      changed(0.0, 0.0,
-              x * ((deeper.radius - tip.radius) / tip.radius - 2.0 * kReach * inverse * square_more),
-              deeper.log_slope - tip.log_slope -
-                  2.0 * kReach * inverse * (by_depth_more - kReach * inverse * square_more * tip.by_depth),
+      changed(0.0, 0.0, x * ((deeper.radius - tip.radius) / tip.radius - fall * square_more),
+              deeper.log_slope - tip.log_slope - fall * by_depth_more +
+                  kReach * kReach * (cover * cover + deep * deep) * square_more * tip.by_depth,
               width_by_contact_ * square_more, width_by_contact_ * by_depth_more)
           .by_depth;
   return made;

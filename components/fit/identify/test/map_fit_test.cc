@@ -171,7 +171,7 @@ TEST(MapFit, AValueAtItsBoundTakesNoPartInTheStepsOfTheOthers) {
   const std::size_t ratio = map.model().first_inclusion() + kLogRatio;
   const Values start = {
       std::log(900.0 * std::pow(1e-3, 1.5)), 1.5, 0.1, 1.5, 2.0, 9.0, std::log(5.0 / 9.0), std::log(100.0)};
-  constexpr int kSteps = 2;
+  constexpr int kSteps = 4;
   const Values found = solve_map(map, start, std::nullopt, kSteps);
   const Values held = solve_map(map, start, ratio, kSteps);
   ASSERT_GT(std::abs(held[3] - start[3]), 0.1);  // mm: it took steps

@@ -1,4 +1,5 @@
 // Tissue that is not uniform: inclusions and stiffness maps.
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -77,6 +78,24 @@ TEST(InclusionLaw, ItsSlopesAreThoseOfDifferences) {
       }
     }
   }
+}
+
+// A thin layer on a stiff floor is stiffer by its contact radius over its thickness: X is in proportion to c
+// / (h - a). Where a contact that is wider than the cover, and narrower than the inclusion, presses it as if
+// it were bare, to a / c.
+TEST(InclusionLaw, ACoverActsAsALayerOnAFloorUntilTheContactIsWider) {
+  constexpr double kRadius = 10e-3;
+  const auto x_of = [](double cover, double contact) {
+    constexpr double kContrast = 1e-6;  // e = kContrast X / (1 + X), as P = 1
+    constexpr double kTip = 10.0;       // m, so large that c^2 = R D
+    const InclusionLaw law(kRadius, kRadius + cover, 1.0 + kContrast);
+    const double share = law.at(model::PressedTip(kTip, contact * contact / kTip), 0.0).energy / kContrast;
+    return share / (1.0 - share);
+  };
+  const double narrow = x_of(0.2e-3, 4e-6);
+  EXPECT_NEAR(x_of(0.2e-3, 8e-6) / narrow, 2.0, 0.01);
+  EXPECT_NEAR(x_of(0.4e-3, 4e-6) / narrow, 0.5, 0.025);
+  EXPECT_NEAR(x_of(0.1e-3, 2.2e-3) / x_of(0.1e-3, 4.4e-3), 2.0, 0.1);
 }
 
 TEST(Lumps, TheDerivativesOfTheLawAreThoseOfItsEnergy) {
@@ -218,8 +237,9 @@ TEST(Lumps, TheCapLeavesOneInclusionAsItIs) {
   }
   std::mt19937_64 random(9);
   for (int i = 0; i < 5000; ++i) {
-    const RandomInclusion one = random_inclusion(random);
+    RandomInclusion one = random_inclusion(random);
     const model::PressedTip tip(one.tip_radius, between(random, 0.1e-3, 25e-3));
+    one.depth = std::max(one.depth, 1.06 * one.radius);  // not just under the skin
     EXPECT_LT(1.0 + one.law().at(tip, 0.0).energy, model::kUncappedFactor);
   }
 }
