@@ -1,11 +1,14 @@
 // refine(): splits long edges.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <queue>
 #include <string>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
+#include "core/base/index.h"
 #include "core/geometry/half_edges.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
@@ -20,6 +23,62 @@ constexpr std::size_t kMaxRefinedTriangles = 4'000'000;
   throw InputError("refining the mesh needs more than " + std::to_string(kMaxRefinedTriangles) +
                    " triangles: is its unit right?");
 }
+
+struct Edge {
+  std::uint64_t key;
+  std::array<std::int32_t, 2> two{-1, -1};  // triangles at the edge
+  std::vector<std::int32_t> more{};         // where more than two meet
+  bool is_inner = false;                    // inside an original triangle, so between coplanar triangles
+
+  [[nodiscard]] bool is_gone() const noexcept { return two[0] < 0; }
+  void add(std::int32_t triangle) {
+    const auto free = std::find(two.begin(), two.end(), -1);
+    if (free != two.end()) {
+      *free = triangle;
+    } else {
+      more.push_back(triangle);
+    }
+  }
+  /// The triangles in the order in which they were added. Leaves none.
+  std::vector<std::int32_t> take() {
+    std::vector<std::int32_t> all(two.begin(), std::find(two.begin(), two.end(), -1));
+    all.insert(all.end(), more.begin(), more.end());
+    two = {-1, -1};
+    more.clear();
+    return all;
+  }
+};
+
+/// The edges of a mesh by their keys: a hash table with linear probing, several times as fast as
+/// std::unordered_map.
+class Edges final {
+ public:
+  Edge& operator[](std::uint64_t key) {
+    if (2 * edges_.size() >= slots_.size()) grow();
+    std::int32_t& slot = slots_[slot_of(key)];
+    if (slot < 0) {
+      slot = static_cast<std::int32_t>(edges_.size());
+      edges_.push_back({key});
+    }
+    return edges_[at(slot)];
+  }
+
+ private:
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const noexcept {
+    const std::size_t last = slots_.size() - 1;  // the size is a power of two
+    std::size_t slot = key * 0x9e3779b97f4a7c15U >> 32U & last;
+    while (slots_[slot] >= 0 && edges_[at(slots_[slot])].key != key) slot = (slot + 1) & last;
+    return slot;
+  }
+  void grow() {
+    slots_.assign(std::max<std::size_t>(64, 4 * slots_.size()), -1);
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      slots_[slot_of(edges_[i].key)] = static_cast<std::int32_t>(i);
+  }
+
+  std::vector<Edge> edges_;
+  std::vector<std::int32_t> slots_;  // index of an edge; -1: free
+};
 
 /// Splits edges, longest first; equal lengths in the order of their vertex indices. An edge inside an
 /// original triangle is flipped when the other diagonal is shorter and improves the triangles. So a long thin
@@ -44,9 +103,9 @@ class Refiner final {
     while (!longest_first_.empty()) {
       const std::uint64_t key = longest_first_.top().key;
       longest_first_.pop();
-      const auto found = edges_.find(key);
-      if (found == edges_.end()) continue;  // flipped meanwhile
-      if (found->second.is_inner && turn(key)) continue;
+      const Edge& edge = edges_[key];
+      if (edge.is_gone()) continue;  // flipped meanwhile
+      if (edge.is_inner && turn(key)) continue;
       split(key);
       if (mesh_.triangles.size() > kMaxRefinedTriangles) refuse_as_too_many();
     }
@@ -54,11 +113,6 @@ class Refiner final {
   }
 
  private:
-  struct Edge {
-    std::vector<std::int32_t> triangles;
-    bool is_inner = false;  // inside an original triangle, so between coplanar triangles
-  };
-
   struct Candidate {
     double rank;  // squared length, smaller for an inner edge, so that its neighbours come first
     std::uint64_t key;
@@ -70,17 +124,17 @@ class Refiner final {
   void attach(std::int32_t a, std::int32_t b, std::int32_t triangle, bool is_inner) {
     const std::uint64_t key = edge_key(a, b);
     Edge& edge = edges_[key];
-    if (edge.triangles.empty()) {
+    if (edge.is_gone()) {
       edge.is_inner = is_inner;
       if (is_long(a, b)) longest_first_.push({(is_inner ? 0.5 : 1.0) * squared_length(a, b), key});
     }
-    edge.triangles.push_back(triangle);
+    edge.add(triangle);
   }
 
   void replace(std::int32_t a, std::int32_t b, std::int32_t old_triangle, std::int32_t new_triangle) {
-    for (std::int32_t& triangle : edges_[edge_key(a, b)].triangles) {
-      if (triangle == old_triangle) triangle = new_triangle;
-    }
+    Edge& edge = edges_[edge_key(a, b)];
+    std::replace(edge.two.begin(), edge.two.end(), old_triangle, new_triangle);
+    std::replace(edge.more.begin(), edge.more.end(), old_triangle, new_triangle);
   }
 
   /// The triangle's corners: the two of the edge, then the opposite one.
@@ -97,16 +151,16 @@ class Refiner final {
     const auto middle = static_cast<std::int32_t>(mesh_.vertices.size());
     const Vec3 point = 0.5 * (vertex(low) + vertex(high));
     mesh_.vertices.push_back(point);
-    const Edge whole = std::move(edges_[key]);
-    edges_.erase(key);
-    for (const std::int32_t t : whole.triangles) {
+    Edge& whole = edges_[key];
+    const bool is_inner = whole.is_inner;
+    for (const std::int32_t t : whole.take()) {
       const auto [from, to, apex] = from_edge(t, key);
       const auto added = static_cast<std::int32_t>(mesh_.triangles.size());
       mesh_.triangles[static_cast<std::size_t>(t)] = {from, middle, apex};
       mesh_.triangles.push_back({middle, to, apex});
       replace(to, apex, t, added);
-      attach(from, middle, t, whole.is_inner);
-      attach(middle, to, added, whole.is_inner);
+      attach(from, middle, t, is_inner);
+      attach(middle, to, added, is_inner);
       attach(middle, apex, t, true);
       attach(middle, apex, added, true);
     }
@@ -116,15 +170,16 @@ class Refiner final {
   bool turn(std::uint64_t key) {
     // of the squared length: at least a tenth shorter, so that flipping ends
     constexpr double kShorter = 0.81;
-    const std::vector<std::int32_t> around = edges_[key].triangles;
-    if (around.size() != 2) return false;
+    Edge& edge = edges_[key];
+    if (edge.two[1] < 0 || !edge.more.empty()) return false;
+    const std::array<std::int32_t, 2> around = edge.two;
     const auto [a, b, p] = from_edge(around[0], key);
     const std::int32_t q = from_edge(around[1], key)[2];
     if (squared_length(p, q) > kShorter * squared_length(a, b)) return false;
     const Vec3 normal = area_vector_doubled(mesh_, {a, b, p});
     const double before = std::min(shape({a, b, p}, normal), shape({b, a, q}, normal));
     if (std::min(shape({a, q, p}, normal), shape({q, b, p}, normal)) <= before) return false;
-    edges_.erase(key);
+    (void)edge.take();
     mesh_.triangles[static_cast<std::size_t>(around[0])] = {a, q, p};
     mesh_.triangles[static_cast<std::size_t>(around[1])] = {q, b, p};
     replace(a, q, around[1], around[0]);
@@ -158,7 +213,7 @@ class Refiner final {
 
   TriangleMesh mesh_;
   double longest_squared_;
-  std::unordered_map<std::uint64_t, Edge> edges_;
+  Edges edges_;
   std::priority_queue<Candidate> longest_first_;
 };
 
