@@ -130,13 +130,13 @@ std::vector<InclusionTable> inclusions_by_flags(const std::vector<std::string>& 
 void place_inclusions(const std::vector<InclusionTable>& tables, Scene& scene) {
   if (tables.empty()) return;
   const geometry::SignedDistance surface = organ_distance_of(scene);
+  std::optional<Vec3> touch_S;  // found once, because that takes longest
   for (const InclusionTable& table : tables) {
     InclusionSetup made = table.setup;
     model::Inclusion& inclusion = made.inclusion;
     if (!table.has_centre) {
-      const Vec3 under_S =
-          table.under_S ? *table.under_S : scene.organ_pose.inverse() * default_touch(scene, 0);
-      const geometry::NearestPoint nearest = surface.nearest(under_S);
+      if (!table.under_S && !touch_S) touch_S = scene.organ_pose.inverse() * default_touch(scene, 0);
+      const geometry::NearestPoint nearest = surface.nearest(table.under_S ? *table.under_S : *touch_S);
       inclusion.centre_S = nearest.point - table.depth * mean_normal(scene.organ, nearest, table.depth);
     }
     const double depth = -surface.nearest(inclusion.centre_S).distance;
