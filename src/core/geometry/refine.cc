@@ -25,7 +25,6 @@ constexpr std::size_t kMaxRefinedTriangles = 4'000'000;
 }
 
 struct Edge {
-  std::uint64_t key;
   std::array<std::int32_t, 2> two{-1, -1};  // triangles at the edge
   std::vector<std::int32_t> more{};         // where more than two meet
   bool is_inner = false;                    // inside an original triangle, so between coplanar triangles
@@ -47,37 +46,6 @@ struct Edge {
     more.clear();
     return all;
   }
-};
-
-/// The edges of a mesh by their keys: a hash table with linear probing, several times as fast as
-/// std::unordered_map.
-class Edges final {
- public:
-  Edge& operator[](std::uint64_t key) {
-    if (2 * edges_.size() >= slots_.size()) grow();
-    std::int32_t& slot = slots_[slot_of(key)];
-    if (slot < 0) {
-      slot = static_cast<std::int32_t>(edges_.size());
-      edges_.push_back({key});
-    }
-    return edges_[at(slot)];
-  }
-
- private:
-  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const noexcept {
-    const std::size_t last = slots_.size() - 1;  // the size is a power of two
-    std::size_t slot = key * 0x9e3779b97f4a7c15U >> 32U & last;
-    while (slots_[slot] >= 0 && edges_[at(slots_[slot])].key != key) slot = (slot + 1) & last;
-    return slot;
-  }
-  void grow() {
-    slots_.assign(std::max<std::size_t>(64, 4 * slots_.size()), -1);
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      slots_[slot_of(edges_[i].key)] = static_cast<std::int32_t>(i);
-  }
-
-  std::vector<Edge> edges_;
-  std::vector<std::int32_t> slots_;  // index of an edge; -1: free
 };
 
 /// Splits edges, longest first; equal lengths in the order of their vertex indices. An edge inside an
@@ -103,7 +71,7 @@ class Refiner final {
     while (!longest_first_.empty()) {
       const std::uint64_t key = longest_first_.top().key;
       longest_first_.pop();
-      const Edge& edge = edges_[key];
+      const Edge& edge = edge_of(key);
       if (edge.is_gone()) continue;  // flipped meanwhile
       if (edge.is_inner && turn(key)) continue;
       split(key);
@@ -121,9 +89,15 @@ class Refiner final {
     }
   };
 
+  Edge& edge_of(std::uint64_t key) {
+    const std::size_t number = at(numbers_[key]);
+    if (number == edges_.size()) edges_.emplace_back();
+    return edges_[number];
+  }
+
   void attach(std::int32_t a, std::int32_t b, std::int32_t triangle, bool is_inner) {
     const std::uint64_t key = edge_key(a, b);
-    Edge& edge = edges_[key];
+    Edge& edge = edge_of(key);
     if (edge.is_gone()) {
       edge.is_inner = is_inner;
       if (is_long(a, b)) longest_first_.push({(is_inner ? 0.5 : 1.0) * squared_length(a, b), key});
@@ -132,7 +106,7 @@ class Refiner final {
   }
 
   void replace(std::int32_t a, std::int32_t b, std::int32_t old_triangle, std::int32_t new_triangle) {
-    Edge& edge = edges_[edge_key(a, b)];
+    Edge& edge = edge_of(edge_key(a, b));
     std::replace(edge.two.begin(), edge.two.end(), old_triangle, new_triangle);
     std::replace(edge.more.begin(), edge.more.end(), old_triangle, new_triangle);
   }
@@ -151,7 +125,7 @@ class Refiner final {
     const auto middle = static_cast<std::int32_t>(mesh_.vertices.size());
     const Vec3 point = 0.5 * (vertex(low) + vertex(high));
     mesh_.vertices.push_back(point);
-    Edge& whole = edges_[key];
+    Edge& whole = edge_of(key);
     const bool is_inner = whole.is_inner;
     for (const std::int32_t t : whole.take()) {
       const auto [from, to, apex] = from_edge(t, key);
@@ -170,7 +144,7 @@ class Refiner final {
   bool turn(std::uint64_t key) {
     // of the squared length: at least a tenth shorter, so that flipping ends
     constexpr double kShorter = 0.81;
-    Edge& edge = edges_[key];
+    Edge& edge = edge_of(key);
     if (edge.two[1] < 0 || !edge.more.empty()) return false;
     const std::array<std::int32_t, 2> around = edge.two;
     const auto [a, b, p] = from_edge(around[0], key);
@@ -213,7 +187,8 @@ class Refiner final {
 
   TriangleMesh mesh_;
   double longest_squared_;
-  Edges edges_;
+  EdgeNumbers numbers_;
+  std::vector<Edge> edges_;  // by number
   std::priority_queue<Candidate> longest_first_;
 };
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
-#include <unordered_map>
 
 #include "core/base/index.h"
 #include "core/deform/surface_parts.h"
@@ -34,8 +33,7 @@ struct Edges {
 
 Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
   Edges edges;
-  std::unordered_map<std::uint64_t, std::int32_t> known;
-  known.reserve(mesh.triangles.size() * 2);
+  geometry::EdgeNumbers numbers;
   std::vector<Vec3> first_normal;
   std::vector<int> uses;
   const double crease = std::cos(radians(crease_deg));
@@ -45,16 +43,14 @@ Edges find_edges(const TriangleMesh& mesh, double crease_deg) {
     for (std::size_t e = 0; e < 3; ++e) {
       const std::int32_t a = t[e];
       const std::int32_t b = t[(e + 1) % 3];
-      const auto [place, fresh] =
-          known.try_emplace(edge_key(a, b), static_cast<std::int32_t>(edges.ends.size()));
-      own[e] = place->second;
-      if (fresh) {
+      own[e] = numbers[edge_key(a, b)];
+      const std::size_t i = at(own[e]);
+      if (i == edges.ends.size()) {
         edges.ends.push_back({a, b});
         edges.sharp.push_back(0);
         first_normal.push_back(normal);
         uses.push_back(1);
       } else {
-        const std::size_t i = at(place->second);
         ++uses[i];
         if (normal.dot(first_normal[i]) < crease) edges.sharp[i] = 1;
       }
