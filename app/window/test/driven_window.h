@@ -188,7 +188,7 @@ class Driven {
 class DrivenWindow final : public Driven {
  public:
   explicit DrivenWindow(const scene::Overrides& request, WindowOptions options = {})
-      : session_(prepare(scene::load(request), options.duration_s, true)),
+      : session_(prepare(scene::load(request), options.duration_s, false)),
         window_(session_, request, std::move(options)) {}
 
   [[nodiscard]] Window& window() noexcept { return window_; }
@@ -207,7 +207,7 @@ class DrivenWindow final : public Driven {
 class DrivenViewer final : public Driven {
  public:
   explicit DrivenViewer(const std::filesystem::path& recording, const ViewerOptions& options = {})
-      : viewer_(std::make_unique<RecordedView>(recording, true), options) {}
+      : viewer_(std::make_unique<RecordedView>(recording, false), options) {}
 
   [[nodiscard]] Viewer& viewer() noexcept { return viewer_; }
   /// Runs frames until the requested tick is shown.

@@ -24,7 +24,6 @@ class PanelsTest : public WindowTest {
   static WindowOptions tall(std::filesystem::path recording = {}) {
     WindowOptions options = small(std::move(recording));
     options.size = {1100, 900};
-    options.no_cache = true;
     return options;
   }
   /// Waits for a file with this extension to appear. @return the first one, or an empty path

@@ -15,6 +15,7 @@
 #include "core/contact/state.h"
 #include "core/geometry/ray.h"
 #include "core/haptics/simulation.h"
+#include "io/system/test/own_cache.h"
 #include "palpate/scene.h"
 
 namespace palpate::app {
@@ -32,7 +33,7 @@ class SteeredRun {
  public:
   explicit SteeredRun(const std::string& organ, const std::string& tissue, const std::string& tool,
                       const std::string& task = "press")
-      : session_(prepare(scene::load(request_of(organ, tissue, tool, task)), std::nullopt, true)),
+      : session_(prepare(scene::load(request_of(organ, tissue, tool, task)), std::nullopt, false)),
         state_(session_->world()) {
     steering.take(*session_);
     const scene::Scene& scene = session_->scene();
@@ -53,11 +54,14 @@ class SteeredRun {
     }
   }
   /// Frames until the tool rests, or for 4 s.
-  void settle() {
-    for (int i = 0; i < 250; ++i) {
+  void settle() { frames_while_moving(250, 1); }
+  /// At most this many frames: fewer if the tool has not moved for the last `at_rest` of them.
+  void frames_while_moving(int most, int at_rest = 8) {
+    int unmoved = 0;
+    for (int i = 0; i < most && unmoved < at_rest; ++i) {
       const Pose before = shown.tools[0].pose_W;
       frames(1);
-      if ((shown.tools[0].pose_W.position - before.position).norm() < 1e-7) return;
+      unmoved = (shown.tools[0].pose_W.position - before.position).norm() < 1e-7 ? unmoved + 1 : 0;
     }
   }
   [[nodiscard]] double depth() const { return shown.results[0].depth; }
@@ -135,7 +139,7 @@ TEST(Steering, WhereverThePointerJumpsTheToolTouchesNothingBeforeThePress) {
     double deepest = 0.0;
     for (int i = 0; i < 24; ++i) {  // to and fro over the whole picture
       run.point(std::fmod(0.1 + 0.618 * i, 0.96), std::fmod(0.05 + 0.37 * i, 0.96));
-      run.frames(i % 4 == 3 ? 15 : 120);  // some jumps come in mid-flight
+      run.frames_while_moving(i % 4 == 3 ? 15 : 120);  // some jumps come in mid-flight
       deepest = std::max(deepest, run.deepest);
     }
     return deepest;
@@ -214,9 +218,9 @@ TEST(Steering, OverGapsAndVesselsTheToolStaysNearTheOrgan) {
       const double y = 0.25 + 0.035 * row;
       if (!geometry::seen_point(organ, ray_through(run.camera.camera(), kAspect, x, y))) continue;
       run.point(x, y);
-      run.frames(20);
+      run.frames_while_moving(20);
       for (int i = 0; i < 6; ++i) {
-        run.frames(6);
+        run.frames_while_moving(6, 2);
         farthest = std::max(farthest, run.shown.results[0].distance);
       }
     }

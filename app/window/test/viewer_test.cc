@@ -22,7 +22,6 @@ class ViewerTest : public WindowTest {
   static ViewerOptions small_viewer() {
     ViewerOptions options;
     options.size = {1000, 640};
-    options.no_cache = true;
     return options;
   }
 };

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "io/system/test/not_tested.h"
+#include "io/system/test/own_cache.h"
 #include "io/system/test/temporary_folder.h"
 
 #include "app/window/test/driven_window.h"

@@ -2,6 +2,7 @@
 #include "app/window/window.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -110,14 +111,19 @@ TEST_F(WindowTest, AMousePressesAndTheRecordingReplaysToTheBit) {
   EXPECT_NEAR(depth, 4e-3, 1e-3);
 }
 
-/// Runs frames until the tool rests.
+/// Runs frames until three new snapshots show the tool where it was. On a busy machine a frame can show the
+/// last frame's snapshot.
 bool until_tool_rests(DrivenWindow& driven) {
   Vec3 last = Vec3::Zero();
+  std::uint64_t tick = 0;
+  int unmoved = 0;
   return driven.until([&] {
-    const Vec3 now = driven.window().snapshot().tools[0].pose_W.position;
-    const bool rests = (now - last).norm() < 1e-7;
-    last = now;
-    return rests;
+    const haptics::Snapshot& now = driven.window().snapshot();
+    if (now.tick == tick) return false;
+    unmoved = (now.tools[0].pose_W.position - last).norm() < 1e-7 ? unmoved + 1 : 0;
+    last = now.tools[0].pose_W.position;
+    tick = now.tick;
+    return unmoved == 3;
   });
 }
 

@@ -1,0 +1,27 @@
+#pragma once
+// A cache of prepared organs for all tests of a process, for tests that prepare the same organ often.
+#include <cstdlib>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "io/system/test/temporary_folder.h"
+
+namespace palpate::test {
+
+/// Sets XDG_CACHE_HOME to a folder that is removed after the last test.
+class OwnCache final : public testing::Environment {
+ public:
+  void SetUp() override {
+    setenv("XDG_CACHE_HOME", folder_.emplace().path().c_str(), 1);
+    unsetenv("PALPATE_CACHE");
+  }
+  void TearDown() override { folder_.reset(); }
+
+ private:
+  std::optional<TemporaryFolder> folder_;
+};
+
+inline testing::Environment* const own_cache = testing::AddGlobalTestEnvironment(new OwnCache);
+
+}  // namespace palpate::test
