@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "io/system/test/own_cache.h"
+
 #include "bindings/c/palpate.h"
 
 namespace palpate::tests {
@@ -26,7 +28,6 @@ inline void require(palpate_status status) {
 class Session final {
  public:
   explicit Session(palpate_options options = fresh<palpate_options>()) {
-    options.no_cache = 1;
     require(palpate_open(&options, &simulation_));
     require(palpate_get_info(simulation_, &info));
     samples.assign(info.hands, fresh<palpate_sample>());
