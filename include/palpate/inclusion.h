@@ -89,8 +89,8 @@ class PressedTip final {
 ///
 /// X and g have the shape of the energy that a point load's stress has in a far inclusion. Just under the
 /// skin, with a cover h - a much thinner than a, X grows as c / (h - a), which a stiff floor under a thin
-/// layer gives, until c is wider than the cover; then it is in proportion to a / c, as where the tip presses
-/// the inclusion itself. The constants are fitted to finite elements (tools/update_lump_references).
+/// layer gives, until c^2 is about a (h - a); then it is in proportion to a / c, as where the tip presses the
+/// inclusion itself. The constants are fitted to finite elements (tools/update_lump_references).
 class InclusionLaw final {
  public:
   /// e and its derivatives.

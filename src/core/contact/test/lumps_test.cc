@@ -80,10 +80,10 @@ TEST(InclusionLaw, ItsSlopesAreThoseOfDifferences) {
   }
 }
 
-// A thin layer on a stiff floor is stiffer by its contact radius over its thickness: X is in proportion to c
-// / (h - a). Where a contact that is wider than the cover, and narrower than the inclusion, presses it as if
-// it were bare, to a / c.
-TEST(InclusionLaw, ACoverActsAsALayerOnAFloorUntilTheContactIsWider) {
+// A thin layer on a stiff floor is stiffer by its contact radius over its thickness: X is in proportion to
+// c / (h - a). Where c^2 is far over a (h - a), and c under a, the inclusion is pressed as if it were bare: X
+// is in proportion to a / c.
+TEST(InclusionLaw, ACoverActsAsALayerOnAFloorUntilTheInclusionItselfIsPressed) {
   constexpr double kRadius = 10e-3;
   const auto x_of = [](double cover, double contact) {
     constexpr double kContrast = 1e-6;  // e = kContrast X / (1 + X), as P = 1
