@@ -1,4 +1,4 @@
-
+#include "core/base/normal_distribution.h"
 #include "core/base/portable_math.h"
 
 #include "study/psychophysics/psychophysics.h"

@@ -1,4 +1,3 @@
-
 #include <nlohmann/json.hpp>
 
 #include "study/session/analysis_text.h"

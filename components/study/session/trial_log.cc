@@ -21,6 +21,7 @@
 #include "core/base/text.h"
 #include "io/system/clock.h"
 #include "io/system/file_exists.h"
+#include "io/system/files.h"
 #include "io/system/input_file.h"
 #include "io/system/json_field.h"
 #include "io/system/json_text.h"
