@@ -21,6 +21,7 @@ constexpr std::array<FaultText, static_cast<std::size_t>(kLastFault) + 1> kFault
      {"unstable",
       "the force gave the hand more energy than the passivity controller could take back: lower the tissue's "
       "stiffness, contact damping or workspace_scale, or raise rate_Hz or max_slew_N_per_ms"}}};
+static_assert(kFaultTexts.back().description != nullptr, "each fault has a text");
 
 const FaultText& text_of(Fault fault) noexcept {
   return kFaultTexts[fault > kLastFault ? 0 : static_cast<std::size_t>(fault)];

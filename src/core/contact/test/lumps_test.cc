@@ -239,6 +239,7 @@ TEST(Lumps, TheCapLeavesOneInclusionAsItIs) {
   for (int i = 0; i < 5000; ++i) {
     RandomInclusion one = random_inclusion(random);
     const model::PressedTip tip(one.tip_radius, between(random, 0.1e-3, 25e-3));
+    EXPECT_LT(1.0 + one.law().at(tip, 0.0).energy, 10.8);
     one.depth = std::max(one.depth, 1.06 * one.radius);  // not just under the skin
     EXPECT_LT(1.0 + one.law().at(tip, 0.0).energy, model::kUncappedFactor);
   }
