@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/contact/facets.h"
 #include "core/contact/normal_samples.h"
+#include "core/geometry/cell.h"
 
 namespace palpate::contact {
 namespace {
@@ -159,6 +160,20 @@ double work_of(const SurfaceView& surface, const Sides& sides, double radius) {
   return area > 0.0 ? static_cast<double>(sides.first_corner.size()) * in_reach / area : 0.0;
 }
 
+/// Indices of corners, those in one cell of the size `radius` together: floods in turn then share memory.
+std::vector<std::size_t> by_place(const SurfaceView& surface, const std::vector<std::int32_t>& corners,
+                                  double radius) {
+  std::vector<std::pair<geometry::Cell, std::size_t>> cells;
+  for (const std::int32_t corner : corners) {
+    const std::int32_t vertex = surface.mesh.triangles[at(corner / 3)][at(corner % 3)];
+    cells.emplace_back(geometry::cell_at(surface.mesh.vertices[at(vertex)], radius), cells.size());
+  }
+  std::sort(cells.begin(), cells.end());
+  std::vector<std::size_t> order;
+  for (const auto& [cell, index] : cells) order.push_back(index);
+  return order;
+}
+
 }  // namespace
 
 NormalAndSlope NormalAndSlope::of(const Vec3& sum, const Eigen::Matrix3d& slope, const Vec3& otherwise) {
@@ -234,6 +249,7 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
   const std::vector<std::int32_t>& corners = samples.first_corners();
   const Facets facets(surface, spacing > 0.0 ? kFacetShare * radius : 0.0);
   std::vector<NormalAndSlope> averaged(corners.size());
+  const std::vector<std::size_t> order = by_place(surface, corners, radius);
   std::mutex mutex;
   std::vector<std::unique_ptr<Flood>> idle;
   for (std::size_t from = 0; from < corners.size(); from += kBatch) {
@@ -248,7 +264,8 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
         }
       }
       if (!flood) flood = std::make_unique<Flood>(surface, facets);
-      for (std::size_t i = from + begin; i < from + end; ++i) {
+      for (std::size_t k = from + begin; k < from + end; ++k) {
+        const std::size_t i = order[k];
         averaged[i] = spacing > 0.0 ? flood->average_finely(corners[i], radius, kReferenceShare * radius)
                                     : flood->average(corners[i], radius);
       }
