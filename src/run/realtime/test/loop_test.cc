@@ -57,6 +57,7 @@ TEST(Loop, OfflineAndInRealTimeGiveTheSameRowsHoweverTicksAreWaitedFor) {
   const Outcome offline = run_with(first, {.ticks = 600, .offline = true});
   ASSERT_EQ(offline.rows.size(), 600u);
   EXPECT_EQ(offline.report.lateness.count(), 0u);
+  EXPECT_EQ(offline.report.tick_time.count(), 36u);  // of every 17th tick
   for (const haptics::Waiting waiting : {haptics::Waiting::kSleep, haptics::Waiting::kPoll}) {
     FakeDevice device = presser();
     const Outcome real =
