@@ -86,6 +86,9 @@ class LayeredSpringLaw final {
   /// gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
+  /// [rt] The force of force_at() [N].
+  [[nodiscard]] double elastic_force(double depth) const noexcept { return force_at(depth).force; }
+
   /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
   [[nodiscard]] double energy_at(double depth) const noexcept;
 
@@ -100,6 +103,10 @@ class LayeredSpringLaw final {
   /// [rt] Number of layers whose delay is below the loop period, at most kMaxLayers. A layer with a value
   /// that is not finite, and all layers after it, are not allowed.
   [[nodiscard]] int layers_allowed() const noexcept { return layers_; }
+  /// [rt] Whether a depth [m] is past the end of the last allowed layer by more than rounding.
+  [[nodiscard]] bool is_past_end(double depth) const noexcept {
+    return depth > past_depth_[static_cast<std::size_t>(layers_)];
+  }
   /// [rt] Depth [m] and force [N] at the end of the last allowed layer; infinite when the law goes on by its
   /// tangent from a lesser depth.
   [[nodiscard]] double max_depth() const noexcept {
@@ -151,6 +158,9 @@ class SmoothSpringLaw final {
   /// NaN gives NaN.
   [[nodiscard]] ContactResponse force_at(double depth) const noexcept;
 
+  /// [rt] The force of force_at() [N], the same bits in half the time.
+  [[nodiscard]] double elastic_force(double depth) const noexcept;
+
   /// [rt] Elastic energy [J] at a penetration depth [m]: the integral of force_at() from 0.
   [[nodiscard]] double energy_at(double depth) const noexcept;
 
@@ -180,7 +190,9 @@ class SmoothSpringLaw final {
     double energy = 0.0;     // at the start [J]
   };
 
+  [[nodiscard]] const Piece& piece_at(double depth) const noexcept;
   [[nodiscard]] double force_in(const Piece& piece, double depth) const noexcept;
+  [[nodiscard]] double bounded_force(const Piece& piece, double depth) const noexcept;
   [[nodiscard]] double energy_in(const Piece& piece, double depth) const noexcept;
 
   LayeredSpringLaw layers_;  // without the continuation

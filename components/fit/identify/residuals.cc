@@ -40,9 +40,13 @@ void elastic(const Law& law, const Specimen& specimen, double first_contact, std
       continue;
     }
     const double depth = specimen.displacement[i] - first_contact;
+    if (slope.empty()) {
+      force[i] = law.elastic_force(depth);
+      continue;
+    }
     const model::ContactResponse response = law.force_at(depth);
     force[i] = response.force;
-    if (!slope.empty()) slope[i] = depth > 0.0 ? response.stiffness : 0.0;
+    slope[i] = depth > 0.0 ? response.stiffness : 0.0;
   }
 }
 

@@ -51,6 +51,12 @@ SmoothSpringLaw::SmoothSpringLaw(const TissueParameters& tissue, Direction direc
   }
 }
 
+const SmoothSpringLaw::Piece& SmoothSpringLaw::piece_at(double depth) const noexcept {
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
+  return piece_[last];
+}
+
 double SmoothSpringLaw::force_in(const Piece& piece, double depth) const noexcept {
   const double in = depth - piece.depth;
   if (piece.growth == 0.0) return piece.force + piece.stiffness * in;
@@ -75,9 +81,19 @@ double SmoothSpringLaw::energy_at(double depth) const noexcept {
   if (depth <= 0.0) return 0.0;
   if (depth > continuation_.depth) return continuation_.energy_at(depth);
   if (depth > layers_.max_depth()) return max_energy_ + max_force_ * (depth - layers_.max_depth());
-  std::size_t last = 0;
-  for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
-  return energy_in(piece_[last], depth);
+  return energy_in(piece_at(depth), depth);
+}
+
+double SmoothSpringLaw::bounded_force(const Piece& piece, double depth) const noexcept {
+  const double force = force_in(piece, depth);
+  return force > max_force_ ? max_force_ : force;
+}
+
+double SmoothSpringLaw::elastic_force(double depth) const noexcept {
+  if (depth <= 0.0) return 0.0;
+  if (depth > continuation_.depth) return continuation_.response_at(depth).force;
+  if (layers_.is_past_end(depth)) return max_force_;
+  return bounded_force(piece_at(depth), depth);
 }
 
 ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
@@ -85,12 +101,8 @@ ContactResponse SmoothSpringLaw::force_at(double depth) const noexcept {
   if (depth > continuation_.depth) return continuation_.response_at(depth);
   const ContactResponse layered = layers_.force_at(depth);
   if (layered.saturated) return {max_force_, 0.0, layered.cutoff_layer, true};
-  std::size_t last = 0;
-  for (std::size_t i = 1; i < pieces_; ++i) last += depth > piece_[i].depth ? 1 : 0;
-  const Piece& piece = piece_[last];
-  const double force = force_in(piece, depth);
-  const double bounded = force > max_force_ ? max_force_ : force;
-  return {bounded, piece.stiffness * portable::exp(piece.growth * (depth - piece.depth)),
+  const Piece& piece = piece_at(depth);
+  return {bounded_force(piece, depth), piece.stiffness * portable::exp(piece.growth * (depth - piece.depth)),
           layered.cutoff_layer, false};
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -131,6 +132,24 @@ TEST(SmoothSpringLaw, ForceIsZeroAtZeroAndRises) {
   }
 }
 
+TEST(SmoothSpringLaw, ElasticForceIsThatOfForceAtToTheLastBit) {
+  for (const SmoothCase& c : many_smooth_cases()) {
+    for (const std::optional<double> deepest : {std::optional<double>(), std::optional<double>(6e-3)}) {
+      TissueParameters tissue = c.tissue;
+      tissue.max_depth = deepest;
+      const SmoothSpringLaw law(tissue, c.direction, c.period);
+      tissue.max_depth.reset();
+      const double end = SmoothSpringLaw(tissue, c.direction, c.period).max_depth();
+      for (int i = -100; i <= 1200; ++i)
+        ASSERT_EQ(law.elastic_force(end * i / 1000), law.force_at(end * i / 1000).force) << i;
+      for (int i = -20; i <= 20; ++i) {  // where the last layer ends
+        const double depth = end * (1.0 + i * 0x1p-52);
+        ASSERT_EQ(law.elastic_force(depth), law.force_at(depth).force) << i;
+      }
+    }
+  }
+}
+
 TEST(SmoothSpringLaw, ForceAndStiffnessHaveNoJumps) {
   for (const SmoothCase& c : many_smooth_cases()) {
     const SmoothSpringLaw law(c.tissue, c.direction, c.period);
@@ -182,6 +201,7 @@ TEST(SmoothSpringLaw, LayersFillByDepth) {
 TEST(SmoothSpringLaw, NotANumberStaysNotANumber) {
   const SmoothSpringLaw law(hand_worked_smooth(), Direction::kPress, kTwoLayers);
   EXPECT_TRUE(std::isnan(law.force_at(kSmoothNaN).force));
+  EXPECT_TRUE(std::isnan(law.elastic_force(kSmoothNaN)));
 }
 
 TEST(SmoothSpringLaw, RefusesWhatTheLayeredLawRefusesAndAForceWithoutEnd) {
