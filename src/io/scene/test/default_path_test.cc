@@ -15,7 +15,9 @@
 #include "core/base/text.h"
 #include "core/contact/contact.h"
 #include "io/scene/make_world.h"
+#include "io/system/test/own_cache.h"
 #include "palpate/error.h"
+#include "palpate/organ_cache.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
 
@@ -248,7 +250,9 @@ struct Pressed {
 };
 
 Pressed pressed(const scene::Scene& scene, const ToolPath& path) {
-  const haptics::SimulationWorld world = make_world(scene, {});
+  contact::Preparation how;  // several tools press each shape, which is prepared once
+  use_organ_cache(how);
+  const haptics::SimulationWorld world = make_world(scene, how);
   contact::State state(world.contact);
   contact::ToolResult result;
   Pressed pressed;
