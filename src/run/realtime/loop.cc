@@ -53,6 +53,7 @@
 #include "io/system/clock.h"
 #include "run/realtime/realtime.h"
 #include "run/realtime/schedule.h"
+#include "run/realtime/watchdog.h"
 
 namespace palpate::realtime {
 namespace {
