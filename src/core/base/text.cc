@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <numeric>
 #include <system_error>
 #include <vector>
@@ -112,6 +113,22 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
     }
   }
   return best;
+}
+
+std::string other_unit(std::string_view name, std::string_view meant) {
+  static constexpr std::string_view kUnits[] = {"m",  "mm", "cm",  "um",  "nm",  "in",  "N",  "mN",
+                                                "uN", "kN", "gf",  "kgf", "g",   "kg",  "s",  "ms",
+                                                "us", "ns", "min", "h",   "deg", "rad", "Pa", "kPa"};
+  const std::size_t end = name.rfind('_');
+  if (end == std::string_view::npos || meant.rfind('_') != end || !meant.starts_with(name.substr(0, end)))
+    return {};
+  const std::string unit(name.substr(end + 1));
+  const std::string right(meant.substr(end + 1));
+  const auto is_unit = [](std::string_view word) {
+    return std::find(std::begin(kUnits), std::end(kUnits), word) != std::end(kUnits);
+  };
+  return unit != right && is_unit(unit) && is_unit(right) ? ", with values in " + right + ", not " + unit
+                                                          : "";
 }
 
 }  // namespace palpate

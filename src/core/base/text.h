@@ -42,4 +42,8 @@ namespace palpate {
 /// near.
 [[nodiscard]] std::string nearest_word(std::string_view word, std::span<const std::string> known);
 
+/// [setup] ", with values in N, not mN" for force_mN beside force_N: a name of which only the unit is another
+/// one would be renamed with its values left as they are. Empty where the names differ otherwise.
+[[nodiscard]] std::string other_unit(std::string_view name, std::string_view meant);
+
 }  // namespace palpate

@@ -259,7 +259,8 @@ void TomlTable::allow_only(const std::vector<std::string>& known) const {
     const std::string_view name = key.str();
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_key(name, known);
-    const std::string hint = near.empty() ? "valid are " + alternatives(known) : "did you mean " + near + "?";
+    const std::string hint = near.empty() ? "valid are " + alternatives(known)
+                                          : "did you mean " + near + other_unit(name, near) + "?";
     throw InputError(fmt::format("{}:{}: {} = {}: unknown key, {}", file_, key.source().begin.line,
                                  field(excerpt(name, kLongestExcerpt)), value_text(node), hint));
   }

@@ -378,12 +378,18 @@ void CsvTable::check_header(const std::vector<std::string>& unknown) const {
   if (missing.empty() || !near.empty()) {
     fail("column \"" + unknown.front() + "\": unknown, " +
          (near.empty() ? "valid are " + listed(known) + "; rename it, or delete the column"
-                       : "did you mean " + near + "?"));
+                       : "did you mean " + near + other_unit(unknown.front(), near) + "?"));
+  }
+  std::string unit;
+  for (const std::string& name : unknown) {
+    for (const std::string& column : missing) {
+      if (unit.empty()) unit = other_unit(name, column);
+    }
   }
   const std::vector<std::string> names(cells_.begin(), cells_.end());
   const ContentFacts other = table_of(names);
   fail(listed(missing) + ": missing, the header must name " + required_names(columns_) +
-       (unknown.empty() ? "" : "; unknown in it: " + first_names(unknown)) +
+       (unknown.empty() ? "" : "; unknown in it: " + first_names(unknown)) + unit +
        (other.name.empty() ? "" : "; the file is " + other.name + ": " + other.use));
 }
 

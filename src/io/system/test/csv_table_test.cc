@@ -88,7 +88,22 @@ TEST(CsvTable, NamesTheColumnsThatAreMissingBeforeThoseThatAreUnknown) {
       "a.csv:1: x_m and y_m: missing, the header must name time_s, x_m and y_m; unknown in it: tick, hand, "
       "phase and depth; the file is the ticks of a recording as CSV: palpate export wrote it; commands read "
       "the recording (.h5) itself");
-  EXPECT_EQ(error("time_s,x_m,y_mm\n"), "a.csv:1: column \"y_mm\": unknown, did you mean y_m?");
+  EXPECT_EQ(error("time_s,x_m,ym\n"), "a.csv:1: column \"ym\": unknown, did you mean y_m?");
+  EXPECT_EQ(error("time_s,x_m,y_mm\n"),
+            "a.csv:1: column \"y_mm\": unknown, did you mean y_m, with values in m, not mm?");
+}
+
+TEST(CsvTable, AsksForAConversionWhereOnlyTheUnitOfANameDiffers) {
+  EXPECT_EQ(error_in("time_s,depth_um\n"),
+            "a.csv:1: column \"depth_um\": unknown, did you mean depth_mm, with values in mm, not um?");
+  EXPECT_EQ(error_in("depth_mm,time_ms\n"),
+            "a.csv:1: column \"time_ms\": unknown, did you mean time_s, with values in s, not ms?");
+  const std::vector<CsvColumn> path = {{"time_s"}, {"x_m"}, {"y_m"}};
+  EXPECT_EQ(
+      palpate::test::rejection_of("a.csv", "time_s,x_mm,y_mm\n",
+                                  [&path](const auto& file) { CsvTable(file, path); }),
+      "a.csv:1: x_m and y_m: missing, the header must name time_s, x_m and y_m; unknown in it: x_mm and "
+      "y_mm, with values in m, not mm");
 }
 
 TEST(CsvTable, RefusesFilesWithoutHeaderOrRows) {
