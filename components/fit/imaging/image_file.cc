@@ -10,6 +10,7 @@
 #include <jpeglib.h>
 #include <png.h>
 
+#include "io/system/file_content.h"
 #include "io/system/input_file.h"
 #include "palpate/error.h"
 
@@ -146,6 +147,7 @@ Picture read_picture(const std::filesystem::path& file) {
   } else if (begins_with(bytes, kJpeg)) {
     picture = read_jpeg(file, bytes);
   } else {
+    refuse_other_content(file, FileContent::kOther, "a PNG or JPEG picture");
     throw InputError(file.string() + ": is no picture this program reads, must be a PNG or JPEG file");
   }
   const std::size_t pixels = picture.rgb.size() / 3;

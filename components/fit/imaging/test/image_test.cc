@@ -252,6 +252,10 @@ TEST(ImageFile, RefusesWhatItCannotRead) {
   EXPECT_THROW((void)read_picture(folder / "none.png"), InputError);
   std::ofstream(folder / "text.png") << "not a picture";
   EXPECT_THROW((void)read_picture(folder / "text.png"), InputError);
+  std::ofstream(folder / "recording.png") << "\x89HDF\r\n\x1a\n";
+  EXPECT_THAT([&] { (void)read_picture(folder / "recording.png"); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr(
+                  "recording.png: is a recording (HDF5), must be a PNG or JPEG picture; palpate view")));
   // a PNG of 33 bytes that declares 60000 x 60000 pixels
   const unsigned char huge[] = {0x89, 'P',  'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a, 0,    0,    0,
                                 13,   'I',  'H', 'D', 'R',  0,    0,    0xea, 0x60, 0,    0,
