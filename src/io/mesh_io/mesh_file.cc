@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -86,6 +87,31 @@ std::string_view after_word(std::string_view text, std::string_view word) {
   return {};
 }
 
+/// The axes that a header names in another way than 3D Slicer: "CoordinateSystem = LPS", or in NRRD's words,
+/// "space: left-posterior-superior". Empty: none.
+std::string otherwise_declared(std::string_view header) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kNames = {
+      {{"lps", "LPS"},
+       {"ras", "RAS"},
+       {"left-posterior-superior", "LPS"},
+       {"right-anterior-superior", "RAS"}}};
+  std::string text(header);
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const std::string_view word : {"space", "coordinatesystem", "coordinate system"}) {
+    std::string_view rest = after_word(text, word);
+    const std::size_t value = std::min(rest.find_first_not_of(" =:"), rest.size());
+    if (rest.substr(0, value).find_first_of("=:") == std::string_view::npos) continue;
+    rest.remove_prefix(value);
+    for (const auto& [name, axes] : kNames) {
+      const bool ends =
+          rest.size() <= name.size() || std::isalnum(static_cast<unsigned char>(rest[name.size()])) == 0;
+      if (rest.starts_with(name) && ends) return std::string(axes);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string declared_space(const MeshFile& file) {
@@ -93,6 +119,7 @@ std::string declared_space(const MeshFile& file) {
   constexpr std::string_view kArray = "SPACE 1 1 string";  // of field data; the text is in the next line
   const std::string_view header = header_of(file);
   if (std::string declared = leading_letters(after_word(header, kTag)); !declared.empty()) return declared;
+  if (std::string declared = otherwise_declared(header); !declared.empty()) return declared;
   const std::string_view rest = after_word(header, kArray);
   const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0; };
   const auto first = std::find_if(rest.begin(), rest.end(), is_letter);  // after the length in binary files

@@ -41,8 +41,8 @@ void note_parts(ImportedMesh& imported, std::size_t mirrored, std::size_t lines)
 [[nodiscard]] MeshFile open_mesh_file(const std::filesystem::path& path);
 
 /// [setup] The axes that a file's header declares as 3D Slicer writes it, in upper case: SPACE=LPS in the
-/// header of an STL, in a comment of a PLY or OBJ, in the title of a VTK file or in its field data. Empty:
-/// none.
+/// header of an STL, in a comment of a PLY or OBJ, in the title of a VTK file or in its field data; or
+/// LPS or RAS by another program's words, such as "space: left-posterior-superior". Empty: none.
 [[nodiscard]] std::string declared_space(const MeshFile& file);
 
 /// [setup] Reads the mesh with its format's reader. The reader bounds declared counts by the file's size and

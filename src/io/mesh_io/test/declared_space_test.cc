@@ -26,6 +26,18 @@ TEST(DeclaredSpace, IsReadFromTheHeaderThat3DSlicerWrites) {
       "LPS");
 }
 
+TEST(DeclaredSpace, IsReadAsOtherProgramsWriteIt) {
+  for (const std::string line : {"space=LPS", "SPACE = lps", "Space: LPS", "space: left-posterior-superior",
+                                 "CoordinateSystem = LPS", "coordinate system: LPS, in mm"}) {
+    EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# " + line + "\nv 0 0 0\n"}), "LPS") << line;
+    EXPECT_EQ(declared_space({"a.stl", MeshFormat::kStl, empty_stl(line)}), "LPS") << line;
+  }
+  EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# space: right-anterior-superior\nv 0 0 0\n"}),
+            "RAS");
+  for (const std::string line : {"space: lpsx", "color space: sRGB", "space LPS", "coordinate system", "LPS"})
+    EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "# " + line + "\nv 0 0 0\n"}), "") << line;
+}
+
 TEST(DeclaredSpace, IsEmptyWithoutADeclarationBeforeTheCoordinates) {
   EXPECT_EQ(declared_space({"a.stl", MeshFormat::kStl, empty_stl("test")}), "");
   EXPECT_EQ(declared_space({"a.obj", MeshFormat::kObj, "v 0 0 0\nv 1 0 0\n# SPACE=LPS\n"}), "");
