@@ -94,16 +94,19 @@ std::string known_trajectory(const std::filesystem::path& file) {
   constexpr std::size_t kTum = 8;
   constexpr std::size_t kKitti = 12;
   constexpr std::size_t kEuroc = 17;
+  // EuRoC's poses of a motion capture have as many values as TUM's, but another order and other times.
+  const bool unix_ns =
+      numbers && values.size() == kTum && !unix_time_question(*parse_number(values[0])).empty();
+  if ((numbers && values.size() == kEuroc) || unix_ns || has("p_RS_R_x")) {
+    return "; this is a trajectory of EuRoC (times in ns, quaternion w first)" + to_csv +
+           ", such as by evo_traj euroc --save_as_tum, then from TUM";
+  }
   if ((numbers && values.size() == kTum) || (has("tx") && has("ty") && has("qw"))) {
     return "; this is a trajectory of TUM or evo (timestamp tx ty tz qx qy qz qw)" + to_csv + kByCommand;
   }
   if (numbers && values.size() == kKitti) {
     return "; this is a trajectory of KITTI (3 x 4 matrices without times)" + to_csv +
            ", such as by evo_traj kitti --save_as_tum with the times, then from TUM";
-  }
-  if ((numbers && values.size() == kEuroc) || has("p_RS_R_x")) {
-    return "; this is a trajectory of EuRoC (times in ns, quaternion w first)" + to_csv +
-           ", such as by evo_traj euroc --save_as_tum, then from TUM";
   }
   if (has("field.")) {
     return "; this is a topic of ROS as rostopic echo -p writes it (times in ns)" + to_csv;
@@ -161,12 +164,13 @@ void require_within_reach(const CsvTable& table, const Vec3& position) {
   }
 }
 
-/// Asks for the unit of the times when the rows are far apart and the tool hardly moves. @return the
-/// question; empty when there is none @throws InputError for a path that is too long
+/// Asks for the units when the tool is faster than any hand, or the rows are far apart and it hardly moves.
+/// @return the question; empty when there is none @throws InputError for a path that is too long
 std::string time_unit_question(const std::vector<PathRow>& rows) {
   constexpr std::size_t kFewest = 8;  // rows of a log
   constexpr double kMoves = 1e-3;     // m, of a log in which the tool moves
   constexpr double kSlow = 2e-3;      // m/s; 2 m/s if the times are in ms
+  constexpr double kFastest = 100.0;  // m/s, which a workspace_scale may make slower
   const double length = rows.back().time - rows.front().time;
   if (length > kLongestTimes) {
     throw InputError(
@@ -178,11 +182,21 @@ std::string time_unit_question(const std::vector<PathRow>& rows) {
   std::vector<double> steps;
   RowTimes times;
   double way = 0.0;
+  std::size_t fastest = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     steps.push_back(rows[i].time - rows[i - 1].time);
     const double moved = (rows[i].position - rows[i - 1].position).norm();
     way += moved;
-    times.fastest = std::max(times.fastest, moved / steps.back());
+    if (moved / steps.back() > times.fastest) {
+      times.fastest = moved / steps.back();
+      fastest = i;
+    }
+  }
+  if (times.fastest > kFastest) {
+    return fmt::format(
+        "the tool moves at {:.3g} m/s between rows {} and {}: is time_s in days, as Excel counts, or is a "
+        "row wrong?",
+        times.fastest, fastest, fastest + 1);
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());

@@ -348,6 +348,15 @@ TEST(ReadToolPath, AFarLongerPauseThanBetweenTheOtherRowsIsQuestioned) {
   EXPECT_THAT(path_remarks_in(log_with_pause(9.0)), testing::IsEmpty());
 }
 
+TEST(ReadToolPath, AToolThatIsFasterThanAnyHandIsQuestionedWithItsRows) {
+  std::string log = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 10; ++i) log += fmt::format("{},0,0,{}\n", 0.01 * i, i < 5 ? 0.06 : 2.06);
+  EXPECT_THAT(
+      path_remarks_in(log),
+      ElementsAre(HasSubstr("way.csv: the tool moves at 200 m/s between rows 5 and 6: is time_s in days, as "
+                            "Excel counts, or is a row wrong?")));
+}
+
 TEST(ReadToolPath, AStaircaseOfStressRelaxationIsTaken) {
   const std::string stairs =
       "time_s,x_m,y_m,z_m\n0,0,0,0.06\n30,0,0,0.05\n330,0,0,0.05\n360,0,0,0.04\n660,0,0,0.04\n"
@@ -404,6 +413,10 @@ TEST(ReadToolPath, TrajectoriesOfOtherProgramsAreRefusedByName) {
       path_error_in("#timestamp [ns],p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1,0,0,0,"
                     "0,0,0,0,0,0\n"),
       HasSubstr("trajectory of EuRoC (times in ns"));
+  // Poses of its motion capture: as many values as TUM's.
+  EXPECT_THAT(
+      path_error_in("#timestamp [ns],p_RS_R_x [m]\n1403636580838555648,4.6,-1.7,0.7,0.5,-0.1,-0.8,-0.1\n"),
+      testing::AllOf(HasSubstr("trajectory of EuRoC (times in ns"), Not(HasSubstr("TUM or evo"))));
 }
 
 TEST(ToolPath, AFasterOneIsAtTheSamePlacesInLessTime) {
