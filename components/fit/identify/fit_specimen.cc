@@ -222,6 +222,8 @@ SpecimenFit fit_specimen(const Specimen& given, const Settings& settings, std::u
   fit.warnings = warnings_of(optima, profiles, curvature, fit);
   fit.warnings.insert(fit.warnings.begin(), misfit.warnings.begin(), misfit.warnings.end());
   for (std::string& question : unit_questions(specimen)) fit.warnings.push_back(std::move(question));
+  std::string question = settings.relaxation ? time_unit_question(specimen) : exchange_question(used);
+  if (!question.empty()) fit.warnings.push_back(std::move(question));
   if (specimen.empty_rows > 0) {
     fit.warnings.push_back(
         fmt::format("{} of 0 mm and 0 N after others left out",

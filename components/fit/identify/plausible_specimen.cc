@@ -25,12 +25,8 @@ void require_possible(const PlausibleRange& range, double value, const std::stri
   throw InputError(what + " " + in_unit(range, value) + ", " + limit_text(range, value) + question);
 }
 
-void require_seconds(Specimen& s, const std::string& where) {
-  if (s.time.size() < 2) return;
-  const double start = s.time.front();
-  if (const std::string question = unix_time_question(start); !question.empty()) {
-    throw InputError(fmt::format("{}: time_s = {}: {}", where, shortest(start), question));
-  }
+/// @param s has two times or more
+RowTimes row_times(const Specimen& s) {
   std::vector<double> steps;
   RowTimes times;
   for (std::size_t i = 1; i < s.time.size(); ++i) {
@@ -39,10 +35,23 @@ void require_seconds(Specimen& s, const std::string& where) {
     times.fastest = std::max(times.fastest, moved / steps.back());
   }
   times.median_step = median(steps);
+  return times;
+}
+
+std::string motion_text(const RowTimes& times) {
+  return fmt::format("time_s: the rows are {:.3g} s apart, displacement_mm changes by at most {:.3g} mm/s",
+                     times.median_step, times.fastest / kMillimetre);
+}
+
+void require_seconds(Specimen& s, const std::string& where) {
+  if (s.time.size() < 2) return;
+  const double start = s.time.front();
+  if (const std::string question = unix_time_question(start); !question.empty()) {
+    throw InputError(fmt::format("{}: time_s = {}: {}", where, shortest(start), question));
+  }
+  const RowTimes times = row_times(s);
   if (const std::string question = slow_rows_question(times, kSpeedRange.possible.low); !question.empty()) {
-    throw InputError(fmt::format(
-        "{}: time_s: the rows are {:.3g} s apart, displacement_mm changes by at most {:.3g} mm/s{}", where,
-        times.median_step, times.fastest / kMillimetre, question));
+    throw InputError(where + ": " + motion_text(times) + question);
   }
   if (std::abs(start) <= kLongestTimes) return;
   for (double& time : s.time) time -= start;
@@ -138,6 +147,37 @@ std::string unusual(const PlausibleRange& range, double value, const char* what,
 bool is_flat(const Specimen& s) {
   const Ranges ranges = ranges_of(s);
   return flat_until(s, ranges) >= ranges.lowest_displacement + ranges.displacement;
+}
+
+std::string time_unit_question(const Specimen& specimen) {
+  if (specimen.time.size() < 2) return {};
+  const RowTimes times = row_times(specimen);
+  const std::string slow = slow_rows_question(times, kSpeedRange.usual.low);
+  const std::string question = slow.empty() ? fast_rows_question(times) : slow;
+  return question.empty() ? "" : motion_text(times) + question;
+}
+
+std::string exchange_question(const Specimen& specimen) {
+  constexpr double kConcave = 0.6;  // of the rise of force, over the first half of the displacement
+  const Specimen sorted = by_displacement(specimen);
+  const Ranges ranges = ranges_of(sorted);
+  const auto mean_force = [&](double share) {
+    constexpr double kWindow = 0.05;  // of the range of displacement, to each side
+    double sum = 0.0;
+    double rows = 0.0;
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      const double at = (sorted.displacement[i] - ranges.lowest_displacement) / ranges.displacement;
+      if (std::abs(at - share) > kWindow) continue;
+      sum += sorted.force[i];
+      rows += 1.0;
+    }
+    return sum / rows;  // not a number without rows, which no comparison finds
+  };
+  const double first = mean_force(0.0);
+  if (!(mean_force(0.5) - first > kConcave * (mean_force(1.0) - first))) return {};
+  return "force_N rises ever more slowly with displacement_mm, where soft tissue stiffens: are the two "
+         "columns "
+         "exchanged, or does the tool slip?";
 }
 
 std::vector<std::string> unit_questions(const Specimen& specimen) {

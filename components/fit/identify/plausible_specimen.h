@@ -26,6 +26,14 @@ void check_specimen(Specimen& specimen, const std::string& where);
 /// [setup] One sentence for each range that is possible but unusual, with the unit that would make it usual.
 [[nodiscard]] std::vector<std::string> unit_questions(const Specimen& specimen);
 
+/// [setup] A question where the motion is slower or faster than usual, which matters to relaxation alone;
+/// empty where it is not.
+[[nodiscard]] std::string time_unit_question(const Specimen& specimen);
+
+/// [setup] A question where the force of a loading rises ever more slowly, as the displacement over the force
+/// of a tissue does; empty where it does not.
+[[nodiscard]] std::string exchange_question(const Specimen& loading);
+
 /// [setup] The radius of an indenter must be possible. @param name of the flag or column @throws InputError
 void require_tip_radius(const std::string& name, double radius);
 

@@ -396,7 +396,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
     const double contact = fit.own[0] * part.ranges.displacement;
     const std::string text = fmt::format(
         "the force rises from {} on, but the law puts first contact at {}: its force {} below contact may be "
-        "up to {} too high",
+        "{} too high or more",
         mm(contact - late), mm(contact), mm(depth), percent(excess, 0));
     if (excess > kVisible) out.warnings.push_back(text);
     if (excess > kPoorLateContact && out.poor.empty()) out.poor = poor_text(fit, text);

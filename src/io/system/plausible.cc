@@ -1,5 +1,7 @@
 #include "io/system/plausible.h"
 
+#include <vector>
+
 #include "core/base/text.h"
 
 namespace palpate {
@@ -21,13 +23,21 @@ std::string unit_question(const PlausibleRange& range, double value) {
 
 std::string column_question(const PlausibleRange& range, double value, std::string_view column,
                             double column_unit) {
+  constexpr double kLike = 10.0;  // times: a unit that differs more from the first is left out
+  std::vector<std::string> units;
+  std::vector<std::string> values;
+  double first = 0.0;  // [SI]
   for (const NamedUnit& unit : range.others) {
     const double other = value / column_unit * unit.si;
     if (unit.si == column_unit || !range.usual.contains(other)) continue;
-    return ": is " + std::string(column) + " in " + std::string(unit.name) + "? (it would be " +
-           brief(other / range.unit.si, 3) + " " + std::string(range.unit.name) + ")";
+    if (!units.empty() && !(unit.si < kLike * first && first < kLike * unit.si)) continue;
+    if (units.empty()) first = unit.si;
+    units.emplace_back(unit.name);
+    values.push_back(brief(other / range.unit.si, 3));
   }
-  return {};
+  if (units.empty()) return {};
+  return ": is " + std::string(column) + " in " + joined(units, " or ") + "? (it would be " +
+         joined(values, " or ") + " " + std::string(range.unit.name) + ")";
 }
 
 std::string unix_time_question(double first_time) {
@@ -51,6 +61,11 @@ std::string slow_rows_question(const RowTimes& rows, double slowest) {
            brief(speed / kSpeedRange.unit.si, 3) + " mm/s)";
   }
   return ": is time_s in seconds?";
+}
+
+std::string fast_rows_question(const RowTimes& rows) {
+  if (rows.fastest <= kSpeedRange.usual.high) return {};
+  return ": is time_s in hours or days, as Excel counts?";
 }
 
 }  // namespace palpate

@@ -30,7 +30,8 @@ struct PlausibleRange {
 
 inline constexpr NamedUnit kLengthUnits[] = {
     {"mm", 1e-3}, {"m", 1.0}, {"cm", 1e-2}, {"um", 1e-6}, {"in", 0.0254}};
-inline constexpr NamedUnit kForceUnits[] = {{"mN", 1e-3}, {"N", 1.0}, {"uN", 1e-6}, {"kN", 1e3}};
+inline constexpr NamedUnit kForceUnits[] = {
+    {"mN", 1e-3}, {"gf", 9.80665e-3}, {"N", 1.0}, {"uN", 1e-6}, {"kN", 1e3}};
 inline constexpr NamedUnit kStiffnessUnits[] = {{"N/m", 1.0}, {"N/cm", 1e2}, {"N/mm", 1e3}};
 inline constexpr NamedUnit kTimeUnits[] = {{"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
 
@@ -67,7 +68,8 @@ inline constexpr PlausibleRange kSpeedRange{{2e-6, kNoLimit}, {1e-4, 5.0}, {"mm/
 /// @param value as read [SI]
 [[nodiscard]] std::string unit_question(const PlausibleRange& range, double value);
 
-/// [setup] ": is force_N in mN? (it would be 2.3 N)", for a column; empty when no unit makes the value usual.
+/// [setup] ": is force_N in mN or gf? (it would be 2.3 or 22.6 N)", for a column; empty when no unit makes
+/// the value usual.
 /// @param value as read [SI] @param column its name @param column_unit in which it should be [SI]
 [[nodiscard]] std::string column_question(const PlausibleRange& range, double value, std::string_view column,
                                           double column_unit);
@@ -88,5 +90,9 @@ struct RowTimes {
 /// [setup] ": is time_s in ms? (the motion would reach 12 mm/s)" when rows are over a second apart and the
 /// fastest motion between them is slower than `slowest` [m/s]; empty otherwise.
 [[nodiscard]] std::string slow_rows_question(const RowTimes& rows, double slowest);
+
+/// [setup] ": is time_s in hours or days, as Excel counts?" when the fastest motion is faster than usual;
+/// empty otherwise.
+[[nodiscard]] std::string fast_rows_question(const RowTimes& rows);
 
 }  // namespace palpate

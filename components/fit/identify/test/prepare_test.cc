@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -169,6 +170,23 @@ TEST(Prepared, ADriftAlongACurveThatManyRowsShowIsSubtracted) {
   const SpecimenFit fit = fit_specimen(pressed_under_curved_drift(-500.0, 20e-3), smooth(), 0, {});
   EXPECT_NEAR(force_at_ten(fit), kAtTenMillimetres, 0.02 * kAtTenMillimetres);
   EXPECT_EQ(fit.poor, "");
+}
+
+TEST(Prepared, AFitAsksAboutExchangedColumnsAndWithRelaxationAboutTimes) {
+  Specimen specimen = pressed({});
+  std::swap(specimen.displacement, specimen.force);
+  for (std::size_t i = 0; i < specimen.size(); ++i) {
+    specimen.displacement[i] *= 1e-3;
+    specimen.force[i] *= 1e3;
+  }
+  EXPECT_THAT(fit_specimen(specimen, smooth(), 0, {}).warnings,
+              Contains(HasSubstr("are the two columns exchanged")));
+  Settings settings = smooth();
+  settings.relaxation = true;
+  specimen = pressed({});
+  for (std::size_t i = 0; i < specimen.size(); ++i)
+    specimen.time.push_back(20.0 * static_cast<double>(i));  // 5 mm/s, in ms
+  EXPECT_THAT(fit_specimen(specimen, settings, 0, {}).warnings, Contains(HasSubstr("is time_s in ms?")));
 }
 
 TEST(Prepared, RowsBeforeAJumpAtTheStartAreLeftOutAndNamed) {

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <string>
 
@@ -10,6 +11,8 @@
 #include "io/system/test/temporary_folder.h"
 #include "palpate/error.h"
 #include "palpate/identify.h"
+
+#include "fit/identify/plausible_specimen.h"
 
 namespace palpate::identify {
 namespace {
@@ -144,7 +147,7 @@ std::string press_in(double second, double millimetre, double newton, double beg
 TEST(ReadSpecimens, NumbersInAnotherUnitThanTheirColumnAreRefusedWithTheUnit) {
   EXPECT_THAT(error_in(press_in(1, 1, 1e3)),
               HasSubstr("curve.csv: force_N changes by 2290.26 N, must be at most 1000 N: "
-                        "is force_N in mN? (it would be 2.29 N)"));
+                        "is force_N in mN or gf? (it would be 2.29 or 22.5 N)"));
   EXPECT_THAT(error_in(press_in(1, 1e3, 1)),
               HasSubstr("displacement_mm changes by 12000 mm, must be at most 500 mm: is "
                         "displacement_mm in um? (it would be 12 mm)"));
@@ -158,6 +161,34 @@ TEST(ReadSpecimens, TimesInAnotherUnitThanSecondsAreRefusedWithTheUnit) {
   EXPECT_THAT(
       error_in(press_in(1e3, 1, 1, 1636500000100.0)),
       HasSubstr("curve.csv: time_s = 1636500000100: must be in seconds: is time_s in ms since 1970?"));
+}
+
+TEST(TimeUnitQuestion, AsksWhereAPressIsSlowerOrFasterThanUsual) {
+  const auto question = [](double second) {
+    Specimen press = read(press_in(1, 1, 1)).front();
+    for (double& time : press.time) time *= second;
+    return time_unit_question(press);
+  };
+  EXPECT_EQ(question(1.0), "");
+  EXPECT_EQ(
+      question(1e3),
+      "time_s: the rows are 100 s apart, displacement_mm changes by at most 0.003 mm/s: is time_s in ms? "
+      "(the motion would reach 3 mm/s)");
+  EXPECT_THAT(question(1.0 / 86400.0), HasSubstr(": is time_s in hours or days, as Excel counts?"));
+}
+
+TEST(ExchangeQuestion, AsksWhereTheForceRisesEverMoreSlowly) {
+  const Specimen press = read(press_in(1, 1, 1)).front();
+  Specimen exchanged = press;
+  for (std::size_t i = 0; i < press.size(); ++i) {
+    exchanged.displacement[i] = 1e-3 * press.force[i];  // mm and N
+    exchanged.force[i] = 1e3 * press.displacement[i];
+  }
+  EXPECT_EQ(exchange_question(press), "");
+  EXPECT_THAT(exchange_question(exchanged), HasSubstr("are the two columns exchanged"));
+  Specimen line = press;
+  for (std::size_t i = 0; i < press.size(); ++i) line.force[i] = 100.0 * press.displacement[i];
+  EXPECT_EQ(exchange_question(line), "");
 }
 
 TEST(ReadSpecimens, UnixTimeIsCountedFromTheFirstRow) {

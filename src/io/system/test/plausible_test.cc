@@ -16,7 +16,12 @@ TEST(Plausible, AMeshIsAskedForTheUnitThatGivesAUsualSize) {
 }
 
 TEST(Plausible, AColumnIsAskedForTheUnitThatGivesAUsualNumber) {
-  EXPECT_EQ(column_question(kForceRange, 2300.0, "force_N", 1.0), ": is force_N in mN? (it would be 2.3 N)");
+  EXPECT_EQ(column_question(kForceRange, 2300.0, "force_N", 1.0),
+            ": is force_N in mN or gf? (it would be 2.3 or 22.6 N)");
+  EXPECT_EQ(column_question(kPlausibleStiffness, 0.018, "k1_N_per_m", 1.0),
+            ": is k1_N_per_m in N/cm? (it would be 1.8 N/m)")
+      << "N/mm is ten times as much";
+  EXPECT_EQ(column_question(kForceRange, 300e3, "force_N", 1.0), ": is force_N in uN? (it would be 0.3 N)");
   EXPECT_EQ(column_question(kDepthRange, 12.0, "displacement_mm", 1e-3),
             ": is displacement_mm in um? (it would be 12 mm)");
   EXPECT_EQ(column_question(kDepthRange, 12e-6, "displacement_mm", 1e-3),
@@ -39,6 +44,11 @@ TEST(Plausible, SlowRowsAreAskedForTheUnitOfTheirTimes) {
   EXPECT_EQ(slow_rows_question({2e7, 12e-12}, 1e-4), ": is time_s in ns? (the motion would reach 12 mm/s)");
   EXPECT_EQ(slow_rows_question({0.9, 12e-6}, 1e-4), "") << "rows less than a second apart";
   EXPECT_EQ(slow_rows_question({20.0, 12e-3}, 1e-4), "") << "a usual speed";
+}
+
+TEST(Plausible, FastRowsAreAskedForTheUnitOfTheirTimes) {
+  EXPECT_EQ(fast_rows_question({1e-6, 700.0}), ": is time_s in hours or days, as Excel counts?");
+  EXPECT_EQ(fast_rows_question({1e-3, 4.9}), "") << "a fast hand";
 }
 
 }  // namespace
