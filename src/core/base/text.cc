@@ -122,13 +122,14 @@ std::string other_unit(std::string_view name, std::string_view meant) {
   const std::size_t end = name.rfind('_');
   if (end == std::string_view::npos || meant.rfind('_') != end || !meant.starts_with(name.substr(0, end)))
     return {};
-  const std::string unit(name.substr(end + 1));
-  const std::string right(meant.substr(end + 1));
   const auto is_unit = [](std::string_view word) {
     return std::find(std::begin(kUnits), std::end(kUnits), word) != std::end(kUnits);
   };
-  return unit != right && is_unit(unit) && is_unit(right) ? ", with values in " + right + ", not " + unit
-                                                          : "";
+  if (name == meant || !is_unit(name.substr(end + 1)) || !is_unit(meant.substr(end + 1))) return {};
+  std::size_t from = end;
+  if (name.substr(0, end).ends_with("_per")) from = name.rfind('_', end - 5);  // "N_per_mm"
+  return ", with values in " + std::string(meant.substr(from + 1)) + ", not " +
+         std::string(name.substr(from + 1));
 }
 
 }  // namespace palpate

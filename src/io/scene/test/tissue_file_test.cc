@@ -141,8 +141,8 @@ TEST(TissueFile, NamesTheNearestKnownKeyOfAnUnknownOne) {
   EXPECT_EQ(tissue_error_in(kRequired + "[tissue.contact]\nfriktion = 0.3\n"),
             "soft.toml:10: tissue.contact.friktion = 0.3: unknown key, did you mean friction?");
   EXPECT_EQ(tissue_error_in(replaced(kRequired, "k1_N_per_m", "k1_N_per_mm")),
-            "soft.toml:2: tissue.k1_N_per_mm = 18: unknown key, did you mean k1_N_per_m, with values in m, "
-            "not mm?");
+            "soft.toml:2: tissue.k1_N_per_mm = 18: unknown key, did you mean k1_N_per_m, with values in "
+            "N_per_m, not N_per_mm?");
   EXPECT_THAT(tissue_error_in(kRequired + "[tisue]\n"), HasSubstr("soft.toml:9: tisue = "));
 }
 
