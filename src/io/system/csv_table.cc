@@ -249,7 +249,7 @@ bool CsvTable::take_line() {
   }
 }
 
-/// Goes to the next line that is neither blank nor a comment.
+/// Goes to the next line that is neither blank nor a comment, nor a first line "sep=;" for Excel.
 bool CsvTable::next_line() {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   for (;;) {
@@ -258,7 +258,8 @@ bool CsvTable::next_line() {
     if (line_number_ == 1 && line_.starts_with(kByteOrderMark)) line_.remove_prefix(kByteOrderMark.size());
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     const std::string_view text = trimmed(line_);
-    if (text.empty() || text.starts_with('#')) continue;
+    const bool is_for_excel = line_number_ == 1 && text.starts_with("sep=");
+    if (text.empty() || text.starts_with('#') || is_for_excel) continue;
     if (line_.find('\0') != std::string_view::npos) {
       fail("has zero bytes: must be UTF-8, or UTF-16 with a byte order mark");
     }

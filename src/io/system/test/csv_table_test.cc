@@ -61,6 +61,7 @@ TEST(CsvTable, FindsColumnsByNameInAnyOrder) {
 TEST(CsvTable, PassesOverCommentsBlankLinesByteOrderMarkAndCarriageReturns) {
   const std::vector<double> wanted = {1.0, 2.0};
   EXPECT_EQ(depths_in("\xEF\xBB\xBF# made by hand\r\n\r\n depth_mm \r\n1\r\n\n# middle\n2"), wanted);
+  EXPECT_EQ(depths_in("sep=;\r\ndepth_mm;specimen\r\n1;a\r\n2;a\r\n"), wanted) << "for Excel";
 }
 
 TEST(CsvTable, RefusesHeadersThatAreMissingUnknownIncompleteOrTwice) {
