@@ -36,12 +36,12 @@ class OrganResponse;
 
 /// How finely prepare_response() computes an organ.
 struct ResponseCells {
-  double edge = 0.0;        // of its cells [m]
-  double thin_share = 0.0;  // of the organ's area: on parts thinner than a cell, whose motion is not reliable
+  double edge = 0.0;        // of its cells [m]; half of it where the organ is thin
+  double thin_share = 0.0;  // of its area, on parts thinner than their cells, whose motion is not reliable
 };
 /// [setup] @param organ closed, outwards
 [[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ);
-/// [setup] A sentence for users: the cells' size, and how much of the surface is on thinner parts.
+/// [setup] A sentence for users: the cells' size, and how much of the surface is on parts too thin for them.
 [[nodiscard]] std::string describe(const ResponseCells& cells);
 
 /// Displaced surface of one contact, in the organ's frame: a tool presses or pulls the surface there.

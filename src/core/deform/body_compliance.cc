@@ -5,7 +5,7 @@
 //
 //        +-----+-----+-----+        whole cells: the same stiffness, computed once
 //        |  ..-+-----+-..  |        cut cells: integrated over the part inside the organ
-//        +-'---+-----+---'-+        (CellFilling), with 1e-4 of the stiffness outside, so that
+//        +-'---+-----+---'-+        (cell_pieces.h), with 1e-4 of the stiffness outside, so that
 //        |'    |     |    '|        no node is loose
 //        +-----+-----+-----+
 //
@@ -54,10 +54,11 @@ constexpr std::size_t kMostNodes = 400;
 constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
 #endif
 // Rises when the same organ and support get another response.
-constexpr std::uint64_t kResponseVersion = 1;
+constexpr std::uint64_t kResponseVersion = 2;
 constexpr double kFewestCells = 3.0;  // along the longest extent
 constexpr double kMostCells = 60.0;
-constexpr int kSteps = 7;                // of the search for the finest grid
+constexpr int kSteps = 6;                // at most, of the search for the finest cells
+constexpr double kFineEnough = 1.02;     // between the finest cells that are known to do and too fine ones
 constexpr double kWhole = 1.0 - 1e-9;    // share of a cell that counts as filled
 constexpr double kOutside = 1e-4;        // stiffness outside the organ in cut cells
 constexpr double kHeldInside = 15.0;     // the same of what is held inside, by the square of a cell
@@ -89,7 +90,7 @@ AxisProducts axis_products() {
 // Integrals of products of the nodes' slopes over a cell with these moments: entry (27 i + a, 27 j + b) is
 // that of slope i of node a times slope j of node b, times the cell's edge. One axis is summed after the
 // other.
-MatrixXd slope_products(const CellFilling::Moments& moments) {
+MatrixXd slope_products(const CellPieces::Moments& moments) {
   static const AxisProducts kProducts = axis_products();
   MatrixXd result(3 * kNodes, 3 * kNodes);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -120,8 +121,8 @@ MatrixXd slope_products(const CellFilling::Moments& moments) {
   return result;
 }
 
-CellFilling::Moments moments_of_whole_cell() {
-  CellFilling::Moments moments{};
+CellPieces::Moments moments_of_whole_cell() {
+  CellPieces::Moments moments{};
   for (std::size_t a = 0; a < 5; ++a)
     for (std::size_t b = 0; b < 5; ++b)
       for (std::size_t c = 0; c < 5; ++c)
@@ -130,90 +131,48 @@ CellFilling::Moments moments_of_whole_cell() {
   return moments;
 }
 
-// Cells that the organ or its surface reaches.
-std::vector<std::array<int, 3>> cells_of(const CellGrid& grid, const CellFilling& filling,
-                                         const geometry::TriangleMesh& organ) {
-  std::vector<bool> touched(static_cast<std::size_t>(grid.cells()[0]) *
-                            static_cast<std::size_t>(grid.cells()[1]) *
-                            static_cast<std::size_t>(grid.cells()[2]));
-  for_each_part(organ, grid.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3&) {
-    touched[grid.number_of(grid.place_of(point).cell)] = true;
-  });
-  std::vector<std::array<int, 3>> cells;
-  std::array<int, 3> cell{};
-  for (cell[0] = 0; cell[0] < grid.cells()[0]; ++cell[0])
-    for (cell[1] = 0; cell[1] < grid.cells()[1]; ++cell[1])
-      for (cell[2] = 0; cell[2] < grid.cells()[2]; ++cell[2])
-        if (touched[grid.number_of(cell)] || filling.share(cell) > 0.0) cells.push_back(cell);
-  return cells;
-}
-
-std::size_t nodes_under(const CellGrid& grid, const std::vector<std::array<int, 3>>& cells) {
-  std::vector<bool> used(grid.nodes());
-  for (const auto& cell : cells)
-    for (const std::size_t node : grid.nodes_of(cell)) used[node] = true;
-  return static_cast<std::size_t>(std::count(used.begin(), used.end(), true));
-}
-
 // Assembles and inverts the stiffness of one organ.
 class Body {
  public:
-  Body(const geometry::TriangleMesh& organ, BodyCompliance& body)
-      : body_(body), grid_(body.grid), organ_(organ), filling_(grid_, organ) {}
+  explicit Body(BodyCompliance& body);
 
-  void number_nodes();
-  void add_cells();
-  void add_support(const geometry::HeldSurface& held);
+  void add_pieces();
+  void add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held);
   // @return false when nothing holds the organ
   [[nodiscard]] bool invert();
   // Takes an inverse of the cache instead. @return false when it is of other blocks
   [[nodiscard]] bool take(contact::ResponseArrays arrays);
 
  private:
-  void add_cell(const std::array<int, 3>& cell);
+  [[nodiscard]] MatrixXd stiffness(std::size_t piece) const;
+  // Adds a symmetric matrix of 3 x 3 blocks between the splines of a piece: entry (3 first + i, 3 second +
+  // j).
+  void add(std::size_t piece, const MatrixXd& matrix);
   // Adds the coupling of two nodes; the one with the larger number is the row.
   void add(std::int32_t row, std::int32_t column, const Matrix3d& stiffness);
 
   BodyCompliance& body_;
-  const CellGrid& grid_;
-  const geometry::TriangleMesh& organ_;
-  CellFilling filling_;
-  std::vector<std::array<int, 3>> cells_;
+  const CellPieces& pieces_;
   const MatrixXd whole_ = slope_products(moments_of_whole_cell());
   BlockMatrix matrix_;
-  std::vector<std::size_t> block_of_;  // per unknown node
+  std::vector<std::size_t> block_of_;  // per node
 };
 
-void Body::number_nodes() {
-  cells_ = cells_of(grid_, filling_, organ_);
-  std::vector<bool> used(grid_.nodes());
-  for (const auto& cell : cells_)
-    for (const std::size_t node : grid_.nodes_of(cell)) used[node] = true;
-  std::size_t longest = 0;
-  for (std::size_t axis = 1; axis < 3; ++axis)
-    if (grid_.cells()[axis] > grid_.cells()[longest]) longest = axis;
-  const std::size_t stride = grid_.stride(longest);
-  const auto planes = static_cast<std::size_t>(grid_.cells()[longest] + 2);
-  body_.unknown_of.assign(grid_.nodes(), -1);
-  for (std::size_t plane = 0; plane < planes; ++plane) {
-    const std::size_t before = body_.nodes.size();
-    if (plane % 2 == 0) matrix_.first.push_back(3 * before);
-    for (std::size_t node = 0; node < used.size(); ++node) {
-      if (!used[node] || node / stride % planes != plane) continue;
-      body_.unknown_of[node] = static_cast<std::int32_t>(body_.nodes.size());
-      body_.nodes.push_back(static_cast<std::int32_t>(node));
-      block_of_.push_back(plane / 2);
-    }
+Body::Body(BodyCompliance& body) : body_(body), pieces_(body.pieces) {
+  const std::vector<std::size_t>& planes = pieces_.planes();
+  for (std::size_t plane = 0; plane + 1 < planes.size(); ++plane) {
+    if (plane % 2 == 0) matrix_.first.push_back(3 * planes[plane]);
+    block_of_.resize(planes[plane + 1], plane / 2);
   }
-  matrix_.first.push_back(3 * body_.nodes.size());
+  matrix_.first.push_back(3 * pieces_.nodes());
 }
 
-void Body::add_cells() {
+void Body::add_pieces() {
   for (std::size_t k = 0; k + 1 < matrix_.first.size(); ++k) {
     matrix_.diagonal.emplace_back(matrix_.size(k) * matrix_.size(k));
     if (k + 2 < matrix_.first.size()) matrix_.coupling.emplace_back(matrix_.size(k + 1) * matrix_.size(k));
   }
-  for (const auto& cell : cells_) add_cell(cell);
+  for (std::size_t piece = 0; piece < pieces_.pieces().size(); ++piece) add(piece, stiffness(piece));
 }
 
 void Body::add(std::int32_t row, std::int32_t column, const Matrix3d& stiffness) {
@@ -228,60 +187,82 @@ void Body::add(std::int32_t row, std::int32_t column, const Matrix3d& stiffness)
       to[first + height * c + r] += stiffness(static_cast<Index>(r), static_cast<Index>(c));
 }
 
-void Body::add_cell(const std::array<int, 3>& cell) {
+MatrixXd Body::stiffness(std::size_t piece) const {
   constexpr double kLame = kPoisson / ((1.0 + kPoisson) * (1.0 - 2.0 * kPoisson));
   constexpr double kShear = 1.0 / (2.0 * (1.0 + kPoisson));
   MatrixXd products = whole_;
-  if (filling_.share(cell) < kWhole) products = slope_products(filling_.moments(cell)) + kOutside * whole_;
-  const auto nodes = grid_.nodes_of(cell);
-  for (std::size_t a = 0; a < nodes.size(); ++a) {
-    const std::int32_t row = body_.unknown_of[nodes[a]];
-    for (std::size_t b = 0; b < nodes.size(); ++b) {
-      const std::int32_t column = body_.unknown_of[nodes[b]];
-      if (row < column) continue;
+  if (pieces_.share(piece) < kWhole) products = slope_products(pieces_.moments(piece)) + kOutside * whole_;
+  MatrixXd matrix(3 * kNodes, 3 * kNodes);
+  for (Index a = 0; a < kNodes; ++a) {
+    for (Index b = 0; b < kNodes; ++b) {
       Matrix3d m;
       for (Index i = 0; i < 3; ++i)
-        for (Index j = 0; j < 3; ++j)
-          m(i, j) = products(i * kNodes + static_cast<Index>(a), j * kNodes + static_cast<Index>(b));
-      add(row, column,
-          grid_.edge() * (kLame * m + kShear * m.transpose() + kShear * m.trace() * Matrix3d::Identity()));
+        for (Index j = 0; j < 3; ++j) m(i, j) = products(i * kNodes + a, j * kNodes + b);
+      matrix.block<3, 3>(3 * a, 3 * b) = pieces_.edge_of(piece) * (kLame * m + kShear * m.transpose() +
+                                                                   kShear * m.trace() * Matrix3d::Identity());
     }
   }
+  return matrix;
 }
 
-void Body::add_support(const geometry::HeldSurface& held) {
-  using Products = Eigen::Matrix<double, kNodes, kNodes>;
-  std::map<std::array<int, 3>, Products> cells;
-  for_each_part(organ_, grid_.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
-    if (!held.holds(point, area)) return;
-    const CellGrid::Place place = grid_.place_of(point);
-    const auto weights = CellGrid::weights(place);
-    const Eigen::Map<const Eigen::Matrix<double, kNodes, 1>> w(weights.data());
-    cells.try_emplace(place.cell, Products::Zero()).first->second += area.norm() * w * w.transpose();
-  });
-  const double inside = kHeldInside / kHeldStiffness * grid_.edge() * grid_.edge();
-  for (const auto& cell : cells_) {
-    filling_.for_each_point(cell, [&](const std::array<double, 3>& within, double share) {
-      const Vec3 point =
-          grid_.low() + grid_.edge() * Vec3(cell[0] + within[0], cell[1] + within[1], cell[2] + within[2]);
-      if (!held.holds_inside(point)) return;
-      const auto weights = CellGrid::weights({cell, within});
-      const Eigen::Map<const Eigen::Matrix<double, kNodes, 1>> w(weights.data());
-      cells.try_emplace(cell, Products::Zero()).first->second += inside * share * w * w.transpose();
+void Body::add(std::size_t piece, const MatrixXd& matrix) {
+  const CellPieces::Splines& splines = pieces_.pieces()[piece].splines;
+  std::vector<std::int32_t> nodes;
+  for (const std::int32_t spline : splines)
+    pieces_.for_each_term(spline, [&nodes](std::int32_t node, float) { nodes.push_back(node); });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  // Sums over the rows' terms first, then over the columns'.
+  MatrixXd rows = MatrixXd::Zero(3 * static_cast<Index>(nodes.size()), 3 * kNodes);
+  MatrixXd sums = MatrixXd::Zero(rows.rows(), rows.rows());
+  for (std::size_t s = 0; s < splines.size(); ++s) {
+    pieces_.for_each_term(splines[s], [&](std::int32_t node, float weight) {
+      const Index n = std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin();
+      rows.middleRows<3>(3 * n) +=
+          static_cast<double>(weight) * matrix.middleRows<3>(3 * static_cast<Index>(s));
     });
   }
-  for (const auto& [cell, products] : cells) {
-    const auto nodes = grid_.nodes_of(cell);
-    for (std::size_t a = 0; a < nodes.size(); ++a) {
-      for (std::size_t b = 0; b < nodes.size(); ++b) {
-        const std::int32_t row = body_.unknown_of[nodes[a]];
-        const std::int32_t column = body_.unknown_of[nodes[b]];
-        if (row >= column)
-          add(row, column,
-              kHeldStiffness / grid_.edge() * products(static_cast<Index>(a), static_cast<Index>(b)) *
-                  Matrix3d::Identity());
-      }
-    }
+  for (std::size_t s = 0; s < splines.size(); ++s) {
+    pieces_.for_each_term(splines[s], [&](std::int32_t node, float weight) {
+      const Index n = std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin();
+      sums.middleCols<3>(3 * n) +=
+          static_cast<double>(weight) * rows.middleCols<3>(3 * static_cast<Index>(s));
+    });
+  }
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+      add(nodes[a], nodes[b], sums.block<3, 3>(3 * static_cast<Index>(a), 3 * static_cast<Index>(b)));
+}
+
+void Body::add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held) {
+  using Products = Eigen::Matrix<double, kNodes, kNodes>;
+  std::map<std::size_t, Products> springs;  // by piece
+  const double edge = pieces_.cells().whole().edge();
+  const auto add_spring = [&springs](const CellPieces::Place& place, double stiffness) {
+    const auto weights = CellGrid::weights(place.within);
+    const Eigen::Map<const Eigen::Matrix<double, kNodes, 1>> w(weights.data());
+    springs.try_emplace(place.piece, Products::Zero()).first->second += stiffness * w * w.transpose();
+  };
+  for_each_part(organ, edge / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
+    if (held.holds(point, area))
+      add_spring(pieces_.place_of(point, area.normalized()), kHeldStiffness / edge * area.norm());
+  });
+  for (std::size_t piece = 0; piece < pieces_.pieces().size(); ++piece) {
+    const double edge_here = pieces_.edge_of(piece);
+    const auto cell = pieces_.cells().cell_of(pieces_.pieces()[piece].cell);
+    pieces_.for_each_point(piece, [&](const std::array<double, 3>& within, double share) {
+      const Vec3 point = pieces_.cells().whole().low() +
+                         edge_here * Vec3(cell[0] + within[0], cell[1] + within[1], cell[2] + within[2]);
+      if (held.holds_inside(point))
+        add_spring({piece, within}, kHeldInside * share * edge_here * edge_here * edge_here / (edge * edge));
+    });
+  }
+  for (const auto& [piece, products] : springs) {
+    MatrixXd matrix = MatrixXd::Zero(3 * kNodes, 3 * kNodes);
+    for (Index a = 0; a < kNodes; ++a)
+      for (Index b = 0; b < kNodes; ++b)
+        matrix.block<3, 3>(3 * a, 3 * b) = products(a, b) * Matrix3d::Identity();
+    add(piece, matrix);
   }
 }
 
@@ -320,26 +301,29 @@ std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, 
   if (!arrays) return std::nullopt;
   const double cells = box.size().maxCoeff() / arrays->cell_edge;  // along the longest extent
   if (!(cells > 0.5 * kFewestCells && cells < 2.0 * kMostCells)) return std::nullopt;
-  BodyCompliance made{CellGrid(box, arrays->cell_edge), {}, {}, {}};
-  Body body(organ, made);
-  body.number_nodes();
-  if (!body.take(std::move(*arrays))) return std::nullopt;
+  BodyCompliance made{CellPieces(CellGrid(box, arrays->cell_edge), organ), {}};
+  if (!Body(made).take(std::move(*arrays))) return std::nullopt;
   return made;
 }
 
 }  // namespace
 
-CellGrid finest_grid(const geometry::TriangleMesh& organ) {
+CellPieces finest_pieces(const geometry::TriangleMesh& organ) {
   const geometry::Bounds box = geometry::bounds(organ);
   double most = box.size().maxCoeff() / kFewestCells;
   double least = box.size().maxCoeff() / kMostCells;
-  CellGrid best(box, most);
-  for (int step = 0; step < kSteps; ++step) {
-    const double edge = std::sqrt(least * most);
-    const CellGrid next(box, edge);
-    const bool fits = nodes_under(next, cells_of(next, CellFilling(next, organ), organ)) <= kMostNodes;
+  CellPieces best(CellGrid(box, most), organ);
+  double nodes = static_cast<double>(best.nodes());
+  double edge = most;
+  for (int step = 0; step < kSteps && most > kFineEnough * least; ++step) {
+    // Where the nodes would fit if their number went with the square of 1 / edge.
+    edge = std::clamp(edge * std::sqrt(nodes / static_cast<double>(kMostNodes)), kFineEnough * least,
+                      most / kFineEnough);
+    CellPieces next(CellGrid(box, edge), organ);
+    nodes = static_cast<double>(next.nodes());
+    const bool fits = next.nodes() <= kMostNodes;
     (fits ? most : least) = edge;
-    if (fits) best = next;
+    if (fits) best = std::move(next);
   }
   return best;
 }
@@ -352,15 +336,15 @@ BodyCompliance body_compliance(const geometry::TriangleMesh& organ, const geomet
   }
   const geometry::HeldSurface held(support, organ);
   geometry::check_support(support, organ);
-  BodyCompliance made{finest_grid(organ), {}, {}, {}};
-  Body body(organ, made);
-  body.number_nodes();
-  body.add_cells();
-  body.add_support(held);
+  BodyCompliance made{finest_pieces(organ), {}};
+  Body body(made);
+  body.add_pieces();
+  body.add_support(organ, held);
   if (!body.invert())
     throw InputError("support: holds too little of the organ's surface, so the organ would turn away");
   if (store != nullptr)
-    store->store_response(key, {made.grid.edge(), made.compliance.scale(), made.compliance.entries()});
+    store->store_response(
+        key, {made.pieces.cells().whole().edge(), made.compliance.scale(), made.compliance.entries()});
   return made;
 }
 

@@ -361,19 +361,19 @@ void DeformedSurface::set_response(std::shared_ptr<const OrganResponse> response
 }
 
 void DeformedSurface::gather_groups(std::size_t block) {
-  std::map<std::uint32_t, float> weight_of;
-  std::map<std::uint32_t, std::vector<Member>> in_cell;
+  std::map<std::int32_t, float> weight_of;
+  std::map<std::uint32_t, std::vector<Member>> in_piece;
   for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v) {
-    const ResponseField::Place place = whole_->place_of(rest_.vertices[v]);
-    in_cell[place.node].push_back({static_cast<std::uint32_t>(v), place});
-    const auto nodes = whole_->nodes_of(place);
+    const ResponseField::Place place = whole_->place_of(rest_.vertices[v], rest_normals_[v].cast<double>());
+    in_piece[place.piece].push_back({static_cast<std::uint32_t>(v), place});
+    const auto& nodes = whole_->splines_of(place.piece);
     const auto weights = ResponseField::weights_of(place);
     for (std::size_t n = 0; n < nodes.size(); ++n)
       weight_of[nodes[n]] = std::max(weight_of[nodes[n]], std::abs(weights[n]));
   }
   for (const auto& [node, weight] : weight_of) block_nodes_.push_back({node, weight});
   first_node_.push_back(block_nodes_.size());
-  for (const auto& entry : in_cell) {
+  for (const auto& entry : in_piece) {
     const std::span<const Member> members = entry.second;
     for (std::size_t first = 0; first < members.size(); first += kLanes)
       groups_.push_back(group_of(members.subspan(first, std::min(kLanes, members.size() - first))));
@@ -393,7 +393,7 @@ DeformedSurface::VertexGroup DeformedSurface::group_of(std::span<const Member> m
     return Float4x3{rows[0], rows[1], rows[2]};
   };
   VertexGroup group;
-  group.cell = members.front().place.node;
+  group.piece = members.front().place.piece;
   group.count = members.size();
   for (std::size_t i = 0; i < kLanes; ++i) group.vertices[i] = member(i).vertex;
   group.within = four([&member](std::size_t i) { return member(i).place.within; });
@@ -451,7 +451,7 @@ void DeformedSurface::move_whole(std::size_t block, bool at_rest) {
   const VertexGroup* before = nullptr;
   for (std::size_t g = first_group_[block]; g < first_group_[block + 1]; ++g) {
     const VertexGroup& group = groups_[g];
-    if (before == nullptr || before->cell != group.cell) whole_->take_polynomial(group.cell, polynomial);
+    if (before == nullptr || before->piece != group.piece) whole_->take_polynomial(group.piece, polynomial);
     before = &group;
     const FourMotions motions = whole_->at(polynomial, group.within, group.place);
     std::array<SurfaceVertex*, kLanes> vertices{};

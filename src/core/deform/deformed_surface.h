@@ -137,13 +137,13 @@ class DeformedSurface final {
   float whole_share_ = 1.0F;              // of the response
   // A node of the response, and the largest weight that it has for a vertex of a block.
   struct BlockNode {
-    std::uint32_t node = 0;
+    std::int32_t node = 0;
     float weight = 0.0F;
   };
-  // Up to four vertices of a block in one cell of the response; the last one fills the other lanes.
+  // Up to four vertices of a block in one piece of the response; the last one fills the other lanes.
   struct VertexGroup {
     Float4x3 within, place, normal;  // in the cell; at rest
-    std::uint32_t cell = 0;          // its first node
+    std::uint32_t piece = 0;
     std::array<std::uint32_t, kLanes> vertices{};
     std::size_t count = 0;
   };
@@ -152,7 +152,7 @@ class DeformedSurface final {
     ResponseField::Place place;
   };
   void gather_groups(std::size_t block);
-  // @param members one to four, in one cell
+  // @param members one to four, in one piece
   [[nodiscard]] VertexGroup group_of(std::span<const Member> members) const;
   std::vector<VertexGroup> groups_;
   std::vector<std::size_t> first_group_;  // per block: in groups_; one more at the end

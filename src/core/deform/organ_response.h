@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/deform/body_compliance.h"
-#include "core/deform/cell_grid.h"
+#include "core/deform/cell_pieces.h"
 #include "palpate/mesh.h"
 #include "palpate/support.h"
 
@@ -18,11 +18,11 @@ namespace palpate::deform {
 /// given. All functions are [any] and const; one response serves all threads.
 class OrganResponse final {
  public:
-  using Displacements = std::vector<Eigen::Vector4f>;  // one per node of the grid [m/N]; fourth entry 0
+  using Displacements = std::vector<Eigen::Vector4f>;  // one per spline [m/N]; fourth entry 0
 
   /// Nodes on which a force at a place of the surface acts, with their shares (sum 1).
   struct Load {
-    std::vector<std::pair<std::int32_t, float>> shares;  // unknown node, share
+    std::vector<std::pair<std::int32_t, float>> shares;  // node, share
     Vec3 normal = Vec3::Zero();                          // mean outward normal there, unit
   };
 
@@ -30,14 +30,13 @@ class OrganResponse final {
   OrganResponse(const geometry::TriangleMesh& organ, const geometry::Support& support,
                 const contact::OrganStore* store = nullptr);
 
-  [[nodiscard]] const CellGrid& grid() const noexcept { return body_.grid; }
-  /// Distance over which the cells spread a force [m]; a smaller contact needs the half-space's field in
-  /// addition. The less that adds, the better on a curved or thin organ, but splines do not resolve much less
-  /// than a cell, which counts for contacts of 4 mm beside cells of 8 mm.
-  [[nodiscard]] double spread() const noexcept {
-    return std::clamp(kSpread, kLeastSpread * grid().edge(), grid().edge());
+  [[nodiscard]] const CellPieces& pieces() const noexcept { return body_.pieces; }
+  /// Distance over which cells with this edge spread a force [m]; a smaller contact needs the half-space's
+  /// field in addition. The less that adds, the better on a curved or thin organ, but splines do not resolve
+  /// much less than a cell, which counts for contacts of 4 mm beside cells of 8 mm.
+  [[nodiscard]] static double spread(double edge) noexcept {
+    return std::clamp(kSpread, kLeastSpread * edge, edge);
   }
-  [[nodiscard]] std::size_t node_count() const noexcept { return body_.nodes.size(); }
 
   /// A force spread like Hertz's pressure over the surface within `radius` [m] of a point on the side that
   /// `normal` faces. @param point on the surface [m] @param normal outward, unit
@@ -52,8 +51,8 @@ class OrganResponse final {
   /// Displacements without any force.
   [[nodiscard]] Displacements none() const;
 
-  /// The displacement at a point [m].
-  [[nodiscard]] Vec3 at(const Displacements& field, const Vec3& point) const noexcept;
+  /// The displacement at a place [m].
+  [[nodiscard]] Vec3 at(const Displacements& field, const CellPieces::Place& place) const noexcept;
 
  private:
   static constexpr double kSpread = 8e-3;      // m
@@ -61,6 +60,7 @@ class OrganResponse final {
   struct SurfacePart {
     Vec3 point = Vec3::Zero();  // [m]
     Vec3 area = Vec3::Zero();   // area vector, outwards [m^2]
+    CellPieces::Place place;
   };
   void gather_surface(const geometry::TriangleMesh& organ);
 

@@ -48,6 +48,9 @@ constexpr int kRadiusRounds = 6;
 // Slope of a dent's wall. A deeper dent is wider than the tool: real tissue gives way beside it, while the
 // linear half-space would have a wall that folds.
 constexpr double kSteepest = 1.7;
+// Radius of a pulled contact, times the tool's: what a tool holds moves as one, and this dent is as flat
+// there.
+constexpr double kHeldWide = 1.5;
 constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
 // A press whose direction is off the surface's normal by less than the first slides freely across its
 // direction, one by more than the second not at all: sines of 20 and 45 degrees.
@@ -78,8 +81,10 @@ double radius_of(double tip_radius, double depth) {
 ResponseField::ResponseField(std::shared_ptr<const OrganResponse> response)
     : response_(std::move(response)), field_(response_->none()), change_(field_.size(), 0.0F) {}
 
-ResponseField::Columns ResponseField::columns_for(const Contact& contact, double spread) const {
+ResponseField::Columns ResponseField::columns_for(const Contact& contact, const CellPieces::Place& place,
+                                                  double spread) const {
   Columns columns;
+  columns.place = place;
   columns.spread = spread;
   columns.load = response_->load_at(contact.point, contact.normal, spread);
   columns.along = response_->under(columns.load);
@@ -93,7 +98,7 @@ void ResponseField::set_radius(Columns& columns) const {
   const double depth = contact.displacement.norm();
   Vec3 cells;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    cells[static_cast<Index>(axis)] = contact.normal.dot(response_->at(columns.along[axis], contact.point));
+    cells[static_cast<Index>(axis)] = contact.normal.dot(response_->at(columns.along[axis], columns.place));
   const double beyond = cells.dot(contact.normal) - half_space_depth(columns.spread);
   double radius = radius_of(contact.tip_radius, depth);
   for (int round = 0; round < kRadiusRounds; ++round) {
@@ -101,17 +106,18 @@ void ResponseField::set_radius(Columns& columns) const {
     const double share = std::clamp(dent / std::max(dent + beyond, 0.5 * dent), 0.02, 1.0);
     radius = radius_of(contact.tip_radius, share * depth);
   }
+  if (!presses(contact)) radius = std::max(radius, kHeldWide * contact.tip_radius);
   if (radius == columns.radius) return;
   columns.radius = radius;
-  columns.near.set_terms(radius, columns.spread, response_->grid().edge());
+  columns.near.set_terms(radius, columns.spread, response_->pieces().edge_of(columns.place.piece));
 }
 
-Matrix3d ResponseField::response(const Columns& from, const Vec3& point) const {
+Matrix3d ResponseField::response(const Columns& from, const Columns& to) const {
   Matrix3d motion;
   for (Index axis = 0; axis < 3; ++axis) {
     FourMotions near = no_motions();
-    from.near.add(lanes_of(point.cast<float>().eval()), from.near.part_of(Vec3::Unit(axis)), near);
-    motion.col(axis) = response_->at(from.along[static_cast<std::size_t>(axis)], point) +
+    from.near.add(lanes_of(to.contact.point.cast<float>().eval()), from.near.part_of(Vec3::Unit(axis)), near);
+    motion.col(axis) = response_->at(from.along[static_cast<std::size_t>(axis)], to.place) +
                        near.first().displacement.cast<double>();
   }
   return motion;
@@ -123,8 +129,10 @@ void ResponseField::set(std::span<const Contact> contacts, float share) {
   std::swap(before_, contacts_);
   contacts_.clear();
   for (const Contact& contact : contacts) {
-    const double spread =
-        std::max(response_->spread(), radius_of(contact.tip_radius, contact.displacement.norm()));
+    const CellPieces& pieces = response_->pieces();
+    const CellPieces::Place place = pieces.place_of(contact.point, contact.normal);
+    const double spread = std::max(OrganResponse::spread(pieces.edge_of(place.piece)),
+                                   radius_of(contact.tip_radius, contact.displacement.norm()));
     const auto same = std::find_if(before_.begin(), before_.end(), [&](const Columns& c) {
       return c.contact.point == contact.point && c.spread == spread && c.contact.normal == contact.normal;
     });
@@ -132,7 +140,7 @@ void ResponseField::set(std::span<const Contact> contacts, float share) {
       contacts_.push_back(std::move(*same));
       before_.erase(same);
     } else {
-      contacts_.push_back(columns_for(contact, spread));
+      contacts_.push_back(columns_for(contact, place, spread));
     }
     contacts_.back().contact = contact;
     contacts_.back().force.setZero();
@@ -143,7 +151,7 @@ void ResponseField::set(std::span<const Contact> contacts, float share) {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     for (std::size_t j = 0; j < contacts_.size(); ++j)
       between_.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) =
-          response(contacts_[j], contacts_[i].contact.point);
+          response(contacts_[j], contacts_[i]);
   solve_presses();
   solve_sides();
   sum_up(share);
@@ -270,26 +278,16 @@ void ResponseField::compare_near(std::span<const NearField> before) {
     if (!continued[i]) compare(&before[i], nullptr);
 }
 
-ResponseField::Place ResponseField::place_of(const Vec3& vertex) const noexcept {
-  const CellGrid::Place place = response_->grid().place_of(vertex);
+ResponseField::Place ResponseField::place_of(const Vec3& vertex, const Vec3& outward) const noexcept {
+  const CellPieces::Place place = response_->pieces().place_of(vertex, outward);
   Place made;
-  made.node = static_cast<std::uint32_t>(response_->grid().first_node(place.cell));
+  made.piece = static_cast<std::uint32_t>(place.piece);
   for (std::size_t axis = 0; axis < 3; ++axis) made.within[axis] = static_cast<float>(place.within[axis]);
   return made;
 }
 
-std::array<std::uint32_t, CellGrid::kNodesOfCell> ResponseField::nodes_of(const Place& place) const noexcept {
-  std::array<std::uint32_t, CellGrid::kNodesOfCell> nodes{};
-  for (std::size_t n = 0; n < nodes.size(); ++n)
-    nodes[n] = place.node + static_cast<std::uint32_t>(n / 9 * response_->grid().stride(0) +
-                                                       n / 3 % 3 * response_->grid().stride(1) + n % 3);
-  return nodes;
-}
-
 std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place& place) noexcept {
-  CellGrid::Place in_cell;
-  for (std::size_t axis = 0; axis < 3; ++axis) in_cell.within[axis] = static_cast<double>(place.within[axis]);
-  const auto exact = CellGrid::weights(in_cell);
+  const auto exact = CellGrid::weights({place.within[0], place.within[1], place.within[2]});
   std::array<float, CellGrid::kNodesOfCell> weights{};
   std::transform(exact.begin(), exact.end(), weights.begin(), [](double w) { return static_cast<float>(w); });
   return weights;
@@ -298,11 +296,11 @@ std::array<float, CellGrid::kNodesOfCell> ResponseField::weights_of(const Place&
 PlaceMotion ResponseField::at(const Eigen::Vector3f& vertex, const Place& place) const noexcept {
   const Float4x3 within{Float4(place.within[0]), Float4(place.within[1]), Float4(place.within[2])};
   CellPolynomial cell;
-  take_polynomial(place.node, cell);
+  take_polynomial(place.piece, cell);
   return at(cell, within, lanes_of(vertex)).first();
 }
 
-void ResponseField::take_polynomial(std::uint32_t node, CellPolynomial& cell) const noexcept {
+void ResponseField::take_polynomial(std::uint32_t piece, CellPolynomial& cell) const noexcept {
   // Along one axis the splines are 1/2 - t + t^2/2, 1/2 + t - t^2 and t^2/2.
   const auto along_axis = [](std::array<Float4, 3>& of) {
     const auto [a, b, c] = of;
@@ -310,10 +308,12 @@ void ResponseField::take_polynomial(std::uint32_t node, CellPolynomial& cell) co
     of = {half * (a + b), b - a, half * (a + c) - b};
   };
   std::array<std::array<std::array<Float4, 3>, 3>, 3> nodes;  // components in lanes
+  const auto& numbers = splines_of(piece);
+  cell.edge = static_cast<float>(response_->pieces().edge_of(piece));
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = 0; b < 3; ++b) {
-      const std::size_t first = node + a * response_->grid().stride(0) + b * response_->grid().stride(1);
-      for (std::size_t c = 0; c < 3; ++c) nodes[a][b][c] = Float4::load_unaligned(field_[first + c].data());
+      for (std::size_t c = 0; c < 3; ++c)
+        nodes[a][b][c] = Float4::load_unaligned(field_[palpate::at(numbers[9 * a + 3 * b + c])].data());
       along_axis(nodes[a][b]);
     }
   }
@@ -329,14 +329,14 @@ void ResponseField::take_polynomial(std::uint32_t node, CellPolynomial& cell) co
       std::array<Float4, 3> line = {nodes[0][b][c], nodes[1][b][c], nodes[2][b][c]};
       along_axis(line);
       for (std::size_t a = 0; a < 3; ++a)
-        cell[a][b][c] = {Float4(line[a].get(0)), Float4(line[a].get(1)), Float4(line[a].get(2))};
+        cell.of[a][b][c] = {Float4(line[a].get(0)), Float4(line[a].get(1)), Float4(line[a].get(2))};
     }
   }
 }
 
 FourMotions ResponseField::at(const CellPolynomial& cell, const Float4x3& within,
                               const Float4x3& vertices) const noexcept {
-  const Float4 by_edge(static_cast<float>(1.0 / response_->grid().edge()));
+  const Float4 by_edge(1.0F / cell.edge);
   FourMotions motions;
   // Horner's scheme with derivatives, along z, then y, then x.
   const auto sum = [&](Float4 Float4x3::*component) __attribute__((always_inline)) {
@@ -353,7 +353,7 @@ FourMotions ResponseField::at(const CellPolynomial& cell, const Float4x3& within
       std::array<Float4, 3> line_z;
 #pragma GCC unroll 3
       for (std::size_t b = 0; b < 3; ++b) {
-        const auto& of = cell[a][b];
+        const auto& of = cell.of[a][b];
         const Float4 highest = of[2].*component;
         const Float4 middle = of[1].*component;
         line[b] = of[0].*component + within.z * (middle + within.z * highest);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/index.h"
 #include "core/deform/near_field.h"
 #include "core/deform/organ_response.h"
 #include "palpate/pose.h"
@@ -21,10 +22,10 @@ class ResponseField final {
     Vec3 displacement = Vec3::Zero();  // of the surface there [m]
     double tip_radius = 0.0;           // of the tool [m]
   };
-  /// Where a vertex lies among the cells.
+  /// Where a vertex lies.
   struct Place {
-    std::uint32_t node = 0;  // the first of its cell
-    std::array<float, 3> within{};
+    std::uint32_t piece = 0;
+    std::array<float, 3> within{};  // of the piece's cell
   };
 
   /// [setup]
@@ -39,23 +40,28 @@ class ResponseField final {
   /// [any] Share of the wanted displacement that contact i lacks, 0 to 1: above 0 only where the support
   /// holds the surface under the tool.
   [[nodiscard]] double missing(std::size_t i) const noexcept { return missing_[i]; }
-  /// [any] How much a node's displacement changed in the last set() [m].
-  [[nodiscard]] float change(std::uint32_t node) const noexcept { return change_[node]; }
+  /// [any] How much the displacement of a spline changed in the last set() [m].
+  [[nodiscard]] float change(std::int32_t spline) const noexcept { return change_[palpate::at(spline)]; }
   /// [any] How the fields near contacts changed in the last set().
   [[nodiscard]] std::span<const NearFieldChange> near_changes() const noexcept { return near_changes_; }
-  /// [any] Nodes of a vertex's cell, from its first, and their weights.
-  [[nodiscard]] std::array<std::uint32_t, CellGrid::kNodesOfCell> nodes_of(const Place& place) const noexcept;
+  /// [any] Splines of a piece of the organ, and their weights at a place in its cell.
+  [[nodiscard]] const CellPieces::Splines& splines_of(std::uint32_t piece) const noexcept {
+    return response_->pieces().pieces()[piece].splines;
+  }
   [[nodiscard]] static std::array<float, CellGrid::kNodesOfCell> weights_of(const Place& place) noexcept;
   /// [any] Place of a rest vertex, for at().
-  [[nodiscard]] Place place_of(const Vec3& vertex) const noexcept;
+  [[nodiscard]] Place place_of(const Vec3& vertex, const Vec3& outward) const noexcept;
   /// [any] Motion of a rest vertex.
   [[nodiscard]] PlaceMotion at(const Eigen::Vector3f& vertex, const Place& place) const noexcept;
 
-  /// The field in one cell as a polynomial of the place in it: the coefficient of x^a y^b z^c of each
+  /// The field of one piece as a polynomial of the place in its cell: the coefficient of x^a y^b z^c of each
   /// component at [a][b][c], in all four lanes.
-  using CellPolynomial = std::array<std::array<std::array<Float4x3, 3>, 3>, 3>;
-  /// [any] @param node the first of the cell
-  void take_polynomial(std::uint32_t node, CellPolynomial& cell) const noexcept;
+  struct CellPolynomial {
+    std::array<std::array<std::array<Float4x3, 3>, 3>, 3> of;
+    float edge = 0.0F;  // of the cell [m]
+  };
+  /// [any] The field of one piece.
+  void take_polynomial(std::uint32_t piece, CellPolynomial& cell) const noexcept;
   /// [any] Motions of four rest vertices in one cell. @param within their places in the cell
   [[nodiscard]] FourMotions at(const CellPolynomial& cell, const Float4x3& within,
                                const Float4x3& vertices) const noexcept;
@@ -64,16 +70,18 @@ class ResponseField final {
   // The field of one contact under unit forces along the axes.
   struct Columns {
     Contact contact;
-    double spread = 0.0;  // radius over which the cells' force is spread [m]
-    double radius = 0.0;  // of the contact [m]
+    CellPieces::Place place;  // of the contact
+    double spread = 0.0;      // radius over which the cells' force is spread [m]
+    double radius = 0.0;      // of the contact [m]
     OrganResponse::Load load;
     std::array<OrganResponse::Displacements, 3> along;
     NearField near;             // under the force times the field's share
     Vec3 force = Vec3::Zero();  // [N at Young's modulus 1]
   };
-  [[nodiscard]] Columns columns_for(const Contact& contact, double spread) const;
+  [[nodiscard]] Columns columns_for(const Contact& contact, const CellPieces::Place& place,
+                                    double spread) const;
   void set_radius(Columns& columns) const;
-  [[nodiscard]] Eigen::Matrix3d response(const Columns& from, const Vec3& point) const;
+  [[nodiscard]] Eigen::Matrix3d response(const Columns& from, const Columns& to) const;
   void solve_presses();
   void solve_sides();
   void sum_up(float share);
@@ -85,7 +93,7 @@ class ResponseField final {
   Eigen::MatrixXd between_;  // 3 rows a contact: displacement under unit forces of all
   std::vector<double> missing_;
   OrganResponse::Displacements field_;
-  std::vector<float> change_;  // per node [m]
+  std::vector<float> change_;  // per spline [m]
   std::vector<NearFieldChange> near_changes_;
 };
 

@@ -1,10 +1,18 @@
 #include "core/deform/organ_response.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "core/base/index.h"
+#include "core/deform/body_compliance.h"
+#include "core/deform/cell_pieces.h"
 #include "core/deform/response_field.h"
+#include "palpate/builtin.h"
 #include "palpate/error.h"
 #include "palpate/mesh.h"
 #include "palpate/surface.h"
@@ -51,39 +59,36 @@ TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
 
 TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
   EXPECT_EQ(describe({8.5715e-3, 0.0551}),
-            "8.57 mm; 5.5 % of the surface is on thinner parts, where the deformation shown is not reliable");
+            "8.57 mm, half as large where the organ is thin; 5.5 % of the surface is on parts thinner than "
+            "their cells, where the deformation shown is not reliable");
 }
 
 TEST(CellGrid, SplinesReproduceConstantsAndLines) {
   const CellGrid grid({Vec3(-1.0, -2.0, 0.0), Vec3(3.0, 1.0, 2.0)}, 0.7);
   for (const Vec3& point : {Vec3(0.1, 0.2, 0.3), Vec3(2.9, -1.9, 1.7), Vec3(-0.9, 0.9, 0.05)}) {
     const CellGrid::Place place = grid.place_of(point);
-    const auto nodes = grid.nodes_of(place.cell);
-    const auto weights = CellGrid::weights(place);
+    const auto weights = CellGrid::weights(place.within);
     double sum = 0.0;
     Vec3 middle = Vec3::Zero();
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      const Vec3 node(static_cast<double>(nodes[n] / grid.stride(0)),
-                      static_cast<double>(nodes[n] / grid.stride(1) % (grid.stride(0) / grid.stride(1))),
-                      static_cast<double>(nodes[n] % grid.stride(1)));
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+      const std::array<std::size_t, 3> offset = {n / 9, n / 3 % 3, n % 3};
+      Vec3 node;  // the middle of its splines, in cells
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        node[static_cast<Eigen::Index>(axis)] = place.cell[axis] + static_cast<double>(offset[axis]) - 0.5;
       sum += weights[n];
-      middle += weights[n] * (grid.low() + grid.edge() * (node - Vec3::Constant(0.5)));
+      middle += weights[n] * (grid.low() + grid.edge() * node);
     }
     EXPECT_NEAR(sum, 1.0, 1e-12);
     EXPECT_LT((middle - point).norm(), 1e-12);
   }
 }
 
-TEST(CellGrid, FillingHasTheVolumeOfABall) {
+TEST(CellPieces, HaveTheVolumeOfABall) {
   const geometry::TriangleMesh ball = geometry::make_ball(0.03, 5000);
-  const CellGrid grid(geometry::bounds(ball), 9e-3);
-  const CellFilling filling(grid, ball);
+  const CellPieces pieces(CellGrid(geometry::bounds(ball), 9e-3), ball);
   double volume = 0.0;
-  std::array<int, 3> cell{};
-  for (cell[0] = 0; cell[0] < grid.cells()[0]; ++cell[0])
-    for (cell[1] = 0; cell[1] < grid.cells()[1]; ++cell[1])
-      for (cell[2] = 0; cell[2] < grid.cells()[2]; ++cell[2])
-        volume += filling.share(cell) * std::pow(9e-3, 3);
+  for (std::size_t piece = 0; piece < pieces.pieces().size(); ++piece)
+    volume += pieces.share(piece) * std::pow(pieces.edge_of(piece), 3);
   EXPECT_NEAR(volume / geometry::signed_volume(ball), 1.0, 0.01);
 }
 
@@ -119,6 +124,87 @@ TEST(OrganResponse, HoldingTooLittleIsRefused) {
   EXPECT_THROW(OrganResponse(bar(), support), InputError);
 }
 
+// A bar of 16 mm width and 10 mm thickness, bent to a hairpin: two prongs of 60 mm with a gap of 6 mm
+// between.
+constexpr double kProng = 0.06;
+constexpr double kBend = 8e-3;  // radius of its middle line
+geometry::TriangleMesh hairpin() {
+  const double length = 2.0 * kProng + std::numbers::pi * kBend;
+  geometry::TriangleMesh mesh = geometry::make_box(Vec3(length, 16e-3, 10e-3), 2.5e-3);
+  for (Vec3& v : mesh.vertices) {
+    const double along = v.x() + 0.5 * length;
+    const double angle = std::clamp((along - kProng) / kBend, 0.0, std::numbers::pi);
+    const double beyond = along - kProng - kBend * angle;  // below 0 on the first prong
+    const Vec3 outward(std::sin(angle), 0.0, -std::cos(angle));
+    const Vec3 middle = kBend * outward + Vec3(kProng + (angle > 0.0 ? -beyond : beyond), v.y(), 0.0);
+    v = middle - v.z() * outward;
+  }
+  return mesh;
+}
+
+TEST(OrganResponse, ProngsOfAHairpinMoveApartLikeBeams) {
+  const geometry::TriangleMesh mesh = hairpin();
+  ASSERT_GT(geometry::signed_volume(mesh), 0.0);
+  geometry::Support support;
+  support.attachments.push_back({Vec3(0.0, 0.0, -kBend), 8e-3});
+  const OrganResponse response(mesh, support);
+  const OrganResponse::Load tip = response.load_at(Vec3(0.0, 0.0, kBend), -Vec3::UnitX(), 10e-3);
+  const OrganResponse::Displacements field = response.under(tip)[2];
+  const double motion = response.work(tip, Eigen::Vector3f::UnitZ(), field);
+  // Strain energy of the bending moment F x, with x from the ends: both prongs and the bend.
+  const double inertia = 16e-3 * std::pow(10e-3, 3) / 12.0;
+  const double bend = kBend * (std::numbers::pi * kProng * kProng + 4.0 * kProng * kBend +
+                               std::numbers::pi * kBend * kBend / 2.0);
+  const double beams = (2.0 * std::pow(kProng, 3) / 3.0 + bend) / inertia;
+  EXPECT_NEAR(motion / beams, 1.0, 0.15);
+}
+
+// Wherever an edge of the surface leads from one piece to another, both have the same displacement.
+void expect_continuous(const geometry::TriangleMesh& mesh, const geometry::Support& support, const Vec3& at) {
+  const OrganResponse response(mesh, support);
+  const CellPieces& pieces = response.pieces();
+  const OrganResponse::Displacements field = response.under(response.load_at(at, Vec3::UnitZ(), 8e-3))[2];
+  float largest = 0.0F;
+  for (const Eigen::Vector4f& u : field) largest = std::max(largest, u.norm());
+  std::size_t borders = 0;
+  double jump = 0.0;
+  for (const geometry::Triangle& t : mesh.triangles) {
+    const std::array<Vec3, 3> p = {mesh.vertices[palpate::at(t[0])], mesh.vertices[palpate::at(t[1])],
+                                   mesh.vertices[palpate::at(t[2])]};
+    const Vec3 normal = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 from = p[k];
+      Vec3 to = p[(k + 1) % 3];
+      if (pieces.place_of(from, normal).piece == pieces.place_of(to, normal).piece) continue;
+      while ((to - from).norm() > 1e-9) {
+        const Vec3 middle = 0.5 * (from + to);
+        const bool same = pieces.place_of(middle, normal).piece == pieces.place_of(from, normal).piece;
+        (same ? from : to) = middle;
+      }
+      ++borders;
+      jump = std::max(jump, (response.at(field, pieces.place_of(from, normal)) -
+                             response.at(field, pieces.place_of(to, normal)))
+                                .norm());
+    }
+  }
+  EXPECT_GT(borders, 100U);
+  EXPECT_LT(jump, 1e-5 * static_cast<double>(largest));
+}
+
+TEST(OrganResponse, ItsFieldIsContinuousBetweenPiecesAndBetweenCellsOfBothSizes) {
+  geometry::Support support;
+  support.attachments.push_back({Vec3(0.0, 0.0, -kBend), 8e-3});
+  expect_continuous(hairpin(), support, Vec3(0.5 * kProng, 0.0, kBend + 5e-3));
+  const geometry::TriangleMesh gallbladder = geometry::make_organ("gallbladder");
+  const auto eighths = [&] {
+    const CellPieces pieces = finest_pieces(gallbladder);
+    return std::count_if(pieces.pieces().begin(), pieces.pieces().end(),
+                         [&](const auto& piece) { return pieces.cells().is_eighth(piece.cell); });
+  }();
+  EXPECT_GT(eighths, 20);
+  expect_continuous(gallbladder, bed(), Vec3(0.0, 0.0, 0.017));
+}
+
 // --- several contacts
 
 ResponseField::Contact contact_at(const Vec3& outwards, double depth) {
@@ -138,13 +224,15 @@ TEST(ResponseField, EveryContactReachesItsDepth) {
   field.set(contacts);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Vec3& point = contacts[i].point;
-    const Vec3 u = field.at(point.cast<float>(), field.place_of(point)).displacement.cast<double>();
+    const Vec3 u =
+        field.at(point.cast<float>(), field.place_of(point, point.normalized())).displacement.cast<double>();
     EXPECT_NEAR(u.dot(contacts[i].normal), contacts[i].displacement.dot(contacts[i].normal), 2e-6) << i;
     EXPECT_EQ(field.missing(i), 0.0) << i;
   }
   // A pull holds its contact in all directions.
-  const Vec3 pulled = field.at(contacts[2].point.cast<float>(), field.place_of(contacts[2].point))
-                          .displacement.cast<double>();
+  const Vec3 pulled =
+      field.at(contacts[2].point.cast<float>(), field.place_of(contacts[2].point, contacts[2].normal))
+          .displacement.cast<double>();
   EXPECT_LT((pulled - contacts[2].displacement).norm(), 4e-6);
 }
 
@@ -155,7 +243,8 @@ TEST(ResponseField, APressThatAnotherPushesAwayDoesNotPull) {
                                                           contact_at(aside, 0.1e-3)};
   field.set(contacts);
   const Vec3& point = contacts[1].point;
-  const Vec3 u = field.at(point.cast<float>(), field.place_of(point)).displacement.cast<double>();
+  const Vec3 u =
+      field.at(point.cast<float>(), field.place_of(point, point.normalized())).displacement.cast<double>();
   EXPECT_LT(u.dot(aside), -2e-3);  // the deeper press takes it along
 }
 
@@ -175,7 +264,8 @@ TEST(ResponseField, TheSurfaceBulgesBesideAPress) {
   const ResponseField::Contact contact = contact_at(Vec3::UnitZ(), 5e-3);
   field.set({&contact, 1});
   const Vec3 side = 0.03 * Vec3::UnitX();
-  const Vec3 u = field.at(side.cast<float>(), field.place_of(side)).displacement.cast<double>();
+  const Vec3 u =
+      field.at(side.cast<float>(), field.place_of(side, Vec3::UnitX())).displacement.cast<double>();
   EXPECT_GT(u.x(), 0.1e-3);  // nearly incompressible: the equator moves outwards
 }
 
@@ -186,14 +276,15 @@ TEST(ResponseField, TheGradientIsTheDerivativeOfTheDisplacement) {
   constexpr float kStep = 1e-4F;
   for (const Vec3& direction : {Vec3(0.3, 0.2, 1.0), Vec3(1.0, 0.3, 0.2), Vec3(-0.7, 0.7, 0.3)}) {
     const Vec3 point = 0.03 * direction.normalized();
-    const PlaceMotion here = field.at(point.cast<float>(), field.place_of(point));
+    const PlaceMotion here = field.at(point.cast<float>(), field.place_of(point, point.normalized()));
     // Along the surface, where the half-space's part is meant; its part along the normal is not drawn.
     const Vec3 along = point.cross(Vec3::UnitZ()).cross(point).normalized();
     const Vec3 before = point - kStep * along;
     const Vec3 after = point + kStep * along;
-    const Eigen::Vector3f slope = (field.at(after.cast<float>(), field.place_of(after)).displacement -
-                                   field.at(before.cast<float>(), field.place_of(before)).displacement) /
-                                  (2.0F * kStep);
+    const Eigen::Vector3f slope =
+        (field.at(after.cast<float>(), field.place_of(after, after.normalized())).displacement -
+         field.at(before.cast<float>(), field.place_of(before, before.normalized())).displacement) /
+        (2.0F * kStep);
     EXPECT_LT((here.gradient * along.cast<float>() - slope).norm(), 0.06F) << direction.transpose();
   }
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 
 #include "core/base/index.h"
@@ -185,21 +184,6 @@ double half_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double lc = c.norm();
   // The callers round the result to whole turns, so the last bit does not matter; not used in a tick.
   return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
-
-DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
-  std::iota(parent_.begin(), parent_.end(), 0U);
-}
-
-std::uint32_t DisjointSets::find(std::uint32_t n) {
-  while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
-  return n;
-}
-
-void DisjointSets::unite(std::uint32_t a, std::uint32_t b) {
-  a = find(a);
-  b = find(b);
-  parent_[std::max(a, b)] = std::min(a, b);
 }
 
 void unite_fans(const std::vector<geometry::Triangle>& triangles, Corner a, Corner b, DisjointSets& fans) {

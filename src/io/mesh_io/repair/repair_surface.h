@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/infinity.h"
 #include "core/geometry/half_edges.h"
 #include "palpate/mesh.h"
@@ -70,17 +71,6 @@ struct Box {
   [[nodiscard]] bool holds(const Box& other) const {
     return (low.array() <= other.low.array()).all() && (other.high.array() <= high.array()).all();
   }
-};
-
-/// Disjoint sets of triangles (union-find); the smallest member identifies the set.
-class DisjointSets final {
- public:
-  explicit DisjointSets(std::size_t count);
-  std::uint32_t find(std::uint32_t n);
-  void unite(std::uint32_t a, std::uint32_t b);
-
- private:
-  std::vector<std::uint32_t> parent_;
 };
 
 /// Unites the fans of two triangles with a common edge, around both ends of the edge.
