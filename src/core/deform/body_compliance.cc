@@ -160,9 +160,11 @@ class Body {
 
 Body::Body(BodyCompliance& body) : body_(body), pieces_(body.pieces) {
   const std::vector<std::size_t>& planes = pieces_.planes();
-  for (std::size_t plane = 0; plane + 1 < planes.size(); ++plane) {
-    if (plane % 2 == 0) matrix_.first.push_back(3 * planes[plane]);
-    block_of_.resize(planes[plane + 1], plane / 2);
+  for (std::size_t plane = 0; plane + 1 < planes.size(); plane += 2) {
+    const std::size_t end = planes[std::min(plane + 2, planes.size() - 1)];
+    if (end == planes[plane]) continue;  // without nodes, as at the end of a thin organ
+    block_of_.resize(end, matrix_.first.size());
+    matrix_.first.push_back(3 * planes[plane]);
   }
   matrix_.first.push_back(3 * pieces_.nodes());
 }
