@@ -122,16 +122,11 @@ CellPieces::CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ
   std::vector<std::size_t> next = first_part_;
   for (std::size_t p = 0; p < piece_of.size(); ++p) parts_[next[piece_of[p]]++] = parts.parts()[p].line;
 
-  Links links;
-  std::vector<bool> known(pieces_.size() * pieces_.size(), false);
-  for (const auto& [a, b] : parts.links()) {
-    const std::array<std::uint32_t, 2> link = {std::min(piece_of[a], piece_of[b]),
-                                               std::max(piece_of[a], piece_of[b])};
-    const std::size_t number = link[0] * pieces_.size() + link[1];
-    if (known[number]) continue;
-    known[number] = true;
-    links.push_back(link);
-  }
+  Links links = parts.links();
+  for (std::array<std::uint32_t, 2>& link : links)
+    link = {std::min(piece_of[link[0]], piece_of[link[1]]), std::max(piece_of[link[0]], piece_of[link[1]])};
+  std::sort(links.begin(), links.end());
+  links.erase(std::unique(links.begin(), links.end()), links.end());
   number_nodes(links);
   add_terms();
 }
