@@ -23,7 +23,7 @@ class PanelsTest : public WindowTest {
 
   static WindowOptions tall(std::filesystem::path recording = {}) {
     WindowOptions options = small(std::move(recording));
-    options.size = {1100, 900};
+    options.size = {550, 450};
     return options;
   }
   /// Waits for a file with this extension to appear. @return the first one, or an empty path

@@ -13,15 +13,23 @@ using ::testing::HasSubstr;
 
 class ViewerTest : public WindowTest {
  protected:
-  /// Records 7 s of a press on the ball, faster than real time.
-  std::filesystem::path recorded(const std::string& name,
-                                 const scene::Overrides& request = ball("scripted")) {
+  /// Records 7 s of a press, faster than real time.
+  std::filesystem::path recorded(const std::string& name, const scene::Overrides& request) {
     (void)Session(scene::load(request)).run({file(name), true});
+    return file(name);
+  }
+  /// The same of a press on the ball, recorded once for all tests.
+  std::filesystem::path recorded(const std::string& name) {
+    static const test::TemporaryFolder common;
+    const std::filesystem::path press = common.path() / "press.h5";
+    if (!std::filesystem::exists(press)) (void)Session(scene::load(ball("scripted"))).run({press, true});
+    std::filesystem::copy_file(press, file(name));
     return file(name);
   }
   static ViewerOptions small_viewer() {
     ViewerOptions options;
-    options.size = {1000, 640};
+    options.size = {500, 320};
+    options.scale = 0.5F;
     return options;
   }
 };

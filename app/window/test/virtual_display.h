@@ -10,7 +10,7 @@
 
 namespace palpate::app {
 
-/// Starts Xvfb and sets DISPLAY; the destructor stops it.
+/// Starts Xvfb and uses it; the destructor stops it.
 class VirtualDisplay final {
  public:
   VirtualDisplay() {
@@ -22,8 +22,8 @@ class VirtualDisplay final {
       dup2(nothing, 2);
       close(ends[0]);
       const std::string number = std::to_string(ends[1]);
-      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "3840x2160x24", "-nolisten", "tcp",
-             nullptr);
+      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "3840x2160x24", "-noreset",
+             "-nolisten", "tcp", nullptr);
       _exit(127);
     }
     close(ends[1]);
@@ -33,12 +33,17 @@ class VirtualDisplay final {
     close(ends[0]);
     if (number.empty()) return;  // Xvfb is missing or did not start
     name_ = ":" + number;
+    use();
+  }
+  ~VirtualDisplay() { end(SIGTERM); }
+  /// Opens the process's windows on this display from now on.
+  void use() const {
+    if (!there()) return;
     setenv("DISPLAY", name_.c_str(), 1);
     unsetenv("WAYLAND_DISPLAY");
     setenv("SDL_VIDEODRIVER", "x11", 1);
     setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   }
-  ~VirtualDisplay() { end(SIGTERM); }
   /// Kills the server, as in a crash.
   void crash() { end(SIGKILL); }
   VirtualDisplay(const VirtualDisplay&) = delete;

@@ -22,8 +22,16 @@ namespace palpate::app {
 /// Options for small pictures, because they are drawn without a graphics card.
 inline WindowOptions small(std::filesystem::path recording = {}) {
   WindowOptions options;
-  options.size = {1000, 600};
+  options.size = {500, 300};
+  options.scale = 0.5F;
   options.recording = std::move(recording);
+  return options;
+}
+
+/// Options of a window whose text and panels have their usual size.
+inline WindowOptions full_scale() {
+  WindowOptions options;
+  options.size = {1000, 600};
   return options;
 }
 
@@ -50,19 +58,24 @@ inline scene::Overrides failing(const std::filesystem::path& file, const std::st
 
 class WindowTest : public testing::Test {
  protected:
+  WindowTest() { display().use(); }
   /// Whether a display is available. If not, prints the reason; the test must then return.
-  [[nodiscard]] bool display_is_there() const {
-    if (display_.there()) return true;
+  [[nodiscard]] static bool display_is_there() {
+    if (display().there()) return true;
     test::not_tested("there is no Xvfb (Debian package xvfb)");
     return false;
   }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_.path(); }
-  [[nodiscard]] const VirtualDisplay& display() const { return display_; }
 
  private:
+  /// One for all tests of a process.
+  static const VirtualDisplay& display() {
+    static const VirtualDisplay display;
+    return display;
+  }
+
   test::TemporaryFolder folder_;
-  VirtualDisplay display_;
 };
 
 /// Pixels of a rectangle of a picture, row by row.

@@ -23,7 +23,7 @@ using ::testing::HasSubstr;
 
 TEST_F(WindowTest, ShowsOrganPanelsAndPlotsSideBySide) {
   if (!display_is_there()) return;
-  DrivenWindow driven(ball("scripted"), small());
+  DrivenWindow driven(ball("scripted"), full_scale());
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.5; }));
   driven.frames(2);
   const Layout& all = driven.window().layout();
@@ -129,7 +129,7 @@ bool until_tool_rests(DrivenWindow& driven) {
 
 TEST_F(WindowTest, TheToolIsUnderTheMouseStaysOnThePanelsAndWhileTheViewTurns) {
   if (!display_is_there()) return;
-  DrivenWindow driven(ball("mouse"), small());
+  DrivenWindow driven(ball("mouse"), full_scale());
   ASSERT_TRUE(driven.until([&] { return driven.window().snapshot().hands == 1; }));
   driven.frames(2);
   const auto tool = [&] { return driven.window().snapshot().tools[0].pose_W.position; };
