@@ -28,6 +28,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr Display::Size kStudySize{960, 540};
+constexpr Display::Size kSmall{240, 135};  // for tests that look at no picture: it is drawn in software
 
 void push_key(SDL_Keycode key, Uint32 window = 0, Uint32 type = SDL_KEYDOWN) {
   SDL_Event event{};
@@ -86,9 +87,9 @@ class Meanwhile final {
 
 class StudyScreensTest : public WindowTest {
  protected:
-  std::unique_ptr<StudyScreens> open(const StudyScreensOptions& wanted = {}) {
+  std::unique_ptr<StudyScreens> open(const StudyScreensOptions& wanted = {}, Display::Size size = kSmall) {
     StudyScreensOptions options = wanted;
-    options.size = kStudySize;
+    options.size = size;
     return std::make_unique<StudyScreens>(study_, options);
   }
   static void show(StudyScreens& screens, const ScreenContent& content) {
@@ -189,7 +190,7 @@ TEST_F(StudyScreensTest, KeysOfBothWindowsAreInputs) {
 
 TEST_F(StudyScreensTest, EscAsksBeforeTheSessionStops) {
   if (!display_is_there()) return;
-  const auto screens = open();
+  const auto screens = open({}, kStudySize);
   const ScreenContent content = contents::moment(TrialState::kHome);
   show(*screens, content);
   const render::Image before = screens->participant_picture();
@@ -227,7 +228,7 @@ TEST_F(StudyScreensTest, TheHeldKeyWithdraws) {
 
 TEST_F(StudyScreensTest, TheParticipantsPictureShowsNothingOfTheExperimenters) {
   if (!display_is_there()) return;
-  const auto screens = open();
+  const auto screens = open({}, kStudySize);
   const ScreenContent content = contents::moment(TrialState::kInterval);
   ScreenContent other = content;
   other.ladder = {1e-3, 2e-3};
@@ -249,7 +250,7 @@ TEST_F(StudyScreensTest, TheParticipantsPictureShowsNothingOfTheExperimenters) {
 
 TEST_F(StudyScreensTest, TheExperimentersPictureHasNoLevelsOfATaskWithConditions) {
   if (!display_is_there()) return;
-  const auto screens = open();
+  const auto screens = open({}, kStudySize);
   ScreenContent content = contents::moment(TrialState::kInterval, "stiffness");
   show(*screens, content);
   const render::Image with = screens->experimenter_picture();
@@ -334,7 +335,7 @@ TEST_F(StudyScreensTest, TheDeviceSoundsInOneIntervalOfAnAudibleTrial) {
 
 TEST_F(StudyScreensTest, ANoteIsStoredByEnterAndItsLettersAreNoAnswers) {
   if (!display_is_there()) return;
-  const auto screens = open();
+  const auto screens = open({}, kStudySize);
   const ScreenContent content = contents::moment(TrialState::kAnswer, "stiffness");
   const Uint32 window = screens->experimenter_window();
   show(*screens, content);
@@ -356,7 +357,7 @@ TEST_F(StudyScreensTest, ANoteIsStoredByEnterAndItsLettersAreNoAnswers) {
 
 TEST_F(StudyScreensTest, TheRedButtonTurnsTheForceOff) {
   if (!display_is_there()) return;
-  const auto screens = open();
+  const auto screens = open({}, kStudySize);
   const ScreenContent content = contents::moment(TrialState::kInterval);
   show(*screens, content);
   const Rectangle corner{780.0F, 480.0F, 180.0F, 60.0F};

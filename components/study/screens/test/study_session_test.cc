@@ -55,7 +55,7 @@ TEST_F(StudySession, RunsThroughTheWindowsAndItsRecordingsFitItsLog) {
   study::mark_simulated(folder);
   StudyScreensOptions windows;
   windows.sound = false;
-  windows.size = {480, 300};
+  windows.size = {240, 150};
   StudyScreens screens(folder.study, windows);
   StudyChair chair(screens, {});
   study::SessionOptions options;
