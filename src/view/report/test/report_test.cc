@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <regex>
 
 #include <gmock/gmock.h>
@@ -174,29 +175,36 @@ TEST_F(Report, ItsProgressRisesToOne) {
   EXPECT_DOUBLE_EQ(progress_.back(), 1.0);
 }
 
-TEST(ReportPictures, AreInThePageAndAsFilesOrItSaysWhyNot) {
-  const TemporaryFolder folder;
-  const record::Recording recording = SyntheticRecording::make(true, 1600);
-  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, {true, 160, 120}));
-  const std::size_t pictures = count(html, "data:image/png;base64,");
-  EXPECT_EQ(pictures + 8 * count(html, "There are no pictures of organ and tool"), 8U);
+/// One report with rendered pictures.
+class ReportPictures : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const record::Recording recording = SyntheticRecording::make(true, 1600);
+    html_ = read(write_report({{"t", &recording, "c"}}, folder_.emplace().path(), {}, {true, 160, 120}));
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static inline std::optional<TemporaryFolder> folder_;
+  static inline std::string html_;
+};
+
+TEST_F(ReportPictures, AreInThePageAndAsFilesOrItSaysWhyNot) {
+  const std::size_t pictures = count(html_, "data:image/png;base64,");
+  EXPECT_EQ(pictures + 8 * count(html_, "There are no pictures of organ and tool"), 8U);
   if (pictures > 0) {
     for (const char* name : {"1-before", "2-contact", "3-depth", "4-after"}) {
       const std::string file = std::string("1-picture-") + name;
-      EXPECT_THAT(read(folder.path() / (file + ".png")), HasSubstr("PNG")) << file;
-      EXPECT_THAT(read(folder.path() / (file + "-close.png")), HasSubstr("PNG")) << file;
+      EXPECT_THAT(read(*folder_ / (file + ".png")), HasSubstr("PNG")) << file;
+      EXPECT_THAT(read(*folder_ / (file + "-close.png")), HasSubstr("PNG")) << file;
     }
-    EXPECT_NE(read(folder.path() / "1-picture-1-before-close.png"),
-              read(folder.path() / "1-picture-3-depth-close.png"));
+    EXPECT_NE(read(*folder_ / "1-picture-1-before-close.png"),
+              read(*folder_ / "1-picture-3-depth-close.png"));
   }
 }
 
-TEST(ReportPictures, InMotionAreComparedWithThePapersFrameTime) {
-  const TemporaryFolder folder;
-  const record::Recording recording = SyntheticRecording::make(true, 1600);
-  const std::string html = read(write_report({{"t", &recording, "c"}}, folder.path(), {}, {true, 160, 120}));
+TEST_F(ReportPictures, InMotionAreComparedWithThePapersFrameTime) {
   const std::regex row("<td>32 ms</td><td>([0-9.]+ ms p50, [0-9.]+ ms p99 \\(in motion, balanced|not drawn)");
-  EXPECT_TRUE(std::regex_search(html, row));
+  EXPECT_TRUE(std::regex_search(html_, row));
 }
 
 /// The report of a run with this many late ticks out of 4000.
