@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -80,12 +81,15 @@ Scene pulled_heart() {
   return scene;
 }
 
-Image draw(const Scene& scene, Quality quality = Quality::kFull, bool lamps = true) {
+Camera camera_of(const Scene& scene) {
+  return frame_contact(scene.subject, scene.snapshot, scene.point, scene.normal, true);
+}
+
+Image draw(const Scene& scene, Quality quality = Quality::kFull) {
   OffscreenRenderer renderer(scene.subject, kWidth, kHeight, quality);
-  renderer.switch_lamps(lamps);
-  const Camera camera = frame_contact(scene.subject, scene.snapshot, scene.point, scene.normal, true);
-  Image image = renderer.draw(scene.snapshot, camera);
-  for (int i = 0; i < 40 && quality != Quality::kFull; ++i) image = renderer.draw(scene.snapshot, camera);
+  Image image = renderer.draw(scene.snapshot, camera_of(scene));
+  for (int i = 0; i < 40 && quality != Quality::kFull; ++i)
+    image = renderer.draw(scene.snapshot, camera_of(scene));
   return image;
 }
 
@@ -155,80 +159,88 @@ Difference difference(const Image& a, const Image& b) {
   return result;
 }
 
-/// A scene and its rendered picture.
+/// A scene, its renderer, and the first picture.
 struct Drawn {
+  explicit Drawn(Scene drawn)
+      : scene(std::move(drawn)),
+        renderer(scene.subject, kWidth, kHeight),
+        image(renderer.draw(scene.snapshot, camera_of(scene))) {}
+
   Scene scene;
+  OffscreenRenderer renderer;
   Image image;
 };
-
-/// Rendered once per program. @param name gallbladder or heart
-const Drawn& drawn_once(const std::string& name) {
-  static std::map<std::string, Drawn> drawn;
-  const auto found = drawn.find(name);
-  if (found != drawn.end()) return found->second;
-  const Scene scene = name == "heart" ? pulled_heart() : pressed_gallbladder();
-  return drawn.emplace(name, Drawn{scene, draw(scene)}).first->second;
-}
 
 class Reference : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    const Drawn& drawn = drawn_once(GetParam());
-    scene_ = drawn.scene;
-    image_ = drawn.image;
-    if (std::getenv("PALPATE_UPDATE_REFERENCES") != nullptr) write_png(image_, reference_file(scene_.name));
-    reference_ = read_reference(scene_.name);
-    ASSERT_EQ(reference_.rgb.size(), image_.rgb.size()) << reference_file(scene_.name);
+    const Drawn& drawn = this->drawn();
+    if (std::getenv("PALPATE_UPDATE_REFERENCES") != nullptr)
+      write_png(drawn.image, reference_file(drawn.scene.name));
+    reference_ = read_reference(drawn.scene.name);
+    ASSERT_EQ(reference_.rgb.size(), drawn.image.rgb.size()) << reference_file(drawn.scene.name);
+  }
+  static void TearDownTestSuite() { drawn_.clear(); }
+
+  /// Prepared once per program.
+  static Drawn& drawn() {
+    const std::string name = GetParam();
+    const auto found = drawn_.find(name);
+    if (found != drawn_.end()) return found->second;
+    return drawn_.try_emplace(name, name == "heart" ? pulled_heart() : pressed_gallbladder()).first->second;
+  }
+  /// The scene's organ and tools at another moment.
+  static Image at(const haptics::Snapshot& snapshot) {
+    return drawn().renderer.draw(snapshot, camera_of(drawn().scene));
   }
 
-  Scene scene_;
-  Image image_;
   Image reference_;
+
+ private:
+  static inline std::map<std::string, Drawn> drawn_;
 };
 
 TEST_P(Reference, ThePictureIsTheCommittedOne) {
-  const Difference d = difference(image_, reference_);
+  const Difference d = difference(drawn().image, reference_);
   EXPECT_TRUE(d.tolerable()) << "mean " << d.mean << ", share of blocks " << d.clear_share << ", patch "
                              << d.patch;
 }
 
 TEST_P(Reference, AMissingOrganIsNoticed) {
-  Scene spoilt = scene_;
-  spoilt.snapshot.organ_W.position = Vec3(0, 0, -50.0);
-  const Camera camera = frame_contact(scene_.subject, scene_.snapshot, scene_.point, scene_.normal, true);
-  OffscreenRenderer renderer(spoilt.subject, kWidth, kHeight);
-  EXPECT_FALSE(difference(renderer.draw(spoilt.snapshot, camera), reference_).tolerable());
+  haptics::Snapshot spoilt = drawn().scene.snapshot;
+  spoilt.organ_W.position = Vec3(0, 0, -50.0);
+  EXPECT_FALSE(difference(at(spoilt), reference_).tolerable());
 }
 
 TEST_P(Reference, AMissingToolIsNoticed) {
-  Scene spoilt = scene_;
-  spoilt.snapshot.tools[0].pose_W.position = Vec3(0, 0, -50.0);
-  OffscreenRenderer renderer(spoilt.subject, kWidth, kHeight);
-  const Camera camera = frame_contact(scene_.subject, scene_.snapshot, scene_.point, scene_.normal, true);
-  EXPECT_FALSE(difference(renderer.draw(spoilt.snapshot, camera), reference_).tolerable());
+  haptics::Snapshot spoilt = drawn().scene.snapshot;
+  spoilt.tools[0].pose_W.position = Vec3(0, 0, -50.0);
+  EXPECT_FALSE(difference(at(spoilt), reference_).tolerable());
 }
 
 TEST_P(Reference, LampsThatAreOffAreNoticed) {
-  EXPECT_FALSE(difference(draw(scene_, Quality::kFull, false), reference_).tolerable());
+  drawn().renderer.switch_lamps(false);
+  EXPECT_FALSE(difference(at(drawn().scene.snapshot), reference_).tolerable());
+  drawn().renderer.switch_lamps(true);
 }
 
 TEST_P(Reference, AnOrganTurnedInsideOutIsNoticed) {
-  Scene spoilt = scene_;
+  Scene spoilt = drawn().scene;
   for (geometry::Triangle& t : spoilt.subject.organ.triangles) std::swap(t[1], t[2]);
   EXPECT_FALSE(difference(draw(spoilt), reference_).tolerable());
 }
 
 TEST_P(Reference, AnOrganThatDoesNotGiveWayIsNoticed) {
-  Scene spoilt = scene_;
-  spoilt.snapshot.results[0].view_count = 0;
-  EXPECT_FALSE(difference(draw(spoilt), reference_).tolerable());
+  haptics::Snapshot spoilt = drawn().scene.snapshot;
+  spoilt.results[0].view_count = 0;
+  EXPECT_FALSE(difference(at(spoilt), reference_).tolerable());
 }
 
 TEST_P(Reference, TheQuickPicturesShowTheSame) {
   for (const Quality quality : {Quality::kBalanced, Quality::kFast}) {
-    const Difference d = difference(draw(scene_, quality), reference_);
+    const Difference d = difference(draw(drawn().scene, quality), reference_);
     EXPECT_LT(d.mean, 6.0);
     EXPECT_LT(d.clear_share, 0.15);
   }
