@@ -64,6 +64,12 @@ constexpr int kSides = 40;       // directions from which the sky is sampled
 constexpr int kMapSide = 160;    // depth samples per side
 constexpr float kLift = 0.012F;  // of the blocker's size: geometry closer than this does not hide the sky
 
+// The smallest whole number not below a value: std::ceil is a call on processors before SSE 4.1.
+int whole_from(float value) {
+  const int truncated = static_cast<int>(value);
+  return truncated + (static_cast<float>(truncated) < value ? 1 : 0);
+}
+
 // Depth map of the blocker along one direction.
 class PatternDepth final {
  public:
@@ -85,10 +91,8 @@ class PatternDepth final {
     if (area <= 0.0F) return;  // faces away from the sky direction
     const int last_x = std::min(kMapSide - 1, static_cast<int>(std::max({a.x(), b.x(), c.x()})));
     const int last_y = std::min(kMapSide - 1, static_cast<int>(std::max({a.y(), b.y(), c.y()})));
-    for (int i = std::max(0, static_cast<int>(std::ceil(std::min({a.x(), b.x(), c.x()})))); i <= last_x;
-         ++i) {
-      for (int j = std::max(0, static_cast<int>(std::ceil(std::min({a.y(), b.y(), c.y()})))); j <= last_y;
-           ++j) {
+    for (int i = std::max(0, whole_from(std::min({a.x(), b.x(), c.x()}))); i <= last_x; ++i) {
+      for (int j = std::max(0, whole_from(std::min({a.y(), b.y(), c.y()}))); j <= last_y; ++j) {
         const float px = static_cast<float>(i) - a.x();
         const float py = static_cast<float>(j) - a.y();
         const float v = (px * (c.y() - a.y()) - (c.x() - a.x()) * py) / area;
@@ -153,7 +157,12 @@ std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh, const geom
   const float radius = std::max(1e-6F, 0.5F * static_cast<float>(box.size().norm()));
   std::vector<Vector3f> corners;
   for (const Vec3& v : blocker.vertices) corners.emplace_back(v.cast<float>());
-  const std::vector<Vec3> normals = deform::vertex_normals(mesh);
+  std::vector<Vector3f> normals;
+  std::vector<Vector3f> lifted;
+  for (const Vec3& normal : deform::vertex_normals(mesh)) {
+    normals.emplace_back(normal.cast<float>());
+    lifted.emplace_back((mesh.vertices[lifted.size()] + kLift * radius * normal).cast<float>());
+  }
   std::vector<float> open(mesh.vertices.size(), 0.0F);
   std::vector<float> all(mesh.vertices.size(), 0.0F);
   std::vector<Vector3f> placed(corners.size());
@@ -169,11 +178,10 @@ std::vector<float> sky_visibility(const geometry::TriangleMesh& mesh, const geom
       map.draw(placed[static_cast<std::size_t>(t[0])], placed[static_cast<std::size_t>(t[1])],
                placed[static_cast<std::size_t>(t[2])]);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-      const float weight = normals[v].cast<float>().dot(towards);
+      const float weight = normals[v].dot(towards);
       if (weight <= 0.0F) continue;
-      const Vector3f lifted = (mesh.vertices[v] + kLift * radius * normals[v]).cast<float>();
       all[v] += weight;
-      open[v] += weight * map.open_at(map.placed(lifted), kLift * radius);
+      open[v] += weight * map.open_at(map.placed(lifted[v]), kLift * radius);
     }
   }
   for (std::size_t v = 0; v < open.size(); ++v) open[v] = all[v] > 0.0F ? open[v] / all[v] : 1.0F;
