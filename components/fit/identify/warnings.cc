@@ -66,9 +66,21 @@ std::vector<double> forces_below_contact(const Problem& problem, std::span<const
 struct Uncertainty {
   double share = 0.0;  // of the force
   double depth = 0.0;  // m
+  double later = 0.0;  // rows from the fit's first contact to the other law's, a share of the displacement
 };
 
-constexpr double kUncertain = 0.02;  // of the force
+constexpr double kUncertain = 0.02;           // of the force
+constexpr double kUncertainBesideRows = 0.2;  // where rows show first contact: less is noise around it
+constexpr double kAir = 0.1;                  // of the displacement
+
+/// A law that does not follow the curve everywhere: then misfit, not noise, allows other laws.
+bool autocorrelated(const LocalOptima& optima, const SpecimenFit& fit) {
+  return optima.effective < 0.5 * static_cast<double>(fit.points);
+}
+
+std::string no_tissue_text(const SpecimenFit& fit, const std::string& why) {
+  return fmt::format("the rows of specimen {} give no tissue: {}", fit.name, why);
+}
 
 /// Uncertainty due to noise at first contact: a law is a force over the depth from contact.
 Uncertainty uncertainty_by_contact(const Problem& problem, const SpecimenFit& fit, double deepest) {
@@ -83,43 +95,51 @@ Uncertainty uncertainty_by_contact(const Problem& problem, const SpecimenFit& fi
   return largest;
 }
 
-/// Uncertainty due to the other laws, each with its own first contact, that the data allow.
+/// Uncertainty due to the other laws, each with its own first contact, that the data allow: at depths that
+/// both laws reach in the rows.
 Uncertainty uncertainty_by_law(const Problem& problem, const std::vector<Point>& points,
-                               const SpecimenFit& fit, double deepest) {
-  const std::vector<double> depths = {0.5 * deepest, 0.75 * deepest, deepest};
-  const std::vector<double> best = forces_below_contact(problem, fit.shared, depths);
+                               const SpecimenFit& fit) {
+  const Ranges& ranges = problem.parts.front().ranges;
+  const double touching = std::max(fit.own[0], ranges.lowest_displacement / ranges.displacement);
   Uncertainty largest;
   for (const Point& point : points) {
+    const double contact = std::max(fit.own[0], point[fit.shared.size()]);
+    const double deepest = ranges.lowest_displacement + ranges.displacement * (1.0 - contact);
+    const std::vector<double> depths = {0.5 * deepest, 0.75 * deepest, deepest};
+    const std::vector<double> best = forces_below_contact(problem, fit.shared, depths);
     const std::vector<double> force =
         forces_below_contact(problem, std::span(point).first(fit.shared.size()), depths);
     for (std::size_t i = 0; i < depths.size(); ++i) {
-      const double off = std::abs(force[i] / best[i] - 1.0);
-      if (off > largest.share) largest = {off, depths[i]};
+      const double off = best[i] > 0.0 ? std::abs(force[i] / best[i] - 1.0) : 0.0;
+      if (off > largest.share) largest = {off, depths[i], point[fit.shared.size()] - touching};
     }
   }
   return largest;
 }
 
-void add_uncertainty(const Problem& problem, const std::vector<Point>& points, const SpecimenFit& fit,
-                     std::vector<std::string>& out) {
+void add_uncertainty(const LocalOptima& optima, const std::vector<Point>& points, const SpecimenFit& fit,
+                     Misfit& out) {
+  const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
   const Uncertainty contact = uncertainty_by_contact(problem, fit, deepest);
   if (contact.share > kUncertain) {
-    out.push_back(fmt::format(
+    out.warnings.push_back(fmt::format(
         "noise in the first rows makes first contact uncertain by {} mm or more, and the force at "
         "{} mm by {} or more: measure with less noise, or more rows around first contact",
         brief(part.specimen->preparation.contact_error / kMillimetre, 2),
         brief(contact.depth / kMillimetre, 3), percent(contact.share, 0)));
   }
-  if (part.specimen->preparation.contact) return;  // rows show it
-  const Uncertainty law = uncertainty_by_law(problem, points, fit, deepest);
-  if (law.share > std::max(kUncertain, contact.share)) {
-    out.push_back(fmt::format(
-        "other laws and first contacts fit the rows as well (95 %), so that the force {} mm below contact is "
-        "uncertain by {}: measure with less noise, or start 1 mm above the tissue",
-        brief(law.depth / kMillimetre, 3), law.share > 1.0 ? "over 100 %" : percent(law.share, 0)));
-  }
+  const Uncertainty law = uncertainty_by_law(problem, points, fit);
+  const bool shown = part.specimen->preparation.contact.has_value();
+  if (!(law.share > std::max(shown ? kUncertainBesideRows : kUncertain, contact.share))) return;
+  const std::string text = fmt::format(
+      "other laws and first contacts fit the rows as well (95 %), so that the force {} mm below contact is "
+      "uncertain by {}: measure with less noise, or start 1 mm above the tissue",
+      brief(law.depth / kMillimetre, 3), law.share > 1.0 ? "over 100 %" : percent(law.share, 0));
+  out.warnings.push_back(text);
+  const bool may_be_air = law.later > kAir && !autocorrelated(optima, fit);
+  if (law.share > 1.0 && (shown || may_be_air)) out.poor = no_tissue_text(fit, text);
 }
 
 /// A curve whose first row is already in contact: only the law's shape says where contact is. Where the first
@@ -166,7 +186,7 @@ void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std
   if (fit.layers_reached < 2) {
     out.emplace_back("the data stay within the first layer: they do not determine beta and q");
   }
-  if (optima.effective < 0.5 * static_cast<double>(fit.points)) {
+  if (autocorrelated(optima, fit)) {
     out.push_back(
         fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
                     "does not fit the curve's shape everywhere",
@@ -293,6 +313,7 @@ std::string poor_text(const SpecimenFit& fit, const std::string& what) {
 /// sensor is not tared either, nothing shows how far the tool is in.
 void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) {
   constexpr double kLongFlat = 0.15;  // of the range of displacement
+  constexpr double kPoorFlat = 0.7;   // of the force, with a tared sensor
   const Part& part = problem.parts.front();
   const double contact = fit.own[0] * part.ranges.displacement;
   const double flat = flat_until(*part.specimen, part.ranges);
@@ -308,8 +329,8 @@ void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) 
       mm(flat), mm(contact), mm(flat), mm(depth), percent(-off, 0));
   out.warnings.push_back(text);
   const bool untared = part.specimen->preparation.zero != 0.0;
-  if (untared && -off > kPoorFit && out.poor.empty())
-    out.poor = poor_text(fit, text + ", and tare the sensor");
+  if (-off > (untared ? kPoorFit : kPoorFlat) && out.poor.empty())
+    out.poor = untared ? poor_text(fit, text + ", and tare the sensor") : no_tissue_text(fit, text);
 }
 
 }  // namespace
@@ -366,17 +387,17 @@ std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const
   return determined;
 }
 
-std::vector<std::string> warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
-                                     const Curvature& curvature, const SpecimenFit& fit) {
-  std::vector<std::string> out;
-  add_data(optima, fit, out);
-  add_uncertainty(optima.problem, points, fit, out);
-  add_start_at_depth(optima.problem, fit, out);
-  add_undetermined(identifiability_of(optima, points), fit, out);
+Misfit warnings_of(const LocalOptima& optima, const std::vector<Point>& points, const Curvature& curvature,
+                   const SpecimenFit& fit) {
+  Misfit out;
+  add_data(optima, fit, out.warnings);
+  add_uncertainty(optima, points, fit, out);
+  add_start_at_depth(optima.problem, fit, out.warnings);
+  add_undetermined(identifiability_of(optima, points), fit, out.warnings);
   for (std::string& warning : correlated_warnings(curvature.correlations, labels(fit.terms))) {
-    out.push_back(std::move(warning));
+    out.warnings.push_back(std::move(warning));
   }
-  add_wide_law(fit, optima.problem.parts.front(), out);
+  add_wide_law(fit, optima.problem.parts.front(), out.warnings);
   return out;
 }
 

@@ -27,17 +27,17 @@ enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
 [[nodiscard]] std::vector<std::string> correlated_warnings(
     const std::vector<std::vector<double>>& correlations, const std::vector<ParameterLabel>& names);
 
-/// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
-/// rows, layers not reached, what was subtracted or left out before the fit.
-[[nodiscard]] std::vector<std::string> warnings_of(const LocalOptima& optima,
-                                                   const std::vector<Point>& points,
-                                                   const Curvature& curvature, const SpecimenFit& fit);
-
-/// What a fit leaves that noise does not explain, in words.
+/// What is doubtful about a fit, in words.
 struct Misfit {
   std::vector<std::string> warnings;
   std::string poor;  // why no tissue may come from the fit; empty: one may
 };
+
+/// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
+/// rows, layers not reached, what was subtracted or excluded before the fit. Poor: a law as near to the rows,
+/// whose first contact is later, gives more than twice the force.
+[[nodiscard]] Misfit warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
+                                 const Curvature& curvature, const SpecimenFit& fit);
 
 /// [setup] Compares a fit with the measured curve where a simulation needs it, in the deeper half of its
 /// depth: the means of neighbours against the fitted force, and the place from which the force rises against

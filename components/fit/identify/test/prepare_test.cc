@@ -478,6 +478,41 @@ TEST(FitSpecimen, SaysHowFarTheForceDiffersAmongTheLawsThatTheDataAllow) {
   EXPECT_THAT(fit_specimen(pressed({4e-3, 0.0, 0.0}), smooth(), 0, {}).warnings, testing::Not(said));
 }
 
+// 6 mm of air and a sensor tilted by 2 mN/mm: to some noise a soft tissue from the first row on fits as well.
+TEST(Prepared, ATiltThatASoftTissueExplainsAsWellGivesNoTissue) {
+  for (const std::uint32_t n : {1U, 3U}) {
+    const SpecimenFit fit = fit_specimen(pressed({6e-3, 0.0, 2.0}, n), smooth(), 0, {});
+    const bool right = std::abs(force_at_ten(fit) / kAtTenMillimetres - 1.0) < 0.02;
+    EXPECT_EQ(right, n == 1);
+    EXPECT_EQ(right, fit.poor.empty()) << n << ": " << force_at_ten(fit);
+  }
+}
+
+// 6 mm of air in noise of 30 mN. The sensor is tared.
+TEST(Prepared, FlatRowsThatMayBeAirGiveNoTissue) {
+  Random random(67, 0, 0);
+  Specimen specimen;
+  for (int i = 0; i <= 60; ++i) {
+    specimen.displacement.push_back(0.3e-3 * i);
+    specimen.force.push_back(exponential(0.3e-3 * i - 6e-3) + 0.03 * random.normal());
+  }
+  EXPECT_THAT(fit_specimen(specimen, smooth(), 0, {}).poor,
+              HasSubstr("give no tissue: the force does not rise out of the noise"));
+}
+
+// A parabola that begins at contact, which the layered law does not follow exactly: laws that reach less deep
+// say nothing about depths below their last row.
+TEST(Prepared, TheUncertaintyOfTheForceEndsWithTheRows) {
+  Specimen specimen;
+  for (int i = 0; i < 30; ++i) {
+    specimen.displacement.push_back(0.2e-3 * i);
+    specimen.force.push_back(0.05 * i + 0.001 * i * i);
+  }
+  const SpecimenFit fit = fit_specimen(specimen, Settings{}, 0, {});
+  EXPECT_THAT(fit.warnings, Contains(HasSubstr("other laws and first contacts fit the rows as well")));
+  EXPECT_THAT(fit.warnings, testing::Each(testing::Not(HasSubstr("over 100 %"))));
+}
+
 TEST(Prepared, RelaxationKeepsAllRowsOfALoop) {
   Settings settings = smooth();
   settings.relaxation = true;
