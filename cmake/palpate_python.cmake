@@ -69,5 +69,6 @@ function(palpate_python_test name)
   add_test(NAME python.${name}
     COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${PROJECT_BINARY_DIR}/python:${PROJECT_SOURCE_DIR}/bindings/python/test
       PALPATE_PROGRAM=$<TARGET_FILE:palpate_app> ${Python_EXECUTABLE} -B -m pytest -q -rs -p no:cacheprovider -p palpate_fixtures ${ARGN})
-  set_tests_properties(python.${name} PROPERTIES TIMEOUT 600 COST 30 SKIP_RETURN_CODE 77)
+  set_tests_properties(python.${name} PROPERTIES TIMEOUT 600 COST 30 SKIP_RETURN_CODE 77 FIXTURES_REQUIRED cache
+    ENVIRONMENT "PALPATE_CACHE=shared;XDG_CACHE_HOME=${PROJECT_BINARY_DIR}/test-cache")
 endfunction()

@@ -1,6 +1,8 @@
 # palpate_add_suites(TARGET PREFIX [PROPERTY VALUE...]): one CTest test per test suite of a GoogleTest program, named
 # PREFIX.SUITE, in a separate process. Tests of a suite share slow preparations. The tests of SUITE include those of its
 # instantiations (TEST_P, TYPED_TEST). A suite with a test that could not run (io/system/test/not_tested.h) is reported as skipped.
+# All suites share one cache of prepared organs, which CTest empties before the first (tests/CMakeLists.txt): its key does not
+# cover the code that prepares.
 # This file runs itself as a script after the program is linked.
 if(NOT CMAKE_SCRIPT_MODE_FILE)
   # With a sanitizer these suites take minutes without covering more code: the finest built-in shapes, fits of many curves, many
@@ -18,7 +20,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     set(list ${CMAKE_CURRENT_BINARY_DIR}/${target}_suites.cmake)
     add_custom_command(TARGET ${target} POST_BUILD BYPRODUCTS ${list} VERBATIM
       COMMAND ${CMAKE_COMMAND} "-Dprogram=$<TARGET_FILE:${target}>" "-Dprefix=${prefix}" "-Dlist=${list}"
-        "-Dleft_out=${PALPATE_LEFT_OUT}" "-Dproperties=TIMEOUT 600 SKIP_RETURN_CODE 77 ${properties}" -P ${PALPATE_SUITES_SCRIPT})
+        "-Dcache=${PROJECT_BINARY_DIR}/test-cache" "-Dleft_out=${PALPATE_LEFT_OUT}" "-Dproperties=TIMEOUT 600 SKIP_RETURN_CODE 77 ${properties}" -P ${PALPATE_SUITES_SCRIPT})
     set(include ${CMAKE_CURRENT_BINARY_DIR}/${target}_include.cmake)
     file(CONFIGURE OUTPUT ${include} @ONLY CONTENT "if(EXISTS \"@list@\")
   include(\"@list@\")
@@ -47,6 +49,7 @@ set(script "")
 foreach(suite IN LISTS suites)
   set(filter "${suite}.*:*/${suite}.*:${suite}/*:*/${suite}/*-${left_out}")
   string(APPEND script "add_test([=[${prefix}.${suite}]=] [=[${program}]=] --gtest_brief=1 [=[--gtest_filter=${filter}]=])\n"
-    "set_tests_properties([=[${prefix}.${suite}]=] PROPERTIES ${properties})\n")
+    "set_tests_properties([=[${prefix}.${suite}]=] PROPERTIES ${properties}\n"
+    "  FIXTURES_REQUIRED cache ENVIRONMENT [=[PALPATE_CACHE=shared;XDG_CACHE_HOME=${cache}]=])\n")
 endforeach()
 file(WRITE ${list} "${script}")

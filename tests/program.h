@@ -50,8 +50,8 @@ inline std::string tested_program() {
   return other == nullptr ? PALPATE_PROGRAM : other;
 }
 
-/// The program in a child process, with its output in files of another folder. The user's cache is off unless
-/// the test sets one.
+/// The program in a child process, with its output in files of another folder. The cache is that of all tests
+/// (palpate_add_suites), or off where CTest does not run the test, unless the test sets one.
 class Program final {
  public:
   Program(const fs::path& working_folder, std::vector<std::string> words,
@@ -64,7 +64,7 @@ class Program final {
     const std::string err = output_ / "err";
     child_ = fork();
     if (child_ != 0) return;
-    setenv("PALPATE_CACHE", "off", 1);
+    setenv("PALPATE_CACHE", "off", 0);
     for (const char* display : {"DISPLAY", "WAYLAND_DISPLAY"}) unsetenv(display);  // no windows
     for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     const int out_file = open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
