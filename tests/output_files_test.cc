@@ -118,7 +118,7 @@ TEST(OutputFiles, APictureThatADeviceDoesNotTakeLeavesTheDevice) {
   // A device file of our own, if the user may make one, because the test could damage /dev/full.
   const std::string full = folder / "full.png";
   if (mknod(full.c_str(), S_IFCHR | 0600, kFullDevice) != 0) return;  // only root can make one
-  const Outcome outcome = run(folder, {"view", "a.h5", "--screenshot", "full.png"});
+  const Outcome outcome = run(folder, {"view", "a.h5", "--screenshot", "full.png", "--size", "64x48"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(fs::is_character_file(full));
 }

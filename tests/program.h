@@ -39,6 +39,9 @@ class Folder final : public test::TemporaryFolder {
   }
 };
 
+/// Environment without OpenGL: a report then has no pictures of organ and tool, which take most of its time.
+inline const std::map<std::string, std::string> kNoPictures{{"__EGL_VENDOR_LIBRARY_FILENAMES", "none"}};
+
 struct Outcome {
   int exit_code = -1;  // -1: ended by a signal
   std::string out;

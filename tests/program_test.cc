@@ -104,7 +104,8 @@ TEST(Program, BadUsageAndBadInputExitTwoInOneLineAndWriteNothing) {
 
 TEST(Program, AReportSaysTheCommandThatMadeIt) {
   const Folder folder;
-  const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "my report"});
+  const Outcome outcome =
+      run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "my report"}, kNoPictures);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(
       text_of(folder / "my report/report.html").find("palpate run --offline --duration-s 0.05 --report"),

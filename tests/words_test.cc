@@ -139,7 +139,8 @@ TEST(InspectCommand, SaysThatAnOrganLiesWhereNoDeviceReaches) {
 
 TEST(Report, SaysWhatItIsDoingWhereThereIsNoTerminal) {
   const Folder folder;
-  const Outcome outcome = run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "out"});
+  const Outcome outcome =
+      run(folder, {"run", "--offline", "--duration-s", "0.05", "--report", "out"}, kNoPictures);
   EXPECT_THAT(outcome.err,
               HasSubstr("report: 0 % Gallbladder pressed with curved forceps: replaying the run\n"));
   EXPECT_THAT(outcome.err, HasSubstr(": pictures of organ and tool\n"));
