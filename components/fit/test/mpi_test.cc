@@ -22,13 +22,13 @@
 namespace palpate::tests {
 namespace {
 
-/// Writes `count` curves of 20 points, of different tissues.
+/// Writes `count` curves of 12 points, of different tissues.
 void write_curves(const Folder& folder, int count) {
   for (int n = 0; n < count; ++n) {
     std::ofstream file(folder / ("s" + std::to_string(n) + ".csv"));
     file << "displacement_mm,force_N\n";
-    for (int i = 1; i <= 20; ++i) {
-      const double d = 0.6 * i;
+    for (int i = 1; i <= 12; ++i) {
+      const double d = 1.0 * i;
       file << d << ',' << 0.05 * (std::exp(d / (3.6 + 0.2 * n)) - 1.0) + 1e-3 * std::sin(37.0 * i + n)
            << '\n';
     }
