@@ -10,16 +10,18 @@ EXAMPLES = pathlib.Path(__file__).resolve().parents[3] / 'examples' / 'python'
 
 
 @pytest.fixture(scope='session')
-def run(tmp_path_factory):
+def run():
     """run(folder, *arguments) runs Python with these arguments in the folder."""
-    environment = {**os.environ, 'MPLCONFIGDIR': str(tmp_path_factory.mktemp('matplotlib'))}
+    fonts = pathlib.Path(os.environ['XDG_CACHE_HOME']) / 'matplotlib'  # own_cache
+    environment = {**os.environ, 'MPLCONFIGDIR': str(fonts)}
 
     def python(folder, *words):
         return subprocess.run([sys.executable, '-B', *map(str, words)], cwd=folder, timeout=240, capture_output=True,
                               text=True, env=environment)
 
     # Builds matplotlib's font cache once. If that takes over 5 s, matplotlib writes a message to standard error.
-    python(None, '-c', 'import matplotlib.font_manager')
+    if not any(fonts.glob('fontlist*')):
+        python(None, '-c', 'import matplotlib.font_manager')
     return python
 
 

@@ -1,4 +1,5 @@
 """mypy over a program that uses the package's type stubs."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -14,7 +15,8 @@ def expect_mypy_errors(folder, good, bad):
     file = folder / 'use.py'
     lines = good.splitlines()
     file.write_text('\n'.join(lines + list(bad)) + '\n')
-    done = subprocess.run([sys.executable, '-m', 'mypy', '--cache-dir', folder, file], capture_output=True, text=True,
+    cache = pathlib.Path(os.environ['XDG_CACHE_HOME']) / 'mypy'  # own_cache
+    done = subprocess.run([sys.executable, '-m', 'mypy', '--cache-dir', cache, file], capture_output=True, text=True,
                           env={'MYPYPATH': str(pathlib.Path(palpate.__file__).parents[1]), 'PATH': '/usr/bin'})
     wrong = {int(line.split(':')[1]) for line in done.stdout.splitlines() if ' error: ' in line}
     assert wrong == set(range(len(lines) + 1, len(lines) + 1 + len(bad))), done.stdout
