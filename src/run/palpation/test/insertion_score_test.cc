@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/contact/test/prepared_once.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
 #include "palpate/tool_contact.h"
@@ -53,7 +54,9 @@ scene::Scene with_nodule() {
 class Needle final {
  public:
   explicit Needle(scene::Scene scene)
-      : scene_(std::move(scene)), world_(scene::make_world(scene_)), scorer_(scene_, world_.contact) {}
+      : scene_(std::move(scene)),
+        world_(scene::make_world(scene_, contact::test::prepared_once())),
+        scorer_(scene_, world_.contact) {}
 
   /// The tip in the tissue. @param length of the shaft inside @param displaced u @param tilt of the needle
   void inside(double length_mm, std::uint64_t layer, double displaced_mm = 0.0, double tilt = 0.0) {

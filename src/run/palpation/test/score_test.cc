@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
 #include "palpate/tool_contact.h"
@@ -64,7 +65,9 @@ class Rows final {
   record::Recording made_;
 };
 
-Score score_of(const Rows& rows) { return ScoredRecording(rows.recording()).scorer().score(); }
+Score score_of(const Rows& rows) {
+  return ScoredRecording(rows.recording(), contact::test::prepared_once()).scorer().score();
+}
 
 TEST(PalpationScore, NeedsASearch) {
   scene::Scene scene = box_scene();
@@ -176,7 +179,7 @@ TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
   scene::Scene scene = box_scene();
   scene.inclusions.clear();
   scene.tissue.contact.damping = 2.0;
-  const haptics::SimulationWorld world = scene::make_world(scene);
+  const haptics::SimulationWorld world = scene::make_world(scene, contact::test::prepared_once());
   Rows rows(scene);
   // In and out at 20 mm/s with twice the uniform force, and the damping's 0.04 N.
   for (int i = -200; i < 200; ++i) {
@@ -205,7 +208,7 @@ TEST(FeltMap, IsTheFeltForceOverThatOfUniformTissue) {
 
 TEST(FeltMap, TheTrueFactorRisesOverANoduleAndIsOneFarAway) {
   const scene::Scene scene = box_scene();
-  const haptics::SimulationWorld world = scene::make_world(scene);
+  const haptics::SimulationWorld world = scene::make_world(scene, contact::test::prepared_once());
   const FeltMap map(world.contact);
   double over = 0.0;
   for (std::size_t v = 0; v < map.surface().vertices.size(); ++v) {
