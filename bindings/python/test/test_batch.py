@@ -1,4 +1,6 @@
 """Many hands at once give what each gives alone."""
+import functools
+
 import numpy as np
 import pytest
 
@@ -11,10 +13,16 @@ def poses_of(samples):
     return np.concatenate([samples['position'], samples['orientation']], axis=-1)
 
 
+@functools.cache
+def press():
+    """Samples (1, ticks) of the default press."""
+    simulation = palpate.TickedSimulation(no_hand=True)
+    return np.stack([simulation.scripted_samples(tick) for tick in range(TICKS)], axis=1)
+
+
 def presses(hands=5):
     """A press for each hand, beside the others: samples (hands, ticks) that begin outside the organ."""
-    simulation = palpate.TickedSimulation(no_hand=True)
-    samples = np.repeat(np.stack([simulation.scripted_samples(tick) for tick in range(TICKS)], axis=1), hands, axis=0)
+    samples = np.repeat(press(), hands, axis=0)
     samples['velocity'] = 0.0
     samples['position'][:, :, 0] += 1e-3 * np.arange(hands)[:, np.newaxis]
     samples['position'][:, :, 2] -= 6e-3 * np.linspace(0.0, 1.0, TICKS)

@@ -22,8 +22,9 @@ def test_a_nodule_under_the_tool_is_harder_than_none_and_than_one_beside():
 
 
 def test_no_inclusion_and_a_ratio_of_one_are_the_uniform_tissue():
-    assert strongest(inclusions=[]) == strongest()
-    assert strongest(inclusions=[palpate.Inclusion('nodule', stiffness_ratio=1.0)]) == strongest()
+    uniform = strongest()
+    assert strongest(inclusions=[]) == uniform
+    assert strongest(inclusions=[palpate.Inclusion('nodule', stiffness_ratio=1.0)]) == uniform
 
 
 def test_presets_are_listed_and_their_values_may_be_replaced():
