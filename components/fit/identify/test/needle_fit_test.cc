@@ -85,6 +85,11 @@ NeedleFit needle_fit_of(const std::vector<Specimen>& records) {
   return fit_needle(insertions, settings, [](double, const std::string&) {});
 }
 
+const NeedleFit& fit_of_one_layer() {
+  static const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.05)});
+  return fit;
+}
+
 const NeedleValue& needle_value(const NeedleFit& fit, int layer, const std::string& name) {
   return *std::find_if(fit.values.begin(), fit.values.end(),
                        [&](const NeedleValue& value) { return value.layer == layer && value.name == name; });
@@ -100,7 +105,7 @@ std::string needle_refusal(const Specimen& record) {
 }
 
 TEST(NeedleFit, OneLayerIsFoundWithItsForcesWithinFivePercent) {
-  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.05)});
+  const NeedleFit& fit = fit_of_one_layer();
   ASSERT_EQ(fit.layers, 1U);
   EXPECT_EQ(fit.poor, "");
   EXPECT_NEAR(needle_value(fit, 1, "puncture_force_N").estimate.value, 3.0, 0.15);
@@ -195,7 +200,7 @@ TEST(NeedleFit, ThreeLayersAreFoundWithTheirBoundaries) {
 }
 
 TEST(NeedleFit, TheFittedTissuePuncturesWhereTheRecordDoes) {
-  const NeedleFit fit = needle_fit_of({needle_record(needle_truth(1), 0.02)});
+  const NeedleFit& fit = fit_of_one_layer();
   const NeedleRun free = run_needle(needle_path(), fit.tissue, fit.repeats.front().contact, {}, 1e-3);
   ASSERT_EQ(free.punctures.size(), 1U);
   EXPECT_NEAR(free.punctures[0].depth + fit.repeats.front().contact, fit.repeats.front().punctures[0].depth,
