@@ -110,8 +110,9 @@ model::TissueParameters linear_tissue(double stiffness) {
   return tissue;
 }
 
-StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz)
-    : scene_(block_of(tissue, rate_Hz)), world_(scene::make_world(scene_)) {
+StabilityBlock::StabilityBlock(const model::TissueParameters& tissue, double rate_Hz,
+                               const contact::Preparation& how)
+    : scene_(block_of(tissue, rate_Hz)), world_(scene::make_world(scene_, how)) {
   const model::SpringLaw law(tissue, model::Direction::kPress, 1.0 / rate_Hz);
   depth_at_hold_ = std::min(haptics::kDepthWithinReach, law.deformation_under(kMaxHoldForce).depth);
   const model::ContactResponse there = law.force_at(depth_at_hold_);

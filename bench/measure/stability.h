@@ -53,7 +53,7 @@ inline constexpr double kMaxHoldForce =
 class StabilityBlock final {
  public:
   /// @throws ParameterError for invalid tissue.
-  StabilityBlock(const model::TissueParameters& tissue, double rate_Hz);
+  StabilityBlock(const model::TissueParameters& tissue, double rate_Hz, const contact::Preparation& how = {});
 
   /// [setup] Presses, holds and releases, offline. @param the_case with this block's tissue and rate @throws
   /// ParameterError when a value of device or grip is out of range.

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include "core/contact/test/prepared_once.h"
 #include "palpate/error.h"
 
 // Some cases of the sweep in docs/safety.md; palpate_stability_sweep runs all of them.
 namespace palpate::bench {
 namespace {
+
+using contact::test::prepared_once;
 
 constexpr double kEncoder = 1e-5;  // m
 
@@ -18,7 +21,7 @@ void expect_bounded_energy(const StabilityResult& result) {
 TEST(Stability, WhereTheCheckDoesNotWarnAPressedTissueLiesStillUnderLightAndFirmHands) {
   for (const char* tissue : {"gallbladder", "heart", "liver", "kidney"}) {
     for (const double rate : {1000.0, 4000.0}) {
-      const StabilityBlock block(model::tissue_preset(tissue), rate);
+      const StabilityBlock block(model::tissue_preset(tissue), rate, prepared_once());
       // Just enough damping and friction for the stiffest case: K = 1,132 N/m, 2 f_c / Delta = 1,200 N/m.
       const haptics::DeviceMechanics device{rate < 2000.0 ? 1.07 : 0.65, 0.006, kEncoder};
       for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
@@ -40,11 +43,12 @@ TEST(Stability, SmoothAndRelaxingTissuesLieStillWhereTheCheckDoesNotWarnAndGiveN
   for (const bool relaxes : {false, true}) {
     if (relaxes) tissue.relaxation = {{0.3, 0.05}, {0.25, 1.0}};
     for (const double rate : {1000.0, 4000.0}) {
+      const StabilityBlock block(tissue, rate, prepared_once());
       const haptics::DeviceMechanics device{1.2, 0.006, kEncoder};
       for (const scene::HandGrip& grip : {scene::kLightGrip, scene::kFirmGrip}) {
         SCOPED_TRACE(std::to_string(rate) + " Hz, grip of " + std::to_string(grip.stiffness) + " N/m" +
                      (relaxes ? ", relaxing" : ""));
-        const StabilityResult result = StabilityBlock(tissue, rate).run({tissue, rate, device, grip});
+        const StabilityResult result = block.run({tissue, rate, device, grip});
         EXPECT_FALSE(result.check.warns());
         if (!relaxes) {
           EXPECT_LE(result.peak_to_peak, kStillHold);
@@ -59,8 +63,8 @@ TEST(Stability, SmoothAndRelaxingTissuesLieStillWhereTheCheckDoesNotWarnAndGiveN
 // more.
 TEST(Stability, AWallTooStiffForItsDeviceIsWarnedOfAndTremblesNoMoreThanTheControllerLets) {
   const model::TissueParameters wall = linear_tissue(32e3);
-  const StabilityResult result =
-      StabilityBlock(wall, 1000.0).run({wall, 1000.0, {0.1, 0.0, kEncoder}, scene::kLightGrip});
+  const StabilityResult result = StabilityBlock(wall, 1000.0, prepared_once())
+                                     .run({wall, 1000.0, {0.1, 0.0, kEncoder}, scene::kLightGrip});
   EXPECT_TRUE(result.check.warns());
   EXPECT_GT(result.peak_to_peak, kStillHold) << "the measure can fail";
   EXPECT_LT(result.peak_to_peak, 5e-3);
@@ -70,7 +74,7 @@ TEST(Stability, AWallTooStiffForItsDeviceIsWarnedOfAndTremblesNoMoreThanTheContr
 
 TEST(Stability, TheSameCaseGivesTheSameFigures) {
   const model::TissueParameters wall = linear_tissue(4e3);
-  const StabilityBlock block(wall, 1000.0);
+  const StabilityBlock block(wall, 1000.0, prepared_once());
   const StabilityCase the_case{wall, 1000.0, {0.5, 0.01, kEncoder}, scene::kLightGrip};
   const StabilityResult first = block.run(the_case);
   const StabilityResult again = block.run(the_case);
@@ -102,7 +106,7 @@ TEST(Stability, TheSweepCoversWhatItSays) {
 TEST(Stability, RefusesATissueOrADeviceThatIsNone) {
   EXPECT_THROW(StabilityBlock(linear_tissue(-1.0), 1000.0), ParameterError);
   const model::TissueParameters wall = linear_tissue(1e3);
-  const StabilityBlock block(wall, 1000.0);
+  const StabilityBlock block(wall, 1000.0, prepared_once());
   EXPECT_THROW((void)block.run({wall, 1000.0, {-1.0, 0.0, kEncoder}, scene::kLightGrip}), ParameterError);
 }
 
