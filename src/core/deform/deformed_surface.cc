@@ -417,14 +417,38 @@ DeformedSurface::Drawn DeformedSurface::drawn_at(const Indentation& indentation,
   return drawn;
 }
 
+double DeformedSurface::curvature_at(const Vec3& point, const Vec3& inwards, double radius) const {
+  // least squares of the depth below the point: curvature r^2 / 2
+  const Eigen::Vector3f middle = point.cast<float>();
+  const Eigen::Vector3f along = inwards.cast<float>();
+  const auto reach = static_cast<float>(radius);
+  float products = 0.0F;
+  float squares = 0.0F;
+  for (std::size_t block = 0; block < blocks_.count(); ++block) {
+    if (!blocks_.near(block, middle, 2.0F * reach)) continue;
+    for (std::size_t v = blocks_.first(block); v < blocks_.first(block) + blocks_.size(block); ++v) {
+      const Eigen::Vector3f way = surface_.vertices[v] - middle;
+      const float below = way.dot(along);
+      const float aside = way.squaredNorm() - below * below;
+      const float inside = 1.0F - aside / (reach * reach);
+      if (inside <= 0.0F || std::abs(below) > reach || rest_normals_[v].dot(along) >= 0.0F) continue;
+      products += inside * inside * below * aside;
+      squares += inside * inside * aside * aside;
+    }
+  }
+  return squares > 0.0F ? std::max(0.0F, 2.0F * products / squares) : 0.0;
+}
+
 void DeformedSurface::set_whole(std::span<const Indentation> indentations, std::span<Drawn> drawn,
                                 bool settle) {
   std::vector<ResponseField::Contact> contacts;
   std::vector<Drawn*> owner;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (!(drawn[i].depth > 0.0)) continue;
-    contacts.push_back({drawn[i].place.point, drawn[i].normal.cast<double>(),
-                        drawn[i].depth * indentations[i].direction, indentations[i].tip_radius});
+    contacts.push_back(
+        {drawn[i].place.point, drawn[i].normal.cast<double>(), drawn[i].depth * indentations[i].direction,
+         indentations[i].tip_radius,
+         curvature_at(drawn[i].place.point, indentations[i].direction, indentations[i].tip_radius)});
     owner.push_back(&drawn[i]);
   }
   whole_share_ = settle || contacts.empty() ? 1.0F : std::min(1.0F, whole_share_ + 1.0F / kFadeUpdates);

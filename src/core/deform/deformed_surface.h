@@ -107,6 +107,8 @@ class DeformedSurface final {
   void find_changes();
   [[nodiscard]] float added_error(std::size_t block);
   void move_blocks(bool settle);
+  // Curvature of the rest surface [1/m], convex positive, within `radius` [m] of a point.
+  [[nodiscard]] double curvature_at(const Vec3& point, const Vec3& inwards, double radius) const;
   void set_whole(std::span<const Indentation> indentations, std::span<Drawn> drawn, bool settle);
   // Bound of the motion of a block's vertices by the response [m]; infinity near a contact that changed.
   [[nodiscard]] float whole_change(std::size_t block) const;

@@ -76,6 +76,16 @@ double radius_of(double tip_radius, double depth) {
   return std::max({kSmallestContact, ball_contact_radius(tip_radius, depth), depth / kSteepest});
 }
 
+// Radius [m] of a ball that dents a plane as the tool dents a convex surface: by Hertz, curvatures add up.
+// The cells know the organ's shape, which leaves this part of its curvature, and a deep dent has none of it.
+double fitted_radius(const ResponseField::Contact& contact, double depth) {
+  constexpr double kPart = 0.4;
+  constexpr double kDeep = 0.6;  // of the tool's radius
+  const double deep = depth / (kDeep * contact.tip_radius);
+  const double part = kPart / (1.0 + deep * deep * deep * deep);
+  return contact.tip_radius / (1.0 + part * contact.curvature * contact.tip_radius);
+}
+
 }  // namespace
 
 ResponseField::ResponseField(std::shared_ptr<const OrganResponse> response)
@@ -104,7 +114,8 @@ void ResponseField::set_radius(Columns& columns) const {
   for (int round = 0; round < kRadiusRounds; ++round) {
     const double dent = half_space_depth(radius);
     const double share = std::clamp(dent / std::max(dent + beyond, 0.5 * dent), 0.02, 1.0);
-    radius = radius_of(contact.tip_radius, share * depth);
+    const double local = share * depth;
+    radius = radius_of(fitted_radius(contact, local), local);
   }
   if (!presses(contact)) radius = std::max(radius, kHeldWide * contact.tip_radius);
   if (radius == columns.radius) return;

@@ -21,6 +21,7 @@ class ResponseField final {
     Vec3 normal = Vec3::Zero();        // outward, unit
     Vec3 displacement = Vec3::Zero();  // of the surface there [m]
     double tip_radius = 0.0;           // of the tool [m]
+    double curvature = 0.0;            // of the rest surface under the tool, convex positive [1/m]
   };
   /// Where a vertex lies.
   struct Place {

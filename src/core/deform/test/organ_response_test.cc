@@ -236,6 +236,21 @@ TEST(ResponseField, EveryContactReachesItsDepth) {
   EXPECT_LT((pulled - contacts[2].displacement).norm(), 4e-6);
 }
 
+TEST(ResponseField, ADentInAConvexPlaceIsNarrowerUnlessItIsDeep) {
+  ResponseField field(resting_ball());
+  // inwards at 2 mm beside the contact, of the motion at the contact
+  const auto beside = [&](double depth, double curvature) {
+    ResponseField::Contact contact = contact_at(Vec3::UnitZ(), depth);
+    contact.curvature = curvature;
+    field.set({&contact, 1});
+    const Vec3 point = 0.03 * Vec3(2.0, 0.0, 30.0).normalized();
+    const auto u = field.at(point.cast<float>(), field.place_of(point, point.normalized())).displacement;
+    return -static_cast<double>(u.z()) / depth;
+  };
+  EXPECT_LT(beside(1.5e-3, 300.0), beside(1.5e-3, 0.0) - 0.05);
+  EXPECT_LT(beside(6e-3, 0.0) - beside(6e-3, 300.0), 0.02);
+}
+
 TEST(ResponseField, APressThatAnotherPushesAwayDoesNotPull) {
   ResponseField field(resting_ball());
   const Vec3 aside = Vec3(0.12, 0.0, 1.0).normalized();
