@@ -224,6 +224,7 @@ TEST(PageRun, AnotherDeviceIsChosenBetweenRunsAndOneThatCannotBeOpenedIsReported
   ASSERT_EQ(with_path.ask({{"do", "start"}, {"device", own}})["answer"], "start") << own;
   ASSERT_TRUE(with_path.await([](const json& state) { return state["run"] == 2 && state["tick"] > 10; }));
   EXPECT_NEAR(with_path.hand()["tool_m"][2].get<double>(), 0.2, 1e-12) << "the command line's path";
+  with_path.end();
 }
 
 TEST(PageRun, IsRefusedWithFlagsOfARunWithoutAPage) {
