@@ -219,7 +219,7 @@ SpecimenFit fit_specimen(const Specimen& given, const Settings& settings, std::u
   if (fit.poor.empty() && !used.preparation.poor.empty()) {
     fit.poor = fmt::format("the rows of specimen {} give no tissue: {}", fit.name, used.preparation.poor);
   }
-  Misfit doubts = warnings_of(optima, profiles, curvature, fit);
+  Misfit doubts = warnings_of(optima, profiles, curvature, fit, misfit.nearer_law);
   if (fit.poor.empty()) fit.poor = std::move(doubts.poor);
   fit.warnings = std::move(doubts.warnings);
   fit.warnings.insert(fit.warnings.begin(), misfit.warnings.begin(), misfit.warnings.end());

@@ -46,18 +46,6 @@ Solution moved_by(const Problem& problem, const Solution& at, const Point& way, 
   return next;
 }
 
-/// Linear interpolation between two solutions.
-Solution between(const Solution& from, const Solution& to, double share) {
-  const auto mix = [share](Point& a, const Point& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] += share * (b[i] - a[i]);
-  };
-  Solution found = from;
-  mix(found.shared, to.shared);
-  for (std::size_t p = 0; p < found.own.size(); ++p) mix(found.own[p], to.own[p]);
-  found.cost += share * (to.cost - from.cost);
-  return found;
-}
-
 }  // namespace
 
 Point profile_tangent(const Problem& problem, const Solution& at, std::size_t index) {
@@ -130,7 +118,8 @@ void follow_profile_path(const Problem& problem, const Solution& from, std::size
   constexpr double kLongest = 0.6;
   constexpr double kShortest = 1e-5;
   constexpr double kEnd = 0.1;         // of the path so far: accuracy of the interval's end
-  constexpr double kStraight = 1.5;    // largest excess from which the last step is interpolated
+  constexpr double kStraight = 1.5;    // largest excess from which the interval's end is interpolated
+  constexpr double kAtEnd = 1.1;       // largest excess there
   constexpr double kTolerance = 1e-7;  // relative, of the sum of squares: enough for an interval
   const double unit = unit_of(from, index);
   Solution at = from;
@@ -151,7 +140,9 @@ void follow_profile_path(const Problem& problem, const Solution& from, std::size
       at = std::move(next);
       here = there;
     } else if (there <= kStraight) {
-      visit(between(at, next, (1.0 - here) / (there - here)));
+      const double way = parameter_of(next, index) - parameter_of(at, index);
+      const Solution end = profile_step(problem, at, index, way * (1.0 - here) / (there - here));
+      if (excess(end) <= kAtEnd) visit(end);
       return;
     } else {
       step *= 0.4;

@@ -30,7 +30,7 @@ namespace palpate::identify {
 /// @param direction 1 or -1
 /// @param excess 0 at the optimum, roughly proportional to the distance from it; infinite where it is
 /// undefined
-/// @param visit receives each solution on the path, and an interpolated one for the end
+/// @param visit receives each solution on the path; the last has an `excess` of at most 1.1
 void follow_profile_path(const Problem& problem, const Solution& from, std::size_t index, double direction,
                          const std::function<double(const Solution&)>& excess,
                          const std::function<void(const Solution&)>& visit);

@@ -78,8 +78,10 @@ bool autocorrelated(const LocalOptima& optima, const SpecimenFit& fit) {
   return optima.effective < 0.5 * static_cast<double>(fit.points);
 }
 
-std::string no_tissue_text(const SpecimenFit& fit, const std::string& why) {
-  return fmt::format("the rows of specimen {} give no tissue: {}", fit.name, why);
+/// @param nearer_law of Misfit
+std::string no_tissue_text(const SpecimenFit& fit, const std::string& why, const std::string& nearer_law) {
+  return fmt::format("the rows of specimen {} give no tissue: {}{}{}", fit.name, why,
+                     nearer_law.empty() ? "" : "; ", nearer_law);
 }
 
 /// Uncertainty due to noise at first contact: a law is a force over the depth from contact.
@@ -117,8 +119,11 @@ Uncertainty uncertainty_by_law(const Problem& problem, const std::vector<Point>&
   return largest;
 }
 
+/// No tissue comes from a force that may be over 100 % off where the rows show first contact, where they may
+/// begin with air (another first contact is later, and misfit does not explain it), or where the other law is
+/// much nearer to them.
 void add_uncertainty(const LocalOptima& optima, const std::vector<Point>& points, const SpecimenFit& fit,
-                     Misfit& out) {
+                     const std::string& nearer_law, Misfit& out) {
   const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   const double deepest = part.ranges.lowest_displacement + part.ranges.displacement * (1.0 - fit.own[0]);
@@ -139,7 +144,8 @@ void add_uncertainty(const LocalOptima& optima, const std::vector<Point>& points
       brief(law.depth / kMillimetre, 3), law.share > 1.0 ? "over 100 %" : percent(law.share, 0));
   out.warnings.push_back(text);
   const bool may_be_air = law.later > kAir && !autocorrelated(optima, fit);
-  if (law.share > 1.0 && (shown || may_be_air)) out.poor = no_tissue_text(fit, text);
+  if (law.share > 1.0 && (shown || may_be_air || !nearer_law.empty()))
+    out.poor = no_tissue_text(fit, text, nearer_law);
 }
 
 /// A curve whose first row is already in contact: only the law's shape says where contact is. Where the first
@@ -162,32 +168,35 @@ void add_start_at_depth(const Problem& problem, const SpecimenFit& fit, std::vec
       brief(fit.own[0] * part.ranges.displacement / kMillimetre, 3)));
 }
 
-void add_data(const LocalOptima& optima, const SpecimenFit& fit, std::vector<std::string>& out) {
+void add_data(const LocalOptima& optima, const SpecimenFit& fit, const std::string& nearer_law, Misfit& out) {
   constexpr double kDoubted = 1.3;  // of the noise of a point
   const Problem& problem = optima.problem;
   const Part& part = problem.parts.front();
   const Preparation& preparation = part.specimen->preparation;
   const double averaged = std::sqrt(static_cast<double>(fit.points) / static_cast<double>(preparation.rows));
-  out.insert(out.end(), preparation.notes.begin(), preparation.notes.end());
-  if (!preparation.doubt.empty() && fit.rms > kDoubted * preparation.noise * averaged)
-    out.push_back(preparation.doubt);
-  if (preparation.rows > fit.points) {
-    out.push_back(fmt::format("{} rows were averaged to {} points", preparation.rows, fit.points));
+  std::vector<std::string>& warnings = out.warnings;
+  warnings.insert(warnings.end(), preparation.notes.begin(), preparation.notes.end());
+  if (!preparation.doubt.empty() && fit.rms > kDoubted * preparation.noise * averaged) {
+    warnings.push_back(preparation.doubt);
+    if (!nearer_law.empty()) out.poor = no_tissue_text(fit, preparation.doubt, nearer_law);
   }
-  if (const std::string poor = poor_fit({&fit, 1}, {}); !poor.empty()) out.push_back(poor);
+  if (preparation.rows > fit.points) {
+    warnings.push_back(fmt::format("{} rows were averaged to {} points", preparation.rows, fit.points));
+  }
+  if (const std::string poor = poor_fit({&fit, 1}, {}); !poor.empty()) warnings.push_back(poor);
   const std::vector<double> left = plain_residuals(problem, part, fit.shared, fit.own);
   const double limit = 1.5 * problem.loss_scale;  // six standard deviations
   const auto outliers =
       std::count_if(left.begin(), left.end(), [limit](double r) { return std::abs(r) > limit; });
   if (outliers > 0 && problem.loss_scale > 1e-4) {
-    out.push_back(fmt::format("{}{} far off the curve and hardly counted (Cauchy's loss)", outliers,
-                              outliers == 1 ? " point lies" : " points lie"));
+    warnings.push_back(fmt::format("{}{} far off the curve and hardly counted (Cauchy's loss)", outliers,
+                                   outliers == 1 ? " point lies" : " points lie"));
   }
   if (fit.layers_reached < 2) {
-    out.emplace_back("the data stay within the first layer: they do not determine beta and q");
+    warnings.emplace_back("the data stay within the first layer: they do not determine beta and q");
   }
   if (autocorrelated(optima, fit)) {
-    out.push_back(
+    warnings.push_back(
         fmt::format("residuals are autocorrelated, so {} points count as {} in the intervals: the law "
                     "does not fit the curve's shape everywhere",
                     fit.points, brief(optima.effective, 3)));
@@ -330,7 +339,7 @@ void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) 
   out.warnings.push_back(text);
   const bool untared = part.specimen->preparation.zero != 0.0;
   if (-off > (untared ? kPoorFit : kPoorFlat) && out.poor.empty())
-    out.poor = untared ? poor_text(fit, text + ", and tare the sensor") : no_tissue_text(fit, text);
+    out.poor = untared ? poor_text(fit, text + ", and tare the sensor") : no_tissue_text(fit, text, "");
 }
 
 }  // namespace
@@ -388,10 +397,10 @@ std::vector<Identifiability> identifiability_of(const LocalOptima& optima, const
 }
 
 Misfit warnings_of(const LocalOptima& optima, const std::vector<Point>& points, const Curvature& curvature,
-                   const SpecimenFit& fit) {
+                   const SpecimenFit& fit, const std::string& nearer_law) {
   Misfit out;
-  add_data(optima, fit, out.warnings);
-  add_uncertainty(optima, points, fit, out);
+  add_data(optima, fit, nearer_law, out);
+  add_uncertainty(optima, points, fit, nearer_law, out);
   add_start_at_depth(optima.problem, fit, out.warnings);
   add_undetermined(identifiability_of(optima, points), fit, out.warnings);
   for (std::string& warning : correlated_warnings(curvature.correlations, labels(fit.terms))) {
@@ -427,11 +436,11 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
   const double other = error_of_other_law(problem);
   if (!(other < kNearer * fit.nrmse)) return out;
   const char* const name = fit.law == model::LawKind::kSmooth ? "layered" : "smooth";
-  const std::string advice =
+  out.nearer_law =
       fmt::format("the {} law leaves {} of the force range where this one leaves {}: fit --law {}", name,
                   percent(other, 2), percent(fit.nrmse, 2), name);
-  out.warnings.push_back(advice);
-  if (!out.poor.empty()) out.poor += "; " + advice;
+  out.warnings.push_back(out.nearer_law);
+  if (!out.poor.empty()) out.poor += "; " + out.nearer_law;
   return out;
 }
 

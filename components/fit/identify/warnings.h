@@ -30,14 +30,17 @@ enum class Identifiability { kIdentifiable, kAtSearchBound, kSpansSearchRange };
 /// What is doubtful about a fit, in words.
 struct Misfit {
   std::vector<std::string> warnings;
-  std::string poor;  // why no tissue may come from the fit; empty: one may
+  std::string poor;        // why no tissue may come from the fit; empty: one may
+  std::string nearer_law;  // that the other law leaves less than half the error; empty where it does not
 };
 
 /// [setup] Warnings about a specimen's fit, one sentence each: undetermined parameters, outliers, averaged
-/// rows, layers not reached, what was subtracted or excluded before the fit. Poor: a law as near to the rows,
-/// whose first contact is later, gives more than twice the force.
+/// rows, layers not reached, what was subtracted or excluded before the fit. Poor: another law or
+/// first contact gives more than twice the force, or a straight beginning may be a tilted sensor.
+/// @param nearer_law of misfit_of()
 [[nodiscard]] Misfit warnings_of(const LocalOptima& optima, const std::vector<Point>& points,
-                                 const Curvature& curvature, const SpecimenFit& fit);
+                                 const Curvature& curvature, const SpecimenFit& fit,
+                                 const std::string& nearer_law);
 
 /// [setup] Compares a fit with the measured curve where a simulation needs it, in the deeper half of its
 /// depth: the means of neighbours against the fitted force, and the place from which the force rises against

@@ -1,11 +1,13 @@
 #include "fit/identify/profile_path.h"
 
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "fit/identify/intervals.h"
 #include "fit/identify/test/springs.h"
 
 namespace palpate::identify {
@@ -57,6 +59,27 @@ TEST(Tangent, LeavesNothingThatAnyOtherParameterCouldTakeUp) {
     EXPECT_GT(size, 0.0) << index;
     for (std::size_t i = 0; i < along.size(); ++i) {
       EXPECT_NEAR(along[i], i == index ? size : 0.0, 1e-9) << index << ' ' << i;
+    }
+  }
+}
+
+// An interval comes from the values at a path's end, and the uncertainty of the force from the whole point.
+// Paths bend: halfway between two solutions the cost can be 100 times theirs.
+TEST(ProfilePoints, AllLieInTheConfidenceSet) {
+  Settings settings;
+  settings.law = model::LawKind::kSmooth;
+  for (const std::uint32_t number : {0U, 3U}) {
+    const Specimen specimen = springs(random_springs(number), number);
+    const LocalOptima optima = find_local_optima(make_problem(settings, 0, {make_part(specimen)}));
+    const double best = log_posterior_of(optima.problem, optima.all.front(), optima.effective);
+    const double limit =
+        likelihood_limit(optima.effective, optima.all.front().shared.size() + kOwnParameters);
+    const std::vector<Point> points = profile_points(optima, optima.effective, {});
+    EXPECT_GT(points.size(), 12U);
+    for (const Point& point : points) {
+      const Solution at = solution_at(optima.problem, point);
+      const double worse = best - log_posterior_of(optima.problem, at, optima.effective);
+      EXPECT_LE(worse, 0.5 * 1.1 * 1.1 * limit * limit) << number;
     }
   }
 }
