@@ -2,6 +2,7 @@
 #include "run/devices/touch.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <thread>
 
@@ -25,6 +26,8 @@ using stand_in::LoadedHd;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+constexpr std::int64_t kLongest = 10'000'000'000;  // ns: a hundred times the period of temperatures
 
 /// The message of a refused opening. Empty when the device was opened.
 std::string touch_refusal(const std::string& name = "", const std::string& library = HdLibrary::kName) {
@@ -262,7 +265,8 @@ TEST_F(Touch, AWarmMotorIsShownWithTheSampleUntilItHasCooled) {
   hold();
   const auto warm = [&] { return (device.read(0, 0.0).events & haptics::kMotorsWarm) != 0; };
   const auto frames_until = [&](bool wanted) {
-    for (int i = 0; i < 10'000 && warm() != wanted; ++i) hd_.step();
+    const std::int64_t begun = monotonic_ns();
+    while (warm() != wanted && monotonic_ns() - begun < kLongest) hd_.step();
     return warm();
   };
   EXPECT_FALSE(warm());
@@ -295,7 +299,8 @@ TEST_F(Touch, AnErrorOfTheFrameIsNotTakenForTheTemperatures) {
     arm.begin_error = 0x0302;
     arm.temperatures = {0.9};
   });
-  for (int i = 0; i < 10'000 && (device.read(0, 0.0).events & haptics::kMotorsWarm) == 0; ++i) {
+  const std::int64_t begun = monotonic_ns();
+  while ((device.read(0, 0.0).events & haptics::kMotorsWarm) == 0 && monotonic_ns() - begun < kLongest) {
     hd_.step();
     ASSERT_EQ(device.read(1, 0.001).fault, Fault::kDevice);
   }
