@@ -221,12 +221,10 @@ void require_regular_file(const fs::path& file, const std::string& flag) {
 
 void require_png_file(const fs::path& file, const std::string& flag) {
   require_pictures(flag);
-  const std::string extension = to_text(file.extension());
-  std::string lower = extension;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_case(to_text(file.extension()));
   static constexpr std::array<const char*, 11> kOthers = {".jpg",  ".jpeg", ".gif", ".bmp", ".tif", ".tiff",
                                                           ".webp", ".svg",  ".pdf", ".ppm", ".eps"};
-  if (std::find(kOthers.begin(), kOthers.end(), lower) != kOthers.end()) {
+  if (std::find(kOthers.begin(), kOthers.end(), extension) != kOthers.end()) {
     throw InputError(flag + " " + to_text(file) + ": pictures are PNG files, must end in .png: " +
                      to_text(fs::path(file).replace_extension(".png")));
   }

@@ -1,14 +1,15 @@
 #include "app/window/file_chooser.h"
 
 #include <algorithm>
-#include <cctype>
 #include <sstream>
 #include <system_error>
 
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include "core/base/text.h"
 #include "io/system/input_file.h"
+#include "io/system/path_text.h"
 #include "palpate/error.h"
 #include "palpate/read_mesh.h"
 
@@ -21,11 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kTitle = "Choose a file";
 
-std::string ending_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  for (char& letter : ending) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-  return ending;
-}
+std::string ending_of(const fs::path& file) { return lower_case(to_text(file.extension())); }
 
 bool wants_mesh(FileUse use) {
   return use == FileUse::kOrgan || use == FileUse::kTool || use == FileUse::kFurtherJaw;

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/text.h"
 #include "palpate/error.h"
 
 namespace palpate::app {
@@ -15,12 +16,6 @@ using study::Study;
 
 constexpr const char* kPad = "pad:";
 constexpr std::size_t kPadLength = 4;
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
 
 /// Key code of "f1" to "f24".
 std::optional<SDL_Keycode> function_key(const std::string& name) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -70,6 +71,12 @@ std::string percent(double share, int decimals) {
 
 std::string counted(std::uint64_t number, std::string_view one, std::string_view more) {
   return std::to_string(number).append(" ").append(number == 1 ? one : more);
+}
+
+std::string lower_case(std::string_view text) {
+  std::string small(text);
+  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return small;
 }
 
 std::string joined(std::span<const std::string> words, std::string_view between) {

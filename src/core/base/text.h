@@ -25,6 +25,9 @@ namespace palpate {
 /// [setup] A number with its noun: "1 row", "2 rows".
 [[nodiscard]] std::string counted(std::uint64_t number, std::string_view one, std::string_view more);
 
+/// [setup] The text with ASCII letters made small.
+[[nodiscard]] std::string lower_case(std::string_view text);
+
 /// [setup] The strings joined with `between`.
 [[nodiscard]] std::string joined(std::span<const std::string> words, std::string_view between = ", ");
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <utility>
 
 #include <fmt/core.h>
@@ -53,12 +52,6 @@ std::optional<Pose> pose_of(const std::array<double, kNumbers>& numbers) {
   return Pose{Quat(rotation).normalized(), position};
 }
 
-std::string lower(std::span<const unsigned char> text) {
-  std::string small;
-  for (const unsigned char c : text) small += static_cast<char>(std::tolower(c));
-  return small;
-}
-
 /// A message's body without its extended header and metadata, and the first warning in the metadata.
 struct Parts {
   std::span<const unsigned char> content;
@@ -80,15 +73,15 @@ void read_metadata(std::span<const unsigned char> heads, std::span<const unsigne
     const std::size_t key = number_at<std::uint16_t>(heads.subspan(head));
     const std::size_t value = number_at<std::uint32_t>(heads.subspan(head + 4));
     if (key + value > data.size()) throw InputError("its metadata is shorter than it declares");
-    const std::string text = lower(data.subspan(key, value));
-    if (lower(data.first(key)).ends_with(kStatus)) {
+    const auto text_of = [](std::span<const unsigned char> bytes) {
+      return std::string(bytes.begin(), bytes.end());
+    };
+    const std::string name = text_of(data.first(key));
+    if (lower_case(name).ends_with(kStatus)) {
+      const std::string status = text_of(data.subspan(key, value));
       parts.has_status = true;
-      if (trimmed(text.c_str()) != "ok" && parts.warning.empty()) {
-        const auto name = data.first(key);
-        const auto said = data.subspan(key, value);
-        parts.warning = excerpt(std::string(name.begin(), name.end())) + " is " +
-                        excerpt(std::string(said.begin(), said.end()));
-      }
+      if (trimmed(lower_case(status).c_str()) != "ok" && parts.warning.empty())
+        parts.warning = excerpt(name) + " is " + excerpt(status);
     }
     data = data.subspan(key + value);
   }

@@ -95,9 +95,7 @@ std::string otherwise_declared(std::string_view header) {
        {"ras", "RAS"},
        {"left-posterior-superior", "LPS"},
        {"right-anterior-superior", "RAS"}}};
-  std::string text(header);
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string text = lower_case(header);
   for (const std::string_view word : {"space", "coordinatesystem", "coordinate system"}) {
     std::string_view rest = after_word(text, word);
     const std::size_t value = std::min(rest.find_first_not_of(" =:"), rest.size());
@@ -133,9 +131,7 @@ std::vector<std::string> mesh_file_extensions() {
 }
 
 std::optional<MeshFormat> mesh_format(const std::filesystem::path& path) {
-  std::string ending = to_text(path.extension());
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_case(to_text(path.extension()));
   for (const Reader& reader : kReaders) {
     if (reader.ending == ending) return reader.format;
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <utility>
@@ -61,13 +60,6 @@ const std::vector<std::pair<std::string_view, ContentFacts>>& signatures() {
       {"# vtk DataFile", mesh("legacy VTK", ".vtk")},
       {"$MeshFormat", mesh("Gmsh", ".msh")}};
   return kAll;
-}
-
-std::string lower(std::string_view text) {
-  std::string made(text);
-  std::transform(made.begin(), made.end(), made.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return made;
 }
 
 bool contains(std::string_view text, std::string_view part) {
@@ -135,7 +127,7 @@ ContentFacts text_of(std::string_view text, bool is_whole) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::vector<std::string_view> lines = lines_of(text);
   if (lines.empty()) return {};
-  const std::string first = lower(lines.front().substr(0, 200));
+  const std::string first = lower_case(lines.front().substr(0, 200));
   if (first.starts_with("<!doctype html") || first.starts_with("<html")) {
     return other("an HTML page, such as a report", "open it in a browser");
   }
@@ -143,7 +135,7 @@ ContentFacts text_of(std::string_view text, bool is_whole) {
     if (contains(text, "<VTKFile")) return vtk_xml();
     return other("an XML file", "palpate reads none");
   }
-  if (first.starts_with("solid") && contains(lower(text.substr(0, 4096)), "facet")) {
+  if (first.starts_with("solid") && contains(lower_case(text.substr(0, 4096)), "facet")) {
     return mesh("text STL", ".stl");
   }
   if (first.front() == '{' && contains(text, "\"asset\"")) return mesh("glTF", ".gltf");

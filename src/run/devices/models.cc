@@ -1,8 +1,8 @@
 #include "run/devices/models.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
+
+#include "core/base/text.h"
 
 namespace palpate::devices {
 namespace {
@@ -32,9 +32,7 @@ constexpr Model kModels[] = {
 }  // namespace
 
 haptics::DeviceAbilities abilities_of_model(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(name);
   haptics::DeviceAbilities abilities;
   abilities.model = name;
   for (const Model& model : kModels) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
@@ -47,9 +46,7 @@ class IndexWarnings final : public Assimp::LogStream {
   IndexWarnings& operator=(const IndexWarnings&) = delete;
 
   void write(const char* message) override {
-    std::string text = first_line(message);
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string text = lower_case(first_line(message));
     for (const char* sign : {"overflow", "out of range", "out-of-range", "exceed"}) {
       if (text.find(sign) != std::string::npos && first_.empty()) first_ = first_line(message);
     }
