@@ -320,7 +320,8 @@ std::string poor_text(const SpecimenFit& fit, const std::string& what) {
 
 /// First rows without a rise, which the fit takes for tissue: they may be motion without contact. Where the
 /// sensor is not tared either, nothing shows how far the tool is in.
-void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) {
+/// @return why no tissue may come from them if the other law is much nearer; empty: one may
+std::string add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) {
   constexpr double kLongFlat = 0.15;  // of the range of displacement
   constexpr double kPoorFlat = 0.7;   // of the force, with a tared sensor
   const Part& part = problem.parts.front();
@@ -328,9 +329,9 @@ void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) 
   const double flat = flat_until(*part.specimen, part.ranges);
   if (part.specimen->preparation.contact ||
       !(flat - part.ranges.lowest_displacement > kLongFlat * part.ranges.displacement))
-    return;
+    return {};
   const auto [off, depth] = off_by_contact(problem, fit, std::min(0.0, contact - flat));
-  if (!(-off > kVisible)) return;
+  if (!(-off > kVisible)) return {};
   const std::string text = fmt::format(
       "the force does not rise out of the noise before {}, and the law puts first contact at {}: if the tool "
       "touches at {}, the force {} below contact is {} too low; cut off rows without contact, and count "
@@ -340,6 +341,7 @@ void add_flat_rows(const Problem& problem, const SpecimenFit& fit, Misfit& out) 
   const bool untared = part.specimen->preparation.zero != 0.0;
   if (-off > (untared ? kPoorFit : kPoorFlat) && out.poor.empty())
     out.poor = untared ? poor_text(fit, text + ", and tare the sensor") : no_tissue_text(fit, text, "");
+  return -off > kPoorFit ? no_tissue_text(fit, text, "") : "";
 }
 
 }  // namespace
@@ -431,7 +433,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
     if (excess > kVisible) out.warnings.push_back(text);
     if (excess > kPoorLateContact && out.poor.empty()) out.poor = poor_text(fit, text);
   }
-  add_flat_rows(problem, fit, out);
+  const std::string flat = add_flat_rows(problem, fit, out);
   if (out.warnings.empty() || problem.terms > 0) return out;
   const double other = error_of_other_law(problem);
   if (!(other < kNearer * fit.nrmse)) return out;
@@ -440,6 +442,7 @@ Misfit misfit_of(const LocalOptima& optima, const SpecimenFit& fit) {
       fmt::format("the {} law leaves {} of the force range where this one leaves {}: fit --law {}", name,
                   percent(other, 2), percent(fit.nrmse, 2), name);
   out.warnings.push_back(out.nearer_law);
+  if (out.poor.empty()) out.poor = flat;
   if (!out.poor.empty()) out.poor += "; " + out.nearer_law;
   return out;
 }
