@@ -44,9 +44,10 @@ inline Settings smooth() {
 
 /// Force of the fitted tissue at 10 mm.
 inline double force_at_ten(const SpecimenFit& fit) {
-  return model::SmoothSpringLaw(tissue_of(fit.shared, smooth()), model::Direction::kPress, 1e-3)
-      .force_at(10e-3)
-      .force;
+  const model::TissueParameters tissue = tissue_of(fit.shared, smooth());  // the same for both laws
+  if (fit.law == model::LawKind::kSmooth)
+    return model::SmoothSpringLaw(tissue, model::Direction::kPress, 1e-3).force_at(10e-3).force;
+  return model::LayeredSpringLaw(tissue, model::Direction::kPress, 1e-3).force_at(10e-3).force;
 }
 
 }  // namespace palpate::identify

@@ -97,8 +97,8 @@ TEST(NoTissue, ATiltThatASoftTissueExplainsAsWellGivesNoTissue) {
   }
 }
 
-// The layered law does not follow these curves. It takes the air for tissue, and its force at 10 mm is a
-// third of the right one; the smooth law leaves less than an eighth of its error.
+// The layered law does not follow these curves. It takes the air for tissue, and its force at 10 mm is less
+// than half of the right one; the smooth law leaves less than an eighth of its error.
 TEST(NoTissue, ATiltThatThisLawFitsWorseThanTheOtherGivesNoTissue) {
   for (const Fault& fault : {Fault{6e-3, 0.0, 2.0}, {6e-3, 0.0, 20.0}, {3e-3, 0.0, 2.0}}) {
     const SpecimenFit fit = fit_specimen(pressed(fault, 1), Settings{}, 0, {});
