@@ -15,7 +15,9 @@
 //
 // 1. The largest number of cells is chosen that needs at most kMostNodes nodes.
 // 2. The stiffness matrix is assembled cell by cell. The held surface is a layer of stiff springs; each
-//    small part of it adds the products of its cell's splines.
+//    small part of it adds the products of its cell's splines. At the rim of an attachment the strain has no
+//    bound, and splines hold the surface a part of a cell beyond it. An organ that hangs on a vessel would
+//    sway too little. So cells in which an attachment ends are cut into eight, and its rim is drawn back.
 // 3. Nodes are ordered by planes across the longest axis of the grid. Two planes make a block, and a block
 //    couples with its two neighbours only.
 // 4. The inverse (block_inverse.h), one column a node and direction, is the compliance: displacements under
@@ -54,7 +56,7 @@ constexpr std::size_t kMostNodes = 400;
 constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
 #endif
 // Rises when the same organ and support get another response.
-constexpr std::uint64_t kResponseVersion = 2;
+constexpr std::uint64_t kResponseVersion = 3;
 constexpr double kFewestCells = 3.0;  // along the longest extent
 constexpr double kMostCells = 60.0;
 constexpr int kSteps = 6;                // at most, of the search for the finest cells
@@ -63,6 +65,8 @@ constexpr double kWhole = 1.0 - 1e-9;    // share of a cell that counts as fille
 constexpr double kOutside = 1e-4;        // stiffness outside the organ in cut cells
 constexpr double kHeldInside = 15.0;     // the same of what is held inside, by the square of a cell
 constexpr double kHeldStiffness = 15.0;  // of the held surface's springs, times Young's modulus / cell
+constexpr double kDrawnBack = 0.2;       // cells by which the rim of an attachment is drawn back
+constexpr double kLeastRadius = 0.8;     // of an attachment that is left
 
 constexpr auto kNodes = static_cast<Index>(CellGrid::kNodesOfCell);
 
@@ -137,7 +141,7 @@ class Body {
   explicit Body(BodyCompliance& body);
 
   void add_pieces();
-  void add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held);
+  void add_support(const geometry::TriangleMesh& organ, const geometry::Support& support);
   // @return false when nothing holds the organ
   [[nodiscard]] bool invert();
   // Takes an inverse of the cache instead. @return false when it is of other blocks
@@ -236,7 +240,7 @@ void Body::add(std::size_t piece, const MatrixXd& matrix) {
       add(nodes[a], nodes[b], sums.block<3, 3>(3 * static_cast<Index>(a), 3 * static_cast<Index>(b)));
 }
 
-void Body::add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held) {
+void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Support& support) {
   using Products = Eigen::Matrix<double, kNodes, kNodes>;
   std::map<std::size_t, Products> springs;  // by piece
   const double edge = pieces_.cells().whole().edge();
@@ -245,9 +249,20 @@ void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Held
     const Eigen::Map<const Eigen::Matrix<double, kNodes, 1>> w(weights.data());
     springs.try_emplace(place.piece, Products::Zero()).first->second += stiffness * w * w.transpose();
   };
+  const auto held_by = [&](double cell) {
+    geometry::Support drawn_back = support;
+    for (geometry::Attachment& one : drawn_back.attachments)
+      one.radius = std::max(
+          {one.radius - kDrawnBack * cell, kLeastRadius * one.radius, geometry::kSmallestAttachment});
+    return geometry::HeldSurface(drawn_back, organ);
+  };
+  const geometry::HeldSurface by_whole = held_by(edge);
+  const geometry::HeldSurface by_eighths = held_by(pieces_.cells().eighths().edge());
   for_each_part(organ, edge / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
-    if (held.holds(point, area))
-      add_spring(pieces_.place_of(point, area.normalized()), kHeldStiffness / edge * area.norm());
+    const CellPieces::Place place = pieces_.place_of(point, area.normalized());
+    const bool is_eighth = pieces_.cells().is_eighth(pieces_.pieces()[place.piece].cell);
+    if ((is_eighth ? by_eighths : by_whole).holds(point, area))
+      add_spring(place, kHeldStiffness / edge * area.norm());
   });
   for (std::size_t piece = 0; piece < pieces_.pieces().size(); ++piece) {
     const double edge_here = pieces_.edge_of(piece);
@@ -255,7 +270,7 @@ void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Held
     pieces_.for_each_point(piece, [&](const std::array<double, 3>& within, double share) {
       const Vec3 point = pieces_.cells().whole().low() +
                          edge_here * Vec3(cell[0] + within[0], cell[1] + within[1], cell[2] + within[2]);
-      if (held.holds_inside(point))
+      if (by_whole.holds_inside(point))
         add_spring({piece, within}, kHeldInside * share * edge_here * edge_here * edge_here / (edge * edge));
     });
   }
@@ -285,7 +300,7 @@ bool Body::take(contact::ResponseArrays arrays) {
 ContentHash response_key(const geometry::TriangleMesh& organ, const geometry::Support& support) {
   ContentHasher hasher;
   hasher.add(kResponseVersion).add(kMostNodes).add(kPoisson);
-  hasher.add(kOutside).add(kHeldInside).add(kHeldStiffness);
+  hasher.add(kOutside).add(kHeldInside).add(kHeldStiffness).add(kDrawnBack).add(kLeastRadius);
   hasher.add(std::span<const Vec3>(organ.vertices)).add(std::span<const geometry::Triangle>(organ.triangles));
   hasher.add(support.bed.has_value()).add(support.faces.has_value()).add(support.attachments.size());
   if (support.bed) hasher.add(support.bed->direction).add(support.bed->share);
@@ -295,33 +310,49 @@ ContentHash response_key(const geometry::TriangleMesh& organ, const geometry::Su
   return hasher.hash();
 }
 
+// What the attachments alone hold; empty without any.
+std::optional<geometry::HeldSurface> attached_surface(const geometry::TriangleMesh& organ,
+                                                      const geometry::Support& support) {
+  if (support.attachments.empty()) return std::nullopt;
+  geometry::Support attachments;
+  attachments.attachments = support.attachments;
+  return geometry::HeldSurface(attachments, organ);
+}
+
+const geometry::HeldSurface* pointer(const std::optional<geometry::HeldSurface>& held) {
+  return held ? &*held : nullptr;
+}
+
 // The compliance that a cache has kept; empty when it has none that is possible.
 std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, const ContentHash& key,
-                                              const geometry::TriangleMesh& organ) {
+                                              const geometry::TriangleMesh& organ,
+                                              const geometry::Support& support) {
   std::optional<contact::ResponseArrays> arrays = store.load_response(key);
   const geometry::Bounds box = geometry::bounds(organ);
   if (!arrays) return std::nullopt;
   const double cells = box.size().maxCoeff() / arrays->cell_edge;  // along the longest extent
   if (!(cells > 0.5 * kFewestCells && cells < 2.0 * kMostCells)) return std::nullopt;
-  BodyCompliance made{CellPieces(CellGrid(box, arrays->cell_edge), organ), {}};
+  const std::optional<geometry::HeldSurface> attached = attached_surface(organ, support);
+  BodyCompliance made{CellPieces(CellGrid(box, arrays->cell_edge), organ, pointer(attached)), {}};
   if (!Body(made).take(std::move(*arrays))) return std::nullopt;
   return made;
 }
 
 }  // namespace
 
-CellPieces finest_pieces(const geometry::TriangleMesh& organ) {
+CellPieces finest_pieces(const geometry::TriangleMesh& organ, const geometry::Support& support) {
+  const std::optional<geometry::HeldSurface> attached = attached_surface(organ, support);
   const geometry::Bounds box = geometry::bounds(organ);
   double most = box.size().maxCoeff() / kFewestCells;
   double least = box.size().maxCoeff() / kMostCells;
-  CellPieces best(CellGrid(box, most), organ);
+  CellPieces best(CellGrid(box, most), organ, pointer(attached));
   double nodes = static_cast<double>(best.nodes());
   double edge = most;
   for (int step = 0; step < kSteps && most > kFineEnough * least; ++step) {
     // Where the nodes would fit if their number went with the square of 1 / edge.
     edge = std::clamp(edge * std::sqrt(nodes / static_cast<double>(kMostNodes)), kFineEnough * least,
                       most / kFineEnough);
-    CellPieces next(CellGrid(box, edge), organ);
+    CellPieces next(CellGrid(box, edge), organ, pointer(attached));
     nodes = static_cast<double>(next.nodes());
     const bool fits = next.nodes() <= kMostNodes;
     (fits ? most : least) = edge;
@@ -334,14 +365,14 @@ BodyCompliance body_compliance(const geometry::TriangleMesh& organ, const geomet
                                const contact::OrganStore* store) {
   const ContentHash key = store != nullptr ? response_key(organ, support) : ContentHash{};
   if (store != nullptr) {
-    if (std::optional<BodyCompliance> kept = kept_compliance(*store, key, organ)) return *std::move(kept);
+    if (std::optional<BodyCompliance> kept = kept_compliance(*store, key, organ, support))
+      return *std::move(kept);
   }
-  const geometry::HeldSurface held(support, organ);
   geometry::check_support(support, organ);
-  BodyCompliance made{finest_pieces(organ), {}};
+  BodyCompliance made{finest_pieces(organ, support), {}};
   Body body(made);
   body.add_pieces();
-  body.add_support(organ, held);
+  body.add_support(organ, support);
   if (!body.invert())
     throw InputError("support: holds too little of the organ's surface, so the organ would turn away");
   if (store != nullptr)

@@ -48,7 +48,9 @@ double LinePart::squared_distance(const std::array<double, 3>& point) const noex
   return (Eigen::Vector2d(point[0], point[1]) - place).squaredNorm() + above * above;
 }
 
-CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ) : cells_(cells) {
+CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
+                     const geometry::HeldSurface* attached)
+    : cells_(cells) {
   // Powers of the plastic number spread points evenly in a square.
   constexpr double kPlastic = 1.32471795724474602596;
   for (std::size_t l = 0; l < kLines; ++l) {
@@ -57,6 +59,7 @@ CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ) : cel
   }
   cut_lines(organ);
   cut_thin_cells();
+  if (attached != nullptr) cut_cells_at_ends(organ, *attached);
   cut_parts();
   add_reached(organ);
   sort();
@@ -139,6 +142,18 @@ void CellParts::cut_thin_cells() {
                   [&](const Cell& c) { fullest = std::max(fullest, filled[grid.number_of(c)]); });
     if (fullest < kFilled) cells_.cut(grid.number_of(middle));
   });
+}
+
+void CellParts::cut_cells_at_ends(const geometry::TriangleMesh& organ,
+                                  const geometry::HeldSurface& attached) {
+  const CellGrid& grid = cells_.whole();
+  std::vector<bool> held(grid.cell_count(), false);
+  std::vector<bool> free(grid.cell_count(), false);
+  for_each_part(organ, grid.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
+    (attached.holds(point, area) ? held : free)[grid.number_of(grid.place_of(point).cell)] = true;
+  });
+  for (std::size_t cell = 0; cell < grid.cell_count(); ++cell)
+    if (held[cell] && free[cell]) cells_.cut(cell);
 }
 
 void CellParts::cut_parts() {

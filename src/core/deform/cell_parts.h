@@ -9,6 +9,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/deform/cell_grid.h"
 #include "palpate/mesh.h"
+#include "palpate/support.h"
 
 namespace palpate::deform {
 
@@ -75,8 +76,9 @@ class CellParts final {
   };
   using Links = std::vector<std::array<std::uint32_t, 2>>;
 
-  /// [setup] Cuts thin cells. @param organ closed, outwards
-  CellParts(CutCells& cells, const geometry::TriangleMesh& organ);
+  /// [setup] Cuts thin cells, and those in which `attached` ends. @param organ closed, outwards
+  /// @param attached may be null
+  CellParts(CutCells& cells, const geometry::TriangleMesh& organ, const geometry::HeldSurface* attached);
 
   /// [any] By their cell.
   [[nodiscard]] const std::vector<Part>& parts() const noexcept { return parts_; }
@@ -97,6 +99,7 @@ class CellParts final {
   [[nodiscard]] std::size_t line_at(int x, int y) const noexcept;
   void cut_lines(const geometry::TriangleMesh& organ);
   void cut_thin_cells();
+  void cut_cells_at_ends(const geometry::TriangleMesh& organ, const geometry::HeldSurface& attached);
   void cut_parts();
   void add_reached(const geometry::TriangleMesh& organ);
   void sort();

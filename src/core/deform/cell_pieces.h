@@ -9,6 +9,7 @@
 #include "core/base/index.h"
 #include "core/deform/cell_parts.h"
 #include "palpate/mesh.h"
+#include "palpate/support.h"
 
 namespace palpate::deform {
 
@@ -30,8 +31,10 @@ class CellPieces final {
   /// Integrals of x^a y^b z^c over a piece, from 0 to 1 along each axis of its cell, at [a][b][c].
   using Moments = std::array<std::array<std::array<double, 5>, 5>, 5>;
 
-  /// [setup] @param organ closed, outwards
-  CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ);
+  /// [setup] @param organ closed, outwards @param attached cells in which it ends are cut into eight; may be
+  /// null
+  CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ,
+             const geometry::HeldSurface* attached = nullptr);
 
   [[nodiscard]] const CutCells& cells() const noexcept { return cells_; }
   [[nodiscard]] const std::vector<Piece>& pieces() const noexcept { return pieces_; }

@@ -131,8 +131,8 @@ Vec3 OrganResponse::at(const Displacements& field, const CellPieces::Place& plac
   return sum;
 }
 
-ResponseCells response_cells(const geometry::TriangleMesh& organ) {
-  const CellPieces pieces = finest_pieces(organ);
+ResponseCells response_cells(const geometry::TriangleMesh& organ, const geometry::Support& support) {
+  const CellPieces pieces = finest_pieces(organ, support);
   ResponseCells cells{pieces.cells().whole().edge(), 0.0};
   const TriangleSearch search(organ);
   double thin = 0.0;

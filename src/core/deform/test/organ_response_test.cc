@@ -51,10 +51,10 @@ double motion_of_end(const Vec3& force) {
 }
 
 TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
-  const ResponseCells plate = response_cells(geometry::make_box(Vec3(0.1, 0.1, 4e-3), 4e-3));
+  const ResponseCells plate = response_cells(geometry::make_box(Vec3(0.1, 0.1, 4e-3), 4e-3), bed());
   EXPECT_GT(plate.edge, 4e-3);
   EXPECT_NEAR(plate.thin_share, 2.0 * 100.0 * 100.0 / (2.0 * 100.0 * 100.0 + 4.0 * 100.0 * 4.0), 1e-9);
-  EXPECT_EQ(response_cells(bar()).thin_share, 0.0);
+  EXPECT_EQ(response_cells(bar(), bed()).thin_share, 0.0);
 }
 
 TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
@@ -103,6 +103,23 @@ TEST(OrganResponse, AClampedBarBendsLikeABeam) {
   // Timoshenko's beam, shear coefficient 5/6.
   const double beam = std::pow(kLength, 3) / (3.0 * inertia) + kLength / (5.0 / 6.0 * shear * area);
   EXPECT_NEAR(motion_of_end(Vec3::UnitZ()) / beam, 1.0, 0.08);
+}
+
+TEST(OrganResponse, ACubeHeldOnARoundPatchSwaysAsOnARigidDisc) {
+  constexpr double kEdge = 0.12;
+  constexpr double kRadius = 0.02;
+  geometry::Support support;
+  support.attachments.push_back({Vec3(0.0, 0.0, -0.5 * kEdge), kRadius});
+  const OrganResponse response(geometry::make_box(Vec3::Constant(kEdge), 4e-3), support);
+  const OrganResponse::Load top = response.load_at(Vec3(0.0, 0.0, 0.5 * kEdge), Vec3::UnitZ(), 10.0 * kEdge);
+  const double motion = response.work(top, Eigen::Vector3f::UnitX(), response.under(top)[0]);
+  // The patch rocks and slides like a rigid disc on a half-space; the cube bends and shears like a beam.
+  constexpr double kNu = 0.45;
+  constexpr double kShear = 1.0 / (2.0 * (1.0 + kNu));
+  const double rocks = kEdge * kEdge * 3.0 * (1.0 - kNu) / (8.0 * kShear * std::pow(kRadius, 3));
+  const double slides = (2.0 - kNu) / (8.0 * kShear * kRadius);
+  const double beam = 4.0 / kEdge + 1.0 / (5.0 / 6.0 * kShear * kEdge);
+  EXPECT_NEAR(motion / (rocks + slides + beam), 1.0, 0.08);
 }
 
 TEST(OrganResponse, ForceAtOnePlaceMovesAnotherAsMuchAsTheReverse) {
@@ -197,7 +214,7 @@ TEST(OrganResponse, ItsFieldIsContinuousBetweenPiecesAndBetweenCellsOfBothSizes)
   expect_continuous(hairpin(), support, Vec3(0.5 * kProng, 0.0, kBend + 5e-3));
   const geometry::TriangleMesh gallbladder = geometry::make_organ("gallbladder");
   const auto eighths = [&] {
-    const CellPieces pieces = finest_pieces(gallbladder);
+    const CellPieces pieces = finest_pieces(gallbladder, bed());
     return std::count_if(pieces.pieces().begin(), pieces.pieces().end(),
                          [&](const auto& piece) { return pieces.cells().is_eighth(piece.cell); });
   }();
