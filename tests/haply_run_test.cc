@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "io/websocket/test/haply_service.h"
 #include "palpate/scene.h"
 #include "palpate/tool_path.h"
-#include "run/devices/test/haply_service.h"
 
 #include "tests/program.h"
 

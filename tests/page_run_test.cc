@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "net/test/live_client.h"
+#include "io/websocket/test/live_client.h"
 #include "palpate/recording.h"
 
 #include "tests/program.h"

@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "net/test/live_client.h"
+#include "io/websocket/test/live_client.h"
 
 #include "tests/program.h"
 

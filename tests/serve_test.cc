@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include "net/test/live_client.h"
+#include "io/websocket/test/live_client.h"
 #include "palpate/recording.h"
 
 #include "tests/program.h"

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/rotation.h"
+
 namespace palpate::app {
 namespace {
 
@@ -32,7 +34,7 @@ void OrbitCamera::look_as(const render::Camera& camera, double aspect) {
 }
 
 void OrbitCamera::look_exactly_as(const render::Camera& camera) {
-  look(camera, Quat::FromTwoVectors(Vec3::UnitZ(), camera.up));
+  look(camera, rotation_between(Vec3::UnitZ(), camera.up));
   exact_ = camera;
 }
 

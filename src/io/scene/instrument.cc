@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "core/base/rotation.h"
 #include "core/base/text.h"
 #include "io/scene/names.h"
 #include "io/scene/plausibility.h"
@@ -101,7 +102,7 @@ geometry::Needle needle_of(const ToolTable& description, const geometry::Tool& t
     fail("", "needs a tool of one mesh file, tool.mesh");
   }
   const geometry::TriangleMesh& mesh = tool.parts.front().mesh;
-  const Quat to_axis = Quat::FromTwoVectors(table.axis, Vec3::UnitZ());
+  const Quat to_axis = rotation_between(table.axis, Vec3::UnitZ());
   const geometry::Bounds whole = extents_of(mesh, to_axis, -std::numeric_limits<double>::infinity()).box;
   const double long_by = whole.high.z() - whole.low.z();
   const auto in_mm = [](double length) { return brief(length / kMillimetre, 3) + " mm"; };

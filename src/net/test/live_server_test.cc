@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <sched.h>
 
-#include "net/test/live_client.h"
+#include "io/websocket/test/live_client.h"
 
 namespace palpate::net {
 namespace {
@@ -169,23 +169,13 @@ TEST_F(Served, ABrowserGetsTheFilesOfThePageAndNothingElse) {
   LiveOptions options;
   options.page = {{"/", {"text/html", "<title>a page</title>"}}, {"/a/b.wasm", {"application/wasm", "code"}}};
   serve(options);
-  namespace http = boost::beast::http;
-  const auto got = [&](const std::string& target) {
-    boost::asio::io_context context;
-    boost::beast::tcp_stream stream(context);
-    stream.connect({boost::asio::ip::make_address("127.0.0.1"), port()});
-    http::write(stream, http::request<http::empty_body>(http::verb::get, target, 11));
-    boost::beast::flat_buffer buffer;
-    http::response<http::string_body> response;
-    http::read(stream, buffer, response);
-    return response;
-  };
-  EXPECT_EQ(got("/").body(), "<title>a page</title>");
-  EXPECT_EQ(got("/a/b.wasm").body(), "code");
-  EXPECT_EQ(got("/a/b.wasm")[http::field::content_type], "application/wasm");
-  EXPECT_THAT(std::string(got("/")["Content-Security-Policy"]), HasSubstr("frame-ancestors 'none'"));
+  const auto got = [&](const std::string& target) { return test::http_get(port(), target); };
+  EXPECT_EQ(got("/").body, "<title>a page</title>");
+  EXPECT_EQ(got("/a/b.wasm").body, "code");
+  EXPECT_EQ(got("/a/b.wasm").fields["Content-Type"], "application/wasm");
+  EXPECT_THAT(got("/").fields["Content-Security-Policy"], HasSubstr("frame-ancestors 'none'"));
   for (const char* other : {"/a", "/a/", "/a/../a/b.wasm", "/../etc/passwd", "//a/b.wasm", "/a/b.wasm?x"}) {
-    EXPECT_EQ(got(other).result_int(), 404U) << other;
+    EXPECT_EQ(got(other).status, 404U) << other;
   }
 }
 

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
+#include "io/websocket/test/haply_service.h"
 #include "run/devices/haply.h"
 #include "run/devices/test/emulated_scene.h"
-#include "run/devices/test/haply_service.h"
 #include "run/devices/test/safety_line.h"
 
 namespace palpate::devices {

@@ -9,9 +9,9 @@
 
 #include "core/haptics/test/test_world.h"
 #include "io/system/clock.h"
+#include "io/websocket/test/haply_service.h"
 #include "palpate/error.h"
 #include "run/devices/devices.h"
-#include "run/devices/test/haply_service.h"
 #include "run/realtime/loop.h"
 
 namespace palpate::devices {

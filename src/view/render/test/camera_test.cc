@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/rotation.h"
 #include "palpate/mesh.h"
 #include "palpate/offscreen.h"
 
@@ -72,7 +73,7 @@ TEST(FrameContact, LooksAtTheToolFromTheSide) {
   for (const Vec3& lean : {Vec3(0, 1, -1), Vec3(1, 0, -1), Vec3(1, 1, -1)}) {
     haptics::Snapshot snapshot;
     snapshot.hands = 1;
-    snapshot.tools[0].pose_W.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), lean);
+    snapshot.tools[0].pose_W.rotation = rotation_between(Vec3::UnitZ(), lean);
     const Camera camera = frame_contact(subject, snapshot, Vec3(0, 0, 0.04), Vec3::UnitZ(), true);
     const Vec3 level = Vec3(camera.eye.x(), camera.eye.y(), 0).normalized();
     EXPECT_LT(std::abs(level.dot(Vec3(lean.x(), lean.y(), 0).normalized())), 0.4);

@@ -1,74 +1,29 @@
-#pragma once
-// A stand-in for Haply's Inverse Service on 127.0.0.1. A test can switch each fault on.
+#include "io/websocket/test/haply_service.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstddef>
-#include <functional>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <thread>
 #include <utility>  // before Asio: Asio 1.74 does not include it
-#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <nlohmann/json.hpp>
 #include <sys/socket.h>
-
-#include "palpate/pose.h"
 
 namespace palpate::devices::test {
 
-/// JSON of a vector, of one arm and of one grip in a message.
-inline nlohmann::json vector_json(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
-inline nlohmann::json arm_json(const std::string& id, const Vec3& position,
-                               const Vec3& velocity = Vec3::Zero()) {
-  return {{"device_id", id},
-          {"state", {{"cursor_position", vector_json(position)}, {"cursor_velocity", vector_json(velocity)}}},
-          {"status", {{"power_supply", true}, {"ready", true}}}};
-}
-inline nlohmann::json grip_json(const std::string& id, const Quat& q, bool a) {
-  return {{"device_id", id},
-          {"state",
-           {{"orientation", {{"w", q.w()}, {"x", q.x()}, {"y", q.y()}, {"z", q.z()}}},
-            {"buttons", {{"a", a}, {"b", false}, {"c", false}}}}}};
-}
-/// A message with one arm, "04BA".
-inline std::string one_arm(const Vec3& position = Vec3(0.01, 0.02, 0.03)) {
-  return nlohmann::json{{"inverse3", {arm_json("04BA", position)}}}.dump();
-}
-
-/// The service's answer to a command.
-struct Answer {
-  std::optional<std::string> text;  // empty: no answer
-  enum class Then { kGoOn, kClose, kBreakOff } then = Then::kGoOn;
-};
-
-class HaplyService final {
+class HaplyService::Server final {
  public:
-  enum class Manner { kWebSocket, kDeclines, kMute };  // kMute: accepts connections and never sends anything
-  using Script = std::function<Answer(std::size_t command)>;
-
-  struct Received {
-    std::string arm;
-    Vec3 force;
-  };
-
-  /// @param greeting first message; empty: the service sends none
-  /// @param script called on a thread of the connection with the number of the command, from 0
-  explicit HaplyService(
-      std::string greeting, Script script = [](std::size_t) { return Answer{one_arm()}; },
-      Manner manner = Manner::kWebSocket)
+  Server(std::string greeting, Script script, Manner manner)
       : greeting_(std::move(greeting)), script_(std::move(script)), manner_(manner) {
     thread_ = std::thread([this] { serve(); });
   }
-  ~HaplyService() {
+  ~Server() {
     ending_ = true;
     ::shutdown(acceptor_.native_handle(), SHUT_RDWR);
     {
@@ -78,8 +33,6 @@ class HaplyService final {
     thread_.join();
     for (std::thread& connection : threads_) connection.join();
   }
-  HaplyService(const HaplyService&) = delete;
-  HaplyService& operator=(const HaplyService&) = delete;
 
   [[nodiscard]] std::string address() const {
     return "ws://127.0.0.1:" + std::to_string(acceptor_.local_endpoint().port());
@@ -88,14 +41,12 @@ class HaplyService final {
     const std::lock_guard<std::mutex> lock(mutex_);
     return received_;
   }
-  /// Newest force [N]. NaN before the first command.
   [[nodiscard]] Vec3 force() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return received_.empty() ? Vec3::Constant(std::nan("")) : received_.back().force;
   }
   [[nodiscard]] std::size_t connections() const { return connections_; }
   [[nodiscard]] bool said_farewell() const { return farewell_; }
-  /// Holds the first message of new connections back while `holds` is true.
   void hold_back(bool holds) { holds_back_ = holds; }
   void greet_with(std::string greeting) {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -202,5 +153,17 @@ class HaplyService final {
   std::vector<std::thread> threads_;
   std::thread thread_;
 };
+
+HaplyService::HaplyService(std::string greeting, Script script, Manner manner)
+    : server_(std::make_unique<Server>(std::move(greeting), std::move(script), manner)) {}
+HaplyService::~HaplyService() = default;
+
+std::string HaplyService::address() const { return server_->address(); }
+std::vector<HaplyService::Received> HaplyService::received() const { return server_->received(); }
+Vec3 HaplyService::force() const { return server_->force(); }
+std::size_t HaplyService::connections() const { return server_->connections(); }
+bool HaplyService::said_farewell() const { return server_->said_farewell(); }
+void HaplyService::hold_back(bool holds) { server_->hold_back(holds); }
+void HaplyService::greet_with(std::string greeting) { server_->greet_with(std::move(greeting)); }
 
 }  // namespace palpate::devices::test
