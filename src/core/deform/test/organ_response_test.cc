@@ -59,7 +59,7 @@ TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
 
 TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
   EXPECT_EQ(describe({8.5715e-3, 0.0551}),
-            "8.57 mm, half as large where the organ is thin; 5.5 % of the surface is on parts thinner than "
+            "8.57 mm, half as large where the organ is thin or an attachment ends; 5.5 % of the surface is on parts thinner than "
             "their cells, where the deformation shown is not reliable");
 }
 
