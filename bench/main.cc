@@ -212,7 +212,7 @@ class Bench final {
   std::vector<Subject> pictures_;
   Account account_;
   std::optional<Peers> peers_;
-  app::Progress bar_{"bench"};
+  app::Progress bar_{"bench", app::WithoutTerminal::kSteps};
   double steps_ = 1.0;
   double done_ = 0.0;
 };

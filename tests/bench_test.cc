@@ -114,6 +114,11 @@ TEST(Bench, PartsAloneAreMeasuredAloneAndWrittenAsCsvToo) {
   EXPECT_NE(text_of(folder / "b.csv").find("part,noise sample by number"), std::string::npos);
 }
 
+TEST(Bench, SaysWhatItMeasuresWhereNoTerminalIs) {
+  const Folder folder;
+  EXPECT_EQ(run(folder, {"bench", "--parts"}).err.rfind("bench: 0 % ", 0), 0U);
+}
+
 TEST(Bench, QuickHasTheDocumentedKeys) {
   const Folder folder;
   const Outcome outcome = run(folder, {"bench", "--quick", "--json"});

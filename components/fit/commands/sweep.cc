@@ -184,7 +184,7 @@ int sweep(SweepFlags& flags, const CLI::App& command) {
   tasks::on_rank_zero(*ranks, [&flags] { check_files_and_duration(flags); });
   sweep::SweepResult result;
   {
-    Progress bar("sweep");
+    Progress bar("sweep", WithoutTerminal::kLines);
     result = sweep::run_sweep(request, *ranks,
                               [&bar](double share, const std::string& what) { bar.update(share, what); });
   }
