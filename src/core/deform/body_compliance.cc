@@ -16,8 +16,8 @@
 // 1. The largest number of cells is chosen that needs at most kMostNodes nodes.
 // 2. The stiffness matrix is assembled cell by cell. The held surface is a layer of stiff springs; each
 //    small part of it adds the products of its cell's splines. At the rim of an attachment the strain has no
-//    bound, and splines hold the surface a part of a cell beyond it. An organ that hangs on a vessel would
-//    sway too little. So cells in which an attachment ends are cut into eight, and its rim is drawn back.
+//    bound, and an organ that hangs on a vessel would sway too little. So cells in which an attachment ends
+//    are cut into eight.
 // 3. Nodes are ordered by planes across the longest axis of the grid. Two planes make a block, and a block
 //    couples with its two neighbours only.
 // 4. The inverse (block_inverse.h), one column a node and direction, is the compliance: displacements under
@@ -65,8 +65,6 @@ constexpr double kWhole = 1.0 - 1e-9;    // share of a cell that counts as fille
 constexpr double kOutside = 1e-4;        // stiffness outside the organ in cut cells
 constexpr double kHeldInside = 15.0;     // the same of what is held inside, by the square of a cell
 constexpr double kHeldStiffness = 15.0;  // of the held surface's springs, times Young's modulus / cell
-constexpr double kDrawnBack = 0.2;       // cells by which the rim of an attachment is drawn back
-constexpr double kLeastRadius = 0.8;     // of an attachment that is left
 
 constexpr auto kNodes = static_cast<Index>(CellGrid::kNodesOfCell);
 
@@ -141,7 +139,7 @@ class Body {
   explicit Body(BodyCompliance& body);
 
   void add_pieces();
-  void add_support(const geometry::TriangleMesh& organ, const geometry::Support& support);
+  void add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held);
   // @return false when nothing holds the organ
   [[nodiscard]] bool invert();
   // Takes an inverse of the cache instead. @return false when it is of other blocks
@@ -240,7 +238,7 @@ void Body::add(std::size_t piece, const MatrixXd& matrix) {
       add(nodes[a], nodes[b], sums.block<3, 3>(3 * static_cast<Index>(a), 3 * static_cast<Index>(b)));
 }
 
-void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Support& support) {
+void Body::add_support(const geometry::TriangleMesh& organ, const geometry::HeldSurface& held) {
   using Products = Eigen::Matrix<double, kNodes, kNodes>;
   std::map<std::size_t, Products> springs;  // by piece
   const double edge = pieces_.cells().whole().edge();
@@ -249,20 +247,9 @@ void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Supp
     const Eigen::Map<const Eigen::Matrix<double, kNodes, 1>> w(weights.data());
     springs.try_emplace(place.piece, Products::Zero()).first->second += stiffness * w * w.transpose();
   };
-  const auto held_by = [&](double cell) {
-    geometry::Support drawn_back = support;
-    for (geometry::Attachment& one : drawn_back.attachments)
-      one.radius = std::max(
-          {one.radius - kDrawnBack * cell, kLeastRadius * one.radius, geometry::kSmallestAttachment});
-    return geometry::HeldSurface(drawn_back, organ);
-  };
-  const geometry::HeldSurface by_whole = held_by(edge);
-  const geometry::HeldSurface by_eighths = held_by(pieces_.cells().eighths().edge());
   for_each_part(organ, edge / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
-    const CellPieces::Place place = pieces_.place_of(point, area.normalized());
-    const bool is_eighth = pieces_.cells().is_eighth(pieces_.pieces()[place.piece].cell);
-    if ((is_eighth ? by_eighths : by_whole).holds(point, area))
-      add_spring(place, kHeldStiffness / edge * area.norm());
+    if (held.holds(point, area))
+      add_spring(pieces_.place_of(point, area.normalized()), kHeldStiffness / edge * area.norm());
   });
   for (std::size_t piece = 0; piece < pieces_.pieces().size(); ++piece) {
     const double edge_here = pieces_.edge_of(piece);
@@ -270,7 +257,7 @@ void Body::add_support(const geometry::TriangleMesh& organ, const geometry::Supp
     pieces_.for_each_point(piece, [&](const std::array<double, 3>& within, double share) {
       const Vec3 point = pieces_.cells().whole().low() +
                          edge_here * Vec3(cell[0] + within[0], cell[1] + within[1], cell[2] + within[2]);
-      if (by_whole.holds_inside(point))
+      if (held.holds_inside(point))
         add_spring({piece, within}, kHeldInside * share * edge_here * edge_here * edge_here / (edge * edge));
     });
   }
@@ -300,7 +287,7 @@ bool Body::take(contact::ResponseArrays arrays) {
 ContentHash response_key(const geometry::TriangleMesh& organ, const geometry::Support& support) {
   ContentHasher hasher;
   hasher.add(kResponseVersion).add(kMostNodes).add(kPoisson);
-  hasher.add(kOutside).add(kHeldInside).add(kHeldStiffness).add(kDrawnBack).add(kLeastRadius);
+  hasher.add(kOutside).add(kHeldInside).add(kHeldStiffness);
   hasher.add(std::span<const Vec3>(organ.vertices)).add(std::span<const geometry::Triangle>(organ.triangles));
   hasher.add(support.bed.has_value()).add(support.faces.has_value()).add(support.attachments.size());
   if (support.bed) hasher.add(support.bed->direction).add(support.bed->share);
@@ -368,11 +355,12 @@ BodyCompliance body_compliance(const geometry::TriangleMesh& organ, const geomet
     if (std::optional<BodyCompliance> kept = kept_compliance(*store, key, organ, support))
       return *std::move(kept);
   }
+  const geometry::HeldSurface held(support, organ);
   geometry::check_support(support, organ);
   BodyCompliance made{finest_pieces(organ, support), {}};
   Body body(made);
   body.add_pieces();
-  body.add_support(organ, support);
+  body.add_support(organ, held);
   if (!body.invert())
     throw InputError("support: holds too little of the organ's surface, so the organ would turn away");
   if (store != nullptr)

@@ -155,8 +155,8 @@ ResponseCells response_cells(const geometry::TriangleMesh& organ, const geometry
 }
 
 std::string describe(const ResponseCells& cells) {
-  return brief(cells.edge / kMillimetre, 3) + " mm, half as large where the organ is thin or an attachment ends; " +
-         percent(cells.thin_share, 1) +
+  return brief(cells.edge / kMillimetre, 3) +
+         " mm, half as large where the organ is thin or an attachment ends; " + percent(cells.thin_share, 1) +
          " of the surface is on parts thinner than their cells, where the deformation shown is not reliable";
 }
 

@@ -59,7 +59,8 @@ TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
 
 TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
   EXPECT_EQ(describe({8.5715e-3, 0.0551}),
-            "8.57 mm, half as large where the organ is thin or an attachment ends; 5.5 % of the surface is on parts thinner than "
+            "8.57 mm, half as large where the organ is thin or an attachment ends; 5.5 % of the surface is "
+            "on parts thinner than "
             "their cells, where the deformation shown is not reliable");
 }
 
@@ -105,21 +106,28 @@ TEST(OrganResponse, AClampedBarBendsLikeABeam) {
   EXPECT_NEAR(motion_of_end(Vec3::UnitZ()) / beam, 1.0, 0.08);
 }
 
-TEST(OrganResponse, ACubeHeldOnARoundPatchSwaysAsOnARigidDisc) {
+TEST(CellPieces, AreEighthsWhereAnAttachmentEndsAndNowhereElseInACube) {
   constexpr double kEdge = 0.12;
   constexpr double kRadius = 0.02;
+  const geometry::TriangleMesh cube = geometry::make_box(Vec3::Constant(kEdge), 4e-3);
   geometry::Support support;
   support.attachments.push_back({Vec3(0.0, 0.0, -0.5 * kEdge), kRadius});
-  const OrganResponse response(geometry::make_box(Vec3::Constant(kEdge), 4e-3), support);
-  const OrganResponse::Load top = response.load_at(Vec3(0.0, 0.0, 0.5 * kEdge), Vec3::UnitZ(), 10.0 * kEdge);
-  const double motion = response.work(top, Eigen::Vector3f::UnitX(), response.under(top)[0]);
-  // The patch rocks and slides like a rigid disc on a half-space; the cube bends and shears like a beam.
-  constexpr double kNu = 0.45;
-  constexpr double kShear = 1.0 / (2.0 * (1.0 + kNu));
-  const double rocks = kEdge * kEdge * 3.0 * (1.0 - kNu) / (8.0 * kShear * std::pow(kRadius, 3));
-  const double slides = (2.0 - kNu) / (8.0 * kShear * kRadius);
-  const double beam = 4.0 / kEdge + 1.0 / (5.0 / 6.0 * kShear * kEdge);
-  EXPECT_NEAR(motion / (rocks + slides + beam), 1.0, 0.08);
+  const CellPieces pieces = finest_pieces(cube, support);
+  const auto is_cut = [&](std::size_t piece) {
+    return pieces.cells().is_eighth(pieces.pieces()[piece].cell);
+  };
+  for (double angle = 0.0; angle < 6.0; angle += 0.5) {
+    const Vec3 rim(kRadius * std::cos(angle), kRadius * std::sin(angle), -0.5 * kEdge);
+    EXPECT_TRUE(is_cut(pieces.place_of(rim, -Vec3::UnitZ()).piece)) << angle;
+  }
+  const double whole = pieces.cells().whole().edge();
+  for (double x = -0.5 * kEdge; x <= 0.5 * kEdge; x += 0.01) {
+    for (const double z : {-0.5 * kEdge, 0.5 * kEdge}) {
+      const Vec3 place(x, 0.0, z);
+      const bool is_near = z < 0.0 && std::abs(std::abs(x) - kRadius) < 1.5 * whole;
+      EXPECT_FALSE(!is_near && is_cut(pieces.place_of(place, Vec3(0.0, 0.0, z).normalized()).piece)) << place;
+    }
+  }
 }
 
 TEST(OrganResponse, ForceAtOnePlaceMovesAnotherAsMuchAsTheReverse) {
