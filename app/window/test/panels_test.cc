@@ -1,6 +1,7 @@
 // Mouse clicks and typing in the panels of a run's window.
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -355,8 +356,9 @@ TEST_F(PanelsTest, FilesAreChosenByMouseAndByKeyboard) {
 
 TEST_F(PanelsTest, ALostDeviceIsSaidInWordsAndResetByAClick) {
   if (!display_is_there()) return;
-  DrivenWindow driven(failing(file("lost.toml"), "drop-out", "0.3", "0.4"), tall());
-  ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
+  std::optional<DrivenWindow> shown;
+  ASSERT_NO_FATAL_FAILURE(show_failure(shown, failing(file("lost.toml"), "drop-out", "0.3", "0.4"), tall()));
+  DrivenWindow& driven = *shown;
   EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force: the device"));
   EXPECT_EQ(driven.window().snapshot().commands[0].gripper_force, 0.0);
   ASSERT_TRUE(driven.until([&] { return driven.window().traces().newest_time() > 0.8; }));

@@ -2,6 +2,7 @@
 // Fixture for window tests: a display, a session that is quick to prepare, and measures of a picture.
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -54,6 +55,17 @@ inline scene::Overrides failing(const std::filesystem::path& file, const std::st
   scene::Overrides request;
   request.scene = file;
   return request;
+}
+
+/// Shows a run whose device fails, until the banner says so. A busy computer may stall the loop before, which
+/// is another fault: then the run is shown again.
+inline void show_failure(std::optional<DrivenWindow>& shown, const scene::Overrides& request,
+                         const WindowOptions& options) {
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    shown.emplace(request, options);
+    ASSERT_TRUE(shown->until([&] { return !shown->window().banner().empty(); }));
+    if (shown->window().banner().find("the loop stood still") == std::string::npos) return;
+  }
 }
 
 class WindowTest : public testing::Test {

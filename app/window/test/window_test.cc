@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -386,8 +387,9 @@ TEST_F(WindowTest, AMouseGraspsAndPulls) {
 
 TEST_F(WindowTest, AFaultStandsAcrossThePictureInWordsUntilItIsReset) {
   if (!display_is_there()) return;
-  DrivenWindow driven(failing(file("lost.toml"), "freeze", "0.3", "0.2"), small());
-  ASSERT_TRUE(driven.until([&] { return !driven.window().banner().empty(); }));
+  std::optional<DrivenWindow> shown;
+  ASSERT_NO_FATAL_FAILURE(show_failure(shown, failing(file("lost.toml"), "freeze", "0.3", "0.2"), small()));
+  DrivenWindow& driven = *shown;
   EXPECT_THAT(driven.window().banner(), HasSubstr("Zero force"));
   EXPECT_THAT(driven.window().banner(), HasSubstr("the device gave no new sample for 5 ms"));
   EXPECT_THAT(driven.window().banner(), HasSubstr("R resets"));
