@@ -306,10 +306,6 @@ std::optional<geometry::HeldSurface> attached_surface(const geometry::TriangleMe
   return geometry::HeldSurface(attachments, organ);
 }
 
-const geometry::HeldSurface* pointer(const std::optional<geometry::HeldSurface>& held) {
-  return held ? &*held : nullptr;
-}
-
 // The compliance that a cache has kept; empty when it has none that is possible.
 std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, const ContentHash& key,
                                               const geometry::TriangleMesh& organ,
@@ -320,7 +316,7 @@ std::optional<BodyCompliance> kept_compliance(const contact::OrganStore& store, 
   const double cells = box.size().maxCoeff() / arrays->cell_edge;  // along the longest extent
   if (!(cells > 0.5 * kFewestCells && cells < 2.0 * kMostCells)) return std::nullopt;
   const std::optional<geometry::HeldSurface> attached = attached_surface(organ, support);
-  BodyCompliance made{CellPieces(CellGrid(box, arrays->cell_edge), organ, pointer(attached)), {}};
+  BodyCompliance made{CellPieces(CellGrid(box, arrays->cell_edge), organ, attached), {}};
   if (!Body(made).take(std::move(*arrays))) return std::nullopt;
   return made;
 }
@@ -332,14 +328,14 @@ CellPieces finest_pieces(const geometry::TriangleMesh& organ, const geometry::Su
   const geometry::Bounds box = geometry::bounds(organ);
   double most = box.size().maxCoeff() / kFewestCells;
   double least = box.size().maxCoeff() / kMostCells;
-  CellPieces best(CellGrid(box, most), organ, pointer(attached));
+  CellPieces best(CellGrid(box, most), organ, attached);
   double nodes = static_cast<double>(best.nodes());
   double edge = most;
   for (int step = 0; step < kSteps && most > kFineEnough * least; ++step) {
     // Where the nodes would fit if their number went with the square of 1 / edge.
     edge = std::clamp(edge * std::sqrt(nodes / static_cast<double>(kMostNodes)), kFineEnough * least,
                       most / kFineEnough);
-    CellPieces next(CellGrid(box, edge), organ, pointer(attached));
+    CellPieces next(CellGrid(box, edge), organ, attached);
     nodes = static_cast<double>(next.nodes());
     const bool fits = next.nodes() <= kMostNodes;
     (fits ? most : least) = edge;

@@ -49,7 +49,7 @@ double LinePart::squared_distance(const std::array<double, 3>& point) const noex
 }
 
 CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
-                     const geometry::HeldSurface* attached)
+                     const std::optional<geometry::HeldSurface>& attached)
     : cells_(cells) {
   // Powers of the plastic number spread points evenly in a square.
   constexpr double kPlastic = 1.32471795724474602596;
@@ -59,7 +59,7 @@ CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
   }
   cut_lines(organ);
   cut_thin_cells();
-  if (attached != nullptr) cut_cells_at_ends(organ, *attached);
+  if (attached) cut_cells_at_ends(organ, *attached);
   cut_parts();
   add_reached(organ);
   sort();

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -77,8 +78,8 @@ class CellParts final {
   using Links = std::vector<std::array<std::uint32_t, 2>>;
 
   /// [setup] Cuts thin cells, and those in which `attached` ends. @param organ closed, outwards
-  /// @param attached may be null
-  CellParts(CutCells& cells, const geometry::TriangleMesh& organ, const geometry::HeldSurface* attached);
+  CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
+            const std::optional<geometry::HeldSurface>& attached);
 
   /// [any] By their cell.
   [[nodiscard]] const std::vector<Part>& parts() const noexcept { return parts_; }

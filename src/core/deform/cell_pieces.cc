@@ -103,7 +103,7 @@ Cell between(const Cell& from, const Cell& to) { return {to[0] - from[0], to[1] 
 }  // namespace
 
 CellPieces::CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ,
-                       const geometry::HeldSurface* attached)
+                       const std::optional<geometry::HeldSurface>& attached)
     : cells_(grid) {
   CellParts parts(cells_, organ, attached);
   std::vector<std::uint32_t> piece_of;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -31,10 +32,9 @@ class CellPieces final {
   /// Integrals of x^a y^b z^c over a piece, from 0 to 1 along each axis of its cell, at [a][b][c].
   using Moments = std::array<std::array<std::array<double, 5>, 5>, 5>;
 
-  /// [setup] @param organ closed, outwards @param attached cells in which it ends are cut into eight; may be
-  /// null
+  /// [setup] @param organ closed, outwards @param attached cells in which it ends are cut into eight
   CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ,
-             const geometry::HeldSurface* attached = nullptr);
+             const std::optional<geometry::HeldSurface>& attached = std::nullopt);
 
   [[nodiscard]] const CutCells& cells() const noexcept { return cells_; }
   [[nodiscard]] const std::vector<Piece>& pieces() const noexcept { return pieces_; }
