@@ -1,130 +1,40 @@
-// The inverse of a stiffness matrix: displacements of all nodes under a unit force on any of them.
-//
-//        D_0 B_0'                   D_k: diagonal block, B_k couples block k+1 with block k
-//        B_0 D_1 B_1'
-//            B_1 D_2 ...
-//
-// 1. Downwards, the pivots S_0 = D_0, S_k+1 = D_k+1 - B_k S_k^-1 B_k', by Cholesky's factors in double
-//    precision: an organ that can swing is a thousand times softer than its tissue.
-// 2. Upwards, panel k of the inverse G (its columns of block k, from the diagonal down) from panel k+1:
-//
-//        X_k = B_k S_k^-1
-//        G_jk = -G_j,k+1 X_k          j > k
-//        G_kk = S_k^-1 - X_k' G_k+1,k
-//
-//    All terms of a diagonal entry are positive, so single precision serves. These products are nine tenths
-//    of the work; rows are shared among the processors.
-// 3. A panel is kept in 16-bit integers: half a matrix of 3,000 rows has 9 MB.
-//
-// Eigen is vectorized in this file alone; elsewhere it is not, so that forces have the same bits on every
-// processor. Its names are others here, so that the linker does not take one for the other.
-//
-// Source of the recursion: Meurant 1992, A review on the inverse of symmetric tridiagonal and block
-// tridiagonal matrices.
-
 #include "core/deform/block_inverse.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/parallel.h"
 #include "core/base/simd.h"
-
-#undef EIGEN_DONT_VECTORIZE
-#define Eigen PalpateVectorizedEigen  // NOLINT(readability-identifier-naming)
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
+#include "core/deform/inverse_panels.h"
 
 namespace palpate::deform {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXf;
-using Mapped = Eigen::Map<Eigen::MatrixXd>;
-
-constexpr std::size_t kGrain = 128;  // rows of a panel that one task computes
-constexpr float kLargest = 32767.0F;
+constexpr std::size_t kGrain = 128;   // rows of a panel that one task computes
 constexpr std::size_t kPastEnd = 1;   // entry: a node's three rows are read as four
 constexpr std::size_t kTogether = 4;  // columns that are added in one pass
 
-Mapped mapped(std::vector<double>& matrix, std::size_t rows, std::size_t columns) {
-  return {matrix.data(), static_cast<Index>(rows), static_cast<Index>(columns)};
-}
-
-struct Pivot {
-  MatrixXf inverse;  // S_k^-1
-  MatrixXf carries;  // X_k; empty for the last
-};
-
-// Replaces the matrix by Cholesky's factor. @return false when it is not positive
-bool factorize(BlockMatrix& matrix) {
-  for (std::size_t k = 0; k < matrix.blocks(); ++k) {
-    const std::size_t size = matrix.size(k);
-    Mapped diagonal = mapped(matrix.diagonal[k], size, size);
-    if (k > 0)
-      diagonal.selfadjointView<Eigen::Lower>().rankUpdate(
-          mapped(matrix.coupling[k - 1], size, matrix.size(k - 1)), -1.0);
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(diagonal);
-    if (factor.info() != Eigen::Success) return false;
-    if (k + 1 < matrix.blocks()) {
-      Mapped coupling = mapped(matrix.coupling[k], matrix.size(k + 1), size);
-      diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(coupling);
-    }
-  }
-  return true;
-}
-
-Pivot pivot_of(BlockMatrix& factor, std::size_t k) {
-  const std::size_t size = factor.size(k);
-  Eigen::MatrixXd below = Eigen::MatrixXd::Identity(static_cast<Index>(size), static_cast<Index>(size));
-  mapped(factor.diagonal[k], size, size).triangularView<Eigen::Lower>().solveInPlace(below);
-  const MatrixXf inverse = below.cast<float>();  // of the factor
-  Pivot pivot;
-  pivot.inverse.setZero(inverse.rows(), inverse.cols());
-  pivot.inverse.selfadjointView<Eigen::Lower>().rankUpdate(inverse.transpose());
-  pivot.inverse.triangularView<Eigen::StrictlyUpper>() = pivot.inverse.transpose();
-  if (k + 1 < factor.blocks()) {
-    const MatrixXf coupling = mapped(factor.coupling[k], factor.size(k + 1), size).cast<float>();
-    pivot.carries = coupling * inverse.triangularView<Eigen::Lower>();
-  }
-  return pivot;
-}
-
-// Panel k of the inverse from panel k+1.
-MatrixXf next_panel(const Pivot& pivot, const MatrixXf& below) {
-  const Index size = pivot.inverse.rows();
-  MatrixXf panel(size + below.rows(), size);
-  for_ranges(static_cast<std::size_t>(below.rows()), kGrain, [&](std::size_t begin, std::size_t end) {
-    const auto count = static_cast<Index>(end - begin);
-    panel.middleRows(size + static_cast<Index>(begin), count).noalias() =
-        -(below.middleRows(static_cast<Index>(begin), count) * pivot.carries);
-  });
-  panel.topRows(size) = pivot.inverse;
-  panel.topRows(size).noalias() -= pivot.carries.transpose() * panel.middleRows(size, pivot.carries.rows());
-  return panel;
+// The fastest way that this processor has.
+bool inverse_panels_here(BlockMatrix& matrix, const Panels& to) {
+#if defined(PALPATE_WITH_AVX2)
+  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0)
+    return inverse_panels_avx2(matrix, to);
+#endif
+  return inverse_panels(matrix, to);
 }
 
 }  // namespace
 
 std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix) {
-  if (!factorize(matrix)) return std::nullopt;
   BlockInverse made;
   made.first_ = matrix.first;
-  made.entries_.resize(made.start(matrix.blocks()) + kPastEnd);
+  const std::size_t size = made.start(matrix.blocks());
+  made.entries_.resize(size + kPastEnd);
   made.scale_.resize(matrix.first.back());
-  MatrixXf panel;
-  for (std::size_t k = matrix.blocks(); k-- > 0;) {
-    const Pivot pivot = pivot_of(matrix, k);
-    panel = panel.size() == 0 ? pivot.inverse : next_panel(pivot, panel);
-    if (!panel.allFinite()) return std::nullopt;
-    std::int16_t* to = &made.entries_[made.start(k)];
-    for (Index c = 0; c < panel.cols(); ++c) {
-      const float largest = panel.col(c).cwiseAbs().maxCoeff();
-      made.scale_[matrix.first[k] + static_cast<std::size_t>(c)] = largest / kLargest;
-      for (Index r = 0; r < panel.rows(); ++r)
-        *to++ = static_cast<std::int16_t>(std::lround(panel(r, c) * (kLargest / largest)));
-    }
-  }
+  const Panels panels = {
+      &made.entries_[size], made.scale_.data(), [](std::size_t count, Panels::Body body, const void* of) {
+        for_ranges(count, kGrain, [body, of](std::size_t begin, std::size_t end) { body(of, begin, end); });
+      }};
+  if (!inverse_panels_here(matrix, panels)) return std::nullopt;
   return made;
 }
 
