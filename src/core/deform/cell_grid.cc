@@ -47,9 +47,8 @@ CellGrid::Place CellGrid::place_of(const Vec3& point) const noexcept {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
     const double x = (point[axis] - low_[axis]) / edge_;
-    const double cell = std::clamp(std::floor(x), 0.0, static_cast<double>(cells_[k] - 1));
-    place.cell[k] = static_cast<int>(cell);
-    place.within[k] = x - cell;
+    place.cell[k] = static_cast<int>(std::clamp(x, 0.0, static_cast<double>(cells_[k] - 1)));
+    place.within[k] = x - place.cell[k];
   }
   return place;
 }

@@ -15,6 +15,7 @@ namespace {
 using Cell = std::array<int, 3>;
 
 constexpr double kNeighbours = 0.19;  // cells, distance of neighbouring lines; a line's nearest is 0.1 away
+constexpr double kRounding = 1e-9;    // cells
 constexpr double kFilled = 0.999;     // filled share of a cell that counts as whole
 
 // A crossing of the organ's surface by a line.
@@ -84,17 +85,19 @@ void CellParts::cut_lines(const geometry::TriangleMesh& organ) {
     const Eigen::Vector2d ac = (p[2] - p[0]).head<2>();
     const double area = ab.x() * ac.y() - ac.x() * ab.y();
     if (area == 0.0) continue;
-    const auto range = [&](Eigen::Index axis) {
-      const auto [low, high] = std::minmax({p[0][axis], p[1][axis], p[2][axis]});
-      return std::pair(std::max(0, static_cast<int>(low)),
-                       std::min(grid.cells()[static_cast<std::size_t>(axis)] - 1, static_cast<int>(high)));
-    };
-    const auto [first_x, last_x] = range(0);
-    const auto [first_y, last_y] = range(1);
-    for (int x = first_x; x <= last_x; ++x) {
-      for (int y = first_y; y <= last_y; ++y) {
+    const auto span = [&p](Eigen::Index axis) { return std::minmax({p[0][axis], p[1][axis], p[2][axis]}); };
+    const auto [low_x, high_x] = span(0);
+    const auto [low_y, high_y] = span(1);
+    const int last_x = std::min(grid.cells()[0] - 1, static_cast<int>(high_x));
+    const int last_y = std::min(grid.cells()[1] - 1, static_cast<int>(high_y));
+    for (int x = std::max(0, static_cast<int>(low_x)); x <= last_x; ++x) {
+      for (int y = std::max(0, static_cast<int>(low_y)); y <= last_y; ++y) {
         for (std::size_t l = 0; l < kLines; ++l) {
-          const Eigen::Vector2d q = Eigen::Vector2d(x, y) + lines_[l] - p[0].head<2>();
+          const Eigen::Vector2d line = Eigen::Vector2d(x, y) + lines_[l];
+          if (line.x() < low_x - kRounding || line.x() > high_x + kRounding || line.y() < low_y - kRounding ||
+              line.y() > high_y + kRounding)
+            continue;
+          const Eigen::Vector2d q = line - p[0].head<2>();
           const double u = (q.x() * ac.y() - ac.x() * q.y()) / area;
           const double v = (ab.x() * q.y() - q.x() * ab.y()) / area;
           if (u < 0.0 || v < 0.0 || u + v > 1.0) continue;

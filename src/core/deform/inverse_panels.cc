@@ -17,9 +17,9 @@
 // 3. A panel is kept in 16-bit integers: half a matrix of 3,000 rows has 9 MB.
 //
 // Eigen is vectorized in this file alone; elsewhere it is not, so that forces have the same bits on every
-// processor. For x86-64 the file is compiled twice: for all processors, and for those that have AVX2. Names of
-// Eigen are others in each, so that the linker does not take one for the other. For the same reason no other
-// template may leave code in its object (CMakeLists.txt has the test), hence plain functions in Panels.
+// processor. For x86-64 the file is compiled twice: for all processors, and for those that have AVX2. Names
+// of Eigen are others in each, so that the linker does not take one for the other. For the same reason no
+// other template may leave code in its object (CMakeLists.txt has the test), hence plain functions in Panels.
 //
 // Source of the recursion: Meurant 1992, A review on the inverse of symmetric tridiagonal and block
 // tridiagonal matrices.

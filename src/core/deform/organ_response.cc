@@ -35,13 +35,15 @@ void OrganResponse::gather_surface(const geometry::TriangleMesh& organ) {
     double size = 0.0;
   };
   std::map<Key, Sum> gathered;
+  auto last = gathered.end();  // often the next one's as well
   for_each_part(organ, cells.eighths().edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
     const CellPieces::Place place = pieces().place_of(point, area.normalized());
     Key key{place.piece, {}};
     for (std::size_t axis = 0; axis < 3; ++axis)
       key.second[axis] = static_cast<int>(place.within[axis] * kPartsOfCell);
     for (Index axis = 0; axis < 3; ++axis) key.second[3] = 2 * key.second[3] + (area[axis] < 0.0 ? 1 : 0);
-    Sum& sum = gathered[key];
+    if (last == gathered.end() || last->first != key) last = gathered.try_emplace(key).first;
+    Sum& sum = last->second;
     sum.moment += area.norm() * point;
     sum.area += area;
     sum.size += area.norm();
