@@ -8,6 +8,8 @@
 #include <fmt/core.h>
 
 #include "core/base/text.h"
+#include "core/deform/half_space.h"
+#include "core/deform/surface_parts.h"
 #include "io/scene/make_world.h"
 #include "palpate/error.h"
 
@@ -138,6 +140,30 @@ void Batch::displacements(std::span<const std::size_t> points, double* to) {
     for (const std::size_t point : points) {
       const Vec3 way = moved[thread][point] - surface_.vertices[point];
       number = std::copy(way.data(), way.data() + 3, number);
+    }
+  });
+}
+
+// The law gives the force of a contact and not how it spreads. It is spread as under a ball on a half-space,
+// whose contact is as wide as the dent that is drawn.
+void Batch::pressures(std::span<const std::size_t> points, double* to) {
+  const auto locked = lock();
+  if (normals_.empty()) normals_ = deform::vertex_normals(surface_);
+  on_threads(jobs_, hands_.size(), [&](std::size_t, std::size_t hand) {
+    double* const pressure = to + hand * points.size();
+    std::fill(pressure, pressure + points.size(), 0.0);
+    for (const contact::ToolResult& result : hands_[hand].state.results) {
+      for (const contact::ContactView& view :
+           std::span(result.views).first(static_cast<std::size_t>(result.view_count))) {
+        double radius = deform::ball_contact_radius(view.radius(), view.depth);
+        if (view.pull) radius = std::max(radius, deform::kHeldWide * view.radius());
+        const Vec3 outward = view.force < 0.0 ? view.direction_S : Vec3(-view.direction_S);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const double r = (surface_.vertices[points[i]] - view.point_S).norm();
+          if (normals_[points[i]].dot(outward) > 0.0)
+            pressure[i] += view.force * deform::contact_pressure(r, radius);
+        }
+      }
     }
   });
 }

@@ -55,6 +55,10 @@ class Batch final {
   /// @param points indices of vertices of surface() @param to hands x points x 3 numbers
   void displacements(std::span<const std::size_t> points, double* to);
 
+  /// [setup] Pressure [Pa] of the tool on points of the surface at the newest tick; negative where it pulls.
+  /// @param points as displacements() @param to hands x points numbers
+  void pressures(std::span<const std::size_t> points, double* to);
+
   [[nodiscard]] std::size_t hands() const noexcept { return hands_.size(); }
   [[nodiscard]] std::size_t jobs() const noexcept { return jobs_; }
   [[nodiscard]] const scene::Scene& scene() const noexcept { return scene_; }
@@ -80,6 +84,7 @@ class Batch final {
   haptics::SimulationWorld world_;
   std::size_t jobs_;
   std::vector<Hand> hands_;
+  std::vector<Vec3> normals_;                       // of the surface, from the first pressures() on
   std::vector<deform::SurfaceDeformer> deformers_;  // one per thread, from the first displacements() on
 };
 

@@ -163,6 +163,17 @@ std::vector<std::size_t> chosen(const char* name, const py::object& given, std::
   return all;
 }
 
+py::array_t<double> pressure(PythonBatch& python, const py::object& points) {
+  Batch& batch = python.get();
+  const std::vector<std::size_t> all = chosen("points", points, batch.surface().vertices.size());
+  py::array_t<double> pressure(
+      {static_cast<py::ssize_t>(batch.hands()), static_cast<py::ssize_t>(all.size())});
+  double* to = pressure.mutable_data();
+  const py::gil_scoped_release others_may_run;
+  batch.pressures(all, to);
+  return pressure;
+}
+
 py::array_t<double> displacement(PythonBatch& python, const py::object& points) {
   Batch& batch = python.get();
   const std::vector<std::size_t> all = chosen("points", points, batch.surface().vertices.size());
@@ -208,6 +219,12 @@ void bind_batch(py::module_& module) {
       .def("displacement", &displacement, py::arg("points") = none,
            "Displacement of points of the surface at the newest tick, (n, points, 3) in m, organ frame. "
            "points: indices of vertices of surface; None: all. A new array. Raises InputError.")
+      .def("pressure", &pressure, py::arg("points") = none,
+           "Pressure of the tool on points of the surface at the newest tick, (n, points) in Pa, negative "
+           "where it pulls, 0 for a needle. The tissue's law gives a contact's force; it is spread by Hertz, "
+           "as under a ball on a half-space: 3 F / (2 pi a^2) sqrt(1 - r^2 / a^2), D = a artanh(a / R), in a "
+           "pull a at least 1.5 R. The surface should have several points within a: see surface_edge. "
+           "points: as displacement(). A new array. Raises InputError.")
       .def(
           "restart",
           [](PythonBatch& self, const py::object& hands) {

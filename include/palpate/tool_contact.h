@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -33,6 +34,12 @@ struct ContactView {
   double half_width = 0.0;     // of the tool at the contact [m]; 0: no bound
   std::int32_t triangle = -1;  // index in the refined rest surface; -1: none
   bool pull = false;
+  double force = 0.0;  // of the tissue on the tool, out of the surface [N]; negative in a pull; 0: a needle
+
+  /// [rt] Radius of the dent's tip [m].
+  [[nodiscard]] double radius() const noexcept {
+    return half_width > 0.0 ? std::min(tip_radius, half_width) : tip_radius;
+  }
 };
 
 /// Pose and jaw opening of one tool at one tick.

@@ -196,6 +196,43 @@ def test_displacement_of_a_batch_is_that_of_the_surface_of_each_hand(support):
         batch.displacement([0, len(rest)])
 
 
+def areas(mesh):
+    """Of the vertices: a third of each triangle's."""
+    corners = mesh.vertices[mesh.triangles]
+    each = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 6.0
+    return np.bincount(mesh.triangles.ravel(), np.repeat(each, 3), len(mesh.vertices))
+
+
+def test_pressure_of_a_ball_adds_up_to_its_force_and_is_hertzs_in_the_middle():
+    batch = palpate.Batch(None, 1, organ='box', tool=['sphere:5'], tissue='liver', noise=False, surface_edge=1e-3)
+    points = batch.surface.vertices
+    poses = np.zeros((1, 1000, 7))
+    poses[:, :, 2], poses[:, :, 3] = points[:, 2].max() + 0.005 + np.linspace(0.005, -0.004, 1000), 1.0
+    force, _, depth = batch.step(poses)
+    pressure = batch.pressure()[0]
+    assert pressure @ areas(batch.surface) == pytest.approx(force[0, -1, 2], rel=0.01)
+    radii = np.linspace(0.0, 0.005, 100_001)[:-1]
+    radius = radii[np.searchsorted(radii * np.arctanh(radii / 0.005), depth[0, -1])]    # Sneddon
+    assert pressure.max() == pytest.approx(1.5 * force[0, -1, 2] / (np.pi * radius ** 2), rel=0.01)    # a ball of triangles
+    distance = np.linalg.norm(points - [0.0, 0.0, points[:, 2].max()], axis=1)
+    assert (pressure[distance < 0.99 * radius] > 0.0).sum() > 20 and not pressure[distance > 1.01 * radius].any()
+    middle = int(pressure.argmax())
+    assert batch.pressure([middle, 0]).tolist() == [[pressure[middle], 0.0]]
+    with pytest.raises(palpate.InputError, match=r'points\[1\] = '):
+        batch.pressure([0, len(points)])
+
+
+def test_pressure_is_negative_where_jaws_pull_and_none_away_from_contact():
+    simulation = palpate.TickedSimulation(no_hand=True, task='pull', noise=False)
+    samples = np.stack([simulation.scripted_samples(tick) for tick in range(2500)], axis=1)
+    batch = palpate.Batch(None, 1, task='pull', noise=False, surface_edge=1e-3)
+    assert not batch.pressure().any()
+    force, _, _ = batch.step(poses_of(samples), samples['gripper'])
+    pressure = batch.pressure()[0]
+    assert pressure.min() < 0.0 and pressure.max() == 0.0
+    assert -pressure @ areas(batch.surface) == pytest.approx(np.linalg.norm(force[0, -1]), rel=0.1)
+
+
 def test_a_batch_of_a_child_process_is_refused(exit_status_of_child):
     batch = palpate.Batch(None, 2)
 

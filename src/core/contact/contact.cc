@@ -186,7 +186,8 @@ void add_press(const Pose& organ_W, ToolState& tool, WrenchSum& sums, ToolResult
       if (counts <= 0.0 || contact.depth() <= 0.0) continue;
       result.phase = Phase::kPress;
       add_view({load.at.point, -load.normal, contact.depth() * load.fade_weight * part.press_level,
-                contact.patch().tip_radius, contact.patch().half_width, load.at.triangle, false},
+                contact.patch().tip_radius, contact.patch().half_width, load.at.triangle, false,
+                counts * force.normal},
                result);
       if (counts * force.normal <= largest) continue;
       largest = counts * force.normal;
@@ -210,7 +211,7 @@ void add_pull(const Pose& organ_W, const ToolState& tool, WrenchSum& sums, ToolR
   const double length = grip.stretch().norm();
   if (length > 0.0) {
     add_view({grip.anchor().point, grip.stretch() / length, length, grip.tip_radius(), 0.0,
-              grip.anchor().triangle, true},
+              grip.anchor().triangle, true, grip.force().dot(grip.normal())},
              result);
   }
   result.phase = Phase::kPull;

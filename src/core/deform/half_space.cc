@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace palpate::deform {
 
@@ -31,6 +32,11 @@ HalfSpaceTerms<> half_space_terms(double r, double a) noexcept {
   }
   terms.t = f1 / r;
   return terms;
+}
+
+double contact_pressure(double r, double a) noexcept {
+  if (!(r < a)) return 0.0;
+  return 1.5 / (std::numbers::pi * a * a) * std::sqrt(1.0 - r * r / (a * a));
 }
 
 double half_space_depth(double a) noexcept {

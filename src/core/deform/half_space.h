@@ -67,6 +67,14 @@ template <typename Scalar, typename Vector>
          (number(2.0) * terms.psi + number(2.0 * kPoisson) * terms.t) * side;
 }
 
+/// Radius of a pulled contact, times the tool's: what a tool holds moves as one, and the dent of such a
+/// contact is as flat there.
+inline constexpr double kHeldWide = 1.5;
+
+/// [any] Hertz's pressure at a distance r [m] from the middle of a round contact of radius a [m], under a
+/// unit force [1/m^2].
+[[nodiscard]] double contact_pressure(double r, double a) noexcept;
+
 /// [any] Depth of the middle of a contact of radius a [m] under a unit force along the normal [m/N at Young's
 /// modulus 1].
 [[nodiscard]] double half_space_depth(double a) noexcept;

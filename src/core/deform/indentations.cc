@@ -10,9 +10,7 @@ std::vector<Indentation> indentations_of(std::span<const contact::ToolResult> re
     for (int i = 0; i < std::min(result.view_count, contact::kMaxViews); ++i) {
       const contact::ContactView& view = result.views[static_cast<std::size_t>(i)];
       if (!(view.depth > 0.0)) continue;
-      const double radius =
-          view.half_width > 0.0 ? std::min(view.tip_radius, view.half_width) : view.tip_radius;
-      indentations.push_back({view.point_S, view.direction_S, view.depth, radius, 0.0});
+      indentations.push_back({view.point_S, view.direction_S, view.depth, view.radius(), 0.0});
     }
   }
   return indentations;

@@ -48,9 +48,6 @@ constexpr int kRadiusRounds = 6;
 // Slope of a dent's wall. A deeper dent is wider than the tool: real tissue gives way beside it, while the
 // linear half-space would have a wall that folds.
 constexpr double kSteepest = 1.7;
-// Radius of a pulled contact, times the tool's: what a tool holds moves as one, and this dent is as flat
-// there.
-constexpr double kHeldWide = 1.5;
 constexpr double kSoftening = 1e-5;  // keeps coincident contacts solvable
 // A press whose direction is off the surface's normal by less than the first slides freely across its
 // direction, one by more than the second not at all: sines of 20 and 45 degrees.

@@ -81,5 +81,17 @@ TEST(HalfSpace, ABallTouchesOverSneddonsRadius) {
   EXPECT_EQ(ball_contact_radius(5.0, 0.0), 0.0);
 }
 
+TEST(HalfSpace, PressureOfAUnitForceAddsUpToOneAndEndsAtTheContactsRim) {
+  const double a = 0.003;
+  double sum = 0.0;
+  for (int ring = 0; ring < 10000; ++ring) {
+    const double r = (ring + 0.5) * a / 10000.0;
+    sum += contact_pressure(r, a) * 2.0 * kPi * r * a / 10000.0;
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-5);
+  EXPECT_EQ(contact_pressure(a, a), 0.0);
+  EXPECT_EQ(contact_pressure(0.0, 0.0), 0.0);
+}
+
 }  // namespace
 }  // namespace palpate::deform
