@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "core/base/index.h"
 #include "core/base/text.h"
+#include "core/geometry/cell.h"
 #include "io/mesh_io/mesh_file.h"
 #include "io/mesh_io/repair/repair_surface.h"
 #include "io/system/path_text.h"
@@ -24,21 +28,34 @@ struct Merged {
   std::size_t distinct = 0;   // distinct positions of vertices, used or not
 };
 
-/// For each vertex the first one with equal coordinates. Uses a sort: a hostile file could make all hashes of
-/// coordinates collide.
+/// For each vertex the first one with equal coordinates. Vertices are sorted within the buckets of a hash, so
+/// that a hostile file whose hashes all collide costs one sort.
 std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices, std::size_t& places) {
-  std::vector<std::pair<std::array<double, 3>, std::int32_t>> sorted;
-  sorted.reserve(vertices.size());
-  for (const Vec3& vertex : vertices) {
+  const int bits = std::max(1, static_cast<int>(std::bit_width(vertices.size())) - 2);
+  const auto bucket_of = [bits](const Vec3& vertex) {
     const Vec3 p = vertex + Vec3::Zero();  // turns -0 into 0
-    sorted.emplace_back(std::array{p.x(), p.y(), p.z()}, static_cast<std::int32_t>(sorted.size()));
-  }
-  std::sort(sorted.begin(), sorted.end());
+    return geometry::ThreeWordsHash()(std::array{p.x(), p.y(), p.z()}) >> (64 - bits);
+  };
+  std::vector<std::uint32_t> ends((std::size_t{1} << bits) + 1, 0);
+  for (const Vec3& vertex : vertices) ++ends[bucket_of(vertex) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<std::int32_t> sorted(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    sorted[ends[bucket_of(vertices[v])]++] = static_cast<std::int32_t>(v);
   std::vector<std::int32_t> first(vertices.size());
-  for (std::size_t n = 0; n < sorted.size(); ++n) {
-    const bool is_new = n == 0 || sorted[n].first != sorted[n - 1].first;
-    places += is_new ? 1 : 0;
-    first[at(sorted[n].second)] = is_new ? sorted[n].second : first[at(sorted[n - 1].second)];
+  std::size_t begin = 0;
+  for (const std::uint32_t end : ends) {
+    std::sort(sorted.data() + begin, sorted.data() + end, [&](std::int32_t a, std::int32_t b) {
+      const Vec3& p = vertices[at(a)];
+      const Vec3& q = vertices[at(b)];
+      return std::tie(p.x(), p.y(), p.z(), a) < std::tie(q.x(), q.y(), q.z(), b);
+    });
+    for (; begin < end; ++begin) {
+      const std::int32_t v = sorted[begin];
+      const bool is_new = places == 0 || vertices[at(v)] != vertices[at(sorted[begin - 1])];
+      places += is_new ? 1 : 0;
+      first[at(v)] = is_new ? v : first[at(sorted[begin - 1])];
+    }
   }
   return first;
 }
@@ -81,13 +98,15 @@ void report_merged(const MeshFile& file, std::size_t vertices, const Merged& mer
 }  // namespace
 
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
-  const MeshFile file = open_mesh_file(path);
+  MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(to_text(path) + ": its unit is missing: must be mm, cm, m or in");
   ImportedMesh imported = import_mesh(file);
   if (imported.mesh.triangles.empty()) {
     throw InputError(to_text(path) + ": no triangles" +
                      (imported.repairs.empty() ? "" : " (" + joined(imported.repairs) + ")"));
   }
+  std::string space = declared_space(file);
+  std::string().swap(file.bytes);
   const std::size_t vertices = imported.mesh.vertices.size();
   Merged merged = merge_equal_vertices(std::move(imported.mesh));
   report_merged(file, vertices, merged, imported.repairs);
@@ -95,7 +114,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
     throw InputError(fmt::format("{}: no triangles ({})", to_text(path), joined(imported.repairs)));
   }
   for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
-  LoadedMesh loaded{std::move(merged.mesh), {}, declared_space(file)};
+  LoadedMesh loaded{std::move(merged.mesh), {}, std::move(space)};
   loaded.findings = findings_of(loaded.mesh);
   loaded.findings.repairs = std::move(imported.repairs);
   return loaded;

@@ -20,6 +20,7 @@ constexpr std::size_t kTriangle = 50;
 ImportedMesh as_triangles(std::vector<Vec3> corners) {
   ImportedMesh imported;
   imported.mesh.vertices = std::move(corners);
+  imported.mesh.triangles.reserve(imported.mesh.vertices.size() / 3);
   for (std::size_t n = 0; n + 2 < imported.mesh.vertices.size(); n += 3) {
     const auto first = static_cast<std::int32_t>(n);
     imported.mesh.triangles.push_back({first, first + 1, first + 2});

@@ -173,6 +173,7 @@ void drop_unused_vertices(geometry::TriangleMesh& mesh) {
     name[v] = static_cast<std::int32_t>(used++);
   }
   mesh.vertices.resize(used);
+  mesh.vertices.shrink_to_fit();  // a mesh of single triangles had six times as many
   for (geometry::Triangle& triangle : mesh.triangles) {
     for (std::int32_t& v : triangle) v = name[at(v)];
   }
