@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <numeric>
+#include <limits>
+#include <utility>
 
 #include "core/base/infinity.h"
 #include "io/mesh_io/repair/repair_surface.h"
@@ -11,20 +12,46 @@
 namespace palpate::mesh_io {
 namespace {
 
-constexpr std::size_t kMaxCrossingSteps = 300'000'000;  // about 3 s; a step is a visit of a node
+constexpr std::size_t kMaxCrossingSteps = 300'000'000;  // about 3 s; a step is a test of two boxes
 constexpr std::size_t kTestSteps = 10;                  // of a test of two triangles
 constexpr std::size_t kMaxPairs = 1'000'000;
-constexpr std::size_t kLeaf = 4;  // triangles
 // Smaller volumes, relative to the product of their lengths, are rounding errors.
 constexpr double kRounding = 1e-12;
 constexpr double kShortest = 1e-9;  // of the triangles' size: a shorter common part is a touch
 
-struct Node {
-  Box box;
-  std::uint32_t begin = 0;  // of the order
-  std::uint32_t end = 0;
-  std::uint32_t left = 0;  // index of the left child, 0 for a leaf; the right child follows it
+/// A bounding box in single precision, rounded outwards.
+struct FloatBox {
+  std::array<float, 3> low, high;
+
+  explicit FloatBox(const Box& box) {
+    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      low[k] = std::nextafter(static_cast<float>(box.low[axis]), -kInfinite);
+      high[k] = std::nextafter(static_cast<float>(box.high[axis]), kInfinite);
+    }
+  }
+  void add(const FloatBox& other) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], other.low[k]);
+      high[k] = std::max(high[k], other.high[k]);
+    }
+  }
+  [[nodiscard]] bool meets(const FloatBox& other) const {
+    bool apart = false;
+    for (std::size_t k = 0; k < 3; ++k) apart |= (low[k] > other.high[k]) | (other.low[k] > high[k]);
+    return !apart;
+  }
 };
+
+/// The 21 low bits of a number, two zeros after each.
+std::uint64_t spread(std::uint64_t n) {
+  n = (n | n << 32) & 0x001f00000000ffffU;
+  n = (n | n << 16) & 0x001f0000ff0000ffU;
+  n = (n | n << 8) & 0x100f00f00f00f00fU;
+  n = (n | n << 4) & 0x10c30c30c30c30c3U;
+  return (n | n << 2) & 0x1249249249249249U;
+}
 
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a);
@@ -32,83 +59,87 @@ double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 class Search final {
  public:
-  explicit Search(const geometry::TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
-    std::iota(order_.begin(), order_.end(), 0U);
-    boxes_.reserve(mesh.triangles.size());
-    for (const geometry::Triangle& t : mesh.triangles) boxes_.push_back(box_of({t}));
-    scale_ = 0.0;
+  explicit Search(const geometry::TriangleMesh& mesh) : mesh_(mesh) {
     for (const Vec3& v : mesh.vertices) scale_ = std::max(scale_, v.cwiseAbs().maxCoeff());
   }
 
   Crossings run() {
-    if (order_.size() < 2) return {};
-    build();
+    if (mesh_.triangles.size() < 2) return {};
+    sort_along_curve();
+    bound();
     walk();
     std::sort(found_.pairs.begin(), found_.pairs.end());
     return std::move(found_);
   }
 
  private:
-  void build() {
-    nodes_.reserve(order_.size());
-    nodes_.push_back({{}, 0, static_cast<std::uint32_t>(order_.size()), 0});
-    for (std::size_t n = 0; n < nodes_.size(); ++n) {
-      Node node = nodes_[n];
-      Box centres;
-      for (std::uint32_t i = node.begin; i < node.end; ++i) {
-        node.box.add(boxes_[order_[i]]);
-        centres.add(centre(order_[i]));
+  /// Sorts the triangles along a Z-order curve [Morton 1966], on which neighbours are mostly near each other.
+  void sort_along_curve() {
+    constexpr double kCells = 0x1p21;
+    const geometry::Bounds bounds = geometry::bounds(mesh_);
+    const double cells_per_length = (1.0 - 1e-9) * kCells / bounds.size().maxCoeff();
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> codes;
+    codes.reserve(mesh_.triangles.size());
+    for (const geometry::Triangle& t : mesh_.triangles) {
+      const Box box = box_of({t});
+      const Vec3 cell = cells_per_length * (0.5 * box.low + 0.5 * box.high - bounds.low);
+      std::uint64_t code = 0;
+      for (const double along : cell) code = code << 1 | spread(static_cast<std::uint64_t>(along));
+      codes.emplace_back(code, static_cast<std::uint32_t>(codes.size()));
+    }
+    std::sort(codes.begin(), codes.end());
+    order_.reserve(codes.size());
+    for (const auto& [code, triangle] : codes) order_.push_back(triangle);
+  }
+
+  /// Bounds each triangle, then two boxes of a level with one of the next, until there is only one.
+  void bound() {
+    std::size_t boxes = order_.size();
+    for (std::size_t n = boxes; n > 1; boxes += n) n = (n + 1) / 2;
+    boxes_.reserve(boxes);
+    for (const std::uint32_t t : order_) boxes_.emplace_back(box_of({mesh_.triangles[t]}));
+    levels_.push_back({0, order_.size()});
+    while (levels_.back().size > 1) {
+      const Level below = levels_.back();
+      levels_.push_back({boxes_.size(), (below.size + 1) / 2});
+      for (std::size_t i = 0; i < below.size; i += 2) {
+        boxes_.push_back(boxes_[below.first + i]);
+        if (i + 1 < below.size) boxes_.back().add(boxes_[below.first + i + 1]);
       }
-      if (node.end - node.begin > kLeaf) {
-        int axis = 0;
-        (void)(centres.high - centres.low).maxCoeff(&axis);
-        const std::uint32_t middle = node.begin + (node.end - node.begin) / 2;
-        std::nth_element(order_.begin() + node.begin, order_.begin() + middle, order_.begin() + node.end,
-                         [&](std::uint32_t a, std::uint32_t b) {
-                           const double ca = centre(a)[axis];
-                           const double cb = centre(b)[axis];
-                           return ca != cb ? ca < cb : a < b;
-                         });
-        node.left = static_cast<std::uint32_t>(nodes_.size());
-        nodes_.push_back({{}, node.begin, middle, 0});
-        nodes_.push_back({{}, middle, node.end, 0});
-      } else {
-        std::sort(order_.begin() + node.begin, order_.begin() + node.end);
-      }
-      nodes_[n] = node;
     }
   }
 
-  /// For each triangle, tests those after it in the tree's order whose boxes overlap its own, from the root.
+  /// Tests all pairs of triangles whose boxes overlap, from the pair of the root with itself.
   void walk() {
-    std::vector<std::uint32_t> open;
-    for (std::uint32_t i = 0; i < order_.size(); ++i) {
-      open.assign(1, 0);
-      while (!open.empty()) {
-        const Node& node = nodes_[open.back()];
-        open.pop_back();
-        if (++steps_ > kMaxCrossingSteps || found_.pairs.size() > kMaxPairs) {
-          found_.all = false;
-          return;
-        }
-        if (node.end <= i + 1 || !node.box.meets(boxes_[order_[i]])) continue;
-        if (node.left == 0) {
-          test(i, node);
-        } else {
-          open.push_back(node.left);
-          open.push_back(node.left + 1);
+    struct Pair {
+      std::size_t level, a, b;
+    };
+    std::vector<Pair> open{{levels_.size() - 1, 0, 0}};
+    while (!open.empty()) {
+      const Pair pair = open.back();
+      open.pop_back();
+      if (pair.level == 0) {
+        if (pair.a != pair.b) test(order_[pair.a], order_[pair.b]);
+        continue;
+      }
+      const Level& below = levels_[pair.level - 1];
+      for (std::size_t a = 2 * pair.a; a < std::min(2 * pair.a + 2, below.size); ++a) {
+        for (std::size_t b = std::max(a, 2 * pair.b); b < std::min(2 * pair.b + 2, below.size); ++b) {
+          if (++steps_ > kMaxCrossingSteps || found_.pairs.size() > kMaxPairs) {
+            found_.all = false;
+            return;
+          }
+          if (boxes_[below.first + a].meets(boxes_[below.first + b])) open.push_back({pair.level - 1, a, b});
         }
       }
     }
   }
 
-  void test(std::uint32_t i, const Node& leaf) {
-    for (std::uint32_t j = std::max(i + 1, leaf.begin); j < leaf.end; ++j) {
-      const auto [s, t] = std::minmax(order_[i], order_[j]);
-      if (!boxes_[s].meets(boxes_[t])) continue;
-      steps_ += kTestSteps;
-      if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
-    }
+  void test(std::uint32_t one, std::uint32_t other) {
+    const auto [s, t] = std::minmax(one, other);
+    if (!box_of({mesh_.triangles[s]}).meets(box_of({mesh_.triangles[t]}))) return;
+    steps_ += kTestSteps;
+    if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
   }
 
   [[nodiscard]] bool cross(const geometry::Triangle& s, const geometry::Triangle& t) const {
@@ -180,12 +211,16 @@ class Search final {
   [[nodiscard]] const Vec3& point(std::int32_t v) const {
     return mesh_.vertices[static_cast<std::size_t>(v)];
   }
-  [[nodiscard]] Vec3 centre(std::uint32_t t) const { return boxes_[t].low + boxes_[t].high; }
+
+  struct Level {
+    std::size_t first;  // of boxes_
+    std::size_t size;
+  };
 
   const geometry::TriangleMesh& mesh_;
   std::vector<std::uint32_t> order_;
-  std::vector<Box> boxes_;
-  std::vector<Node> nodes_;
+  std::vector<FloatBox> boxes_;  // of the triangles in that order, then of pairs of boxes
+  std::vector<Level> levels_;
   double scale_ = 0.0;
   std::size_t steps_ = 0;
   Crossings found_;
