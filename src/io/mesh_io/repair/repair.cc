@@ -49,12 +49,12 @@ std::string percent(double share) {
 
 class Repair final {
  public:
-  explicit Repair(geometry::TriangleMesh mesh) : surface_(std::move(mesh)) {}
+  Repair(geometry::TriangleMesh mesh, bool is_sound) : surface_(std::move(mesh)), is_sound_(is_sound) {}
 
   RepairedSurface run() {
-    drop_and_weld();
-    if (repaired_.refusal.empty()) split_and_orient();
-    if (repaired_.refusal.empty()) close_holes();
+    if (!is_sound_) drop_and_weld();
+    if (!is_sound_ && repaired_.refusal.empty()) split_and_orient();
+    if (!is_sound_ && repaired_.refusal.empty()) close_holes();
     if (repaired_.refusal.empty()) finish();
     repaired_.mesh = std::move(surface_.mesh);
     return std::move(repaired_);
@@ -179,7 +179,7 @@ class Repair final {
     if (const std::size_t count = remove_slivers(surface_); count > 0) {
       report("removed " + triangles(count) + " without area");
     }
-    const ComponentRepairs components = clean_components(surface_);
+    const ComponentRepairs components = clean_components(surface_, is_sound_);
     const auto turned = static_cast<std::size_t>(
         std::count_if(surface_.marks.begin(), surface_.marks.end(),
                       [](std::uint8_t mark) { return (mark & (kReversed | kAdded)) == kReversed; }));
@@ -205,20 +205,27 @@ class Repair final {
   }
 
   WorkSurface surface_;
+  bool is_sound_;
   RepairedSurface repaired_;
 };
 
 }  // namespace
 
-RepairedSurface repair_surface(geometry::TriangleMesh mesh) { return Repair(std::move(mesh)).run(); }
+RepairedSurface repair_surface(geometry::TriangleMesh mesh, bool is_sound) {
+  return Repair(std::move(mesh), is_sound).run();
+}
 
 LoadedMesh repair_organ(LoadedMesh loaded, const std::string& name) {
-  RepairedSurface repaired = repair_surface(std::move(loaded.mesh));
+  // Two triangles alone may be one triangle from both sides.
+  const bool is_sound = loaded.findings.defects.empty() && loaded.findings.remarks.empty() &&
+                        loaded.findings.shells == 1 && loaded.mesh.triangles.size() > 2;
+  RepairedSurface repaired = repair_surface(std::move(loaded.mesh), is_sound);
   if (!repaired.refusal.empty()) {
     throw InputError(name + ": cannot be an organ: " + repaired.refusal + ": " + repaired.remedy);
   }
   LoadedMesh organ{std::move(repaired.mesh), {}, std::move(loaded.space)};
-  organ.findings = findings_of(organ.mesh);
+  organ.findings =
+      is_sound && repaired.repairs.empty() ? std::move(loaded.findings) : findings_of(organ.mesh);
   organ.findings.crossing_pairs = repaired.crossing_pairs;
   const auto append = [](std::vector<std::string>& all, const std::vector<std::string>& more) {
     all.insert(all.end(), more.begin(), more.end());

@@ -23,7 +23,8 @@ struct RepairedSurface {
 /// removes slivers, small components and inner shells. Repairing twice gives the same result. A valid mesh
 /// keeps its vertices, triangles and their order. docs/file-formats.md defines "small"; all tolerances are
 /// relative to the mesh's size.
-[[nodiscard]] RepairedSurface repair_surface(geometry::TriangleMesh mesh);
+/// @param is_sound findings_of() finds nothing in the mesh and it is one shell, so no repair is tried
+[[nodiscard]] RepairedSurface repair_surface(geometry::TriangleMesh mesh, bool is_sound = false);
 
 /// [setup] Repairs a mesh from a file and adds the repairs to its findings. @param name file, for the message
 /// @throws InputError naming the defect of a mesh that cannot be an organ.

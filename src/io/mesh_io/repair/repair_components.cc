@@ -26,7 +26,7 @@ struct Component {
 
 /// The components, each at the index of its smallest triangle; other entries stay empty.
 std::vector<Component> measured(const WorkSurface& surface, const std::vector<std::uint32_t>& component_of) {
-  std::vector<Component> components(component_of.size());
+  std::vector<Component> components(*std::max_element(component_of.begin(), component_of.end()) + 1);
   for (std::uint32_t t = 0; t < component_of.size(); ++t) {
     Component& component = components[component_of[t]];
     const Vec3& origin = surface.point_at(3 * component_of[t]);  // on the component, against cancellation
@@ -72,8 +72,10 @@ bool is_inside(const WorkSurface& surface, const std::vector<std::uint32_t>& com
   return half_angles > kHalfTurn;
 }
 
-void drop_small(WorkSurface& surface, ComponentRepairs& done) {
-  const std::vector<std::uint32_t> component_of = components_of(pair_half_edges(surface));
+void drop_small(WorkSurface& surface, bool is_one, ComponentRepairs& done) {
+  const std::vector<std::uint32_t> component_of =
+      is_one ? std::vector<std::uint32_t>(surface.mesh.triangles.size(), 0)
+             : components_of(pair_half_edges(surface));
   std::vector<Component> components = measured(surface, component_of);
   turn_outwards(surface, component_of, components);
   double largest = 0.0;
@@ -196,9 +198,9 @@ RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& op
   return drop_components(surface, component_of, is_open);
 }
 
-ComponentRepairs clean_components(WorkSurface& surface) {
+ComponentRepairs clean_components(WorkSurface& surface, bool is_one) {
   ComponentRepairs done;
-  drop_small(surface, done);
+  drop_small(surface, is_one, done);
   if (!done.refusal.empty()) return done;
   Crossings crossings = find_crossings(surface.mesh);
   if (done.kept > 1) {

@@ -23,7 +23,7 @@ struct ComponentRepairs {
 RepairCount drop_small_open_components(WorkSurface& surface, const Opposites& opposite);
 
 /// Orients each component outwards, drops components of at most a hundredth of the largest one's volume and
-/// those inside another, and searches for intersecting triangles.
-ComponentRepairs clean_components(WorkSurface& surface);
+/// those inside another, and searches for intersecting triangles. @param is_one the surface is one component
+ComponentRepairs clean_components(WorkSurface& surface, bool is_one);
 
 }  // namespace palpate::mesh_io

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/signed_distance.h"
+#include "io/mesh_io/repair/crossings.h"
 #include "io/shapes/test/shape_checks.h"
 #include "palpate/builtin.h"
 #include "palpate/error.h"
@@ -378,12 +379,17 @@ TEST(Repair, RefusesManySoundComponentsWithARemedyThatFitsThem) {
           "one organ: join parts in a mesh tool, or leave some out"));
 }
 
-TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
-  // One vertex is moved through the inside and out again, 10 mm away.
+/// A ball with one vertex moved through the inside and out again, 10 mm away.
+geometry::TriangleMesh ball_with_crossings() {
   geometry::TriangleMesh mesh = geometry::make_ball(0.02, 5120);
   Vec3& drawn = mesh.vertices[static_cast<std::size_t>(mesh.triangles[0][0])];
   const Vec3 aside = drawn.cross(Vec3(0.3, 0.5, 0.81)).normalized();
   drawn = 0.0204 * (drawn + 0.01 * aside).normalized();
+  return mesh;
+}
+
+TEST(Repair, KeepsAFewCrossingTrianglesAndReportsIt) {
+  const geometry::TriangleMesh mesh = ball_with_crossings();
   const RepairedSurface result = repair_surface(mesh);
   EXPECT_EQ(result.refusal, "");
   EXPECT_GT(geometry::test::crossings(mesh, mesh), 0);
@@ -443,6 +449,36 @@ TEST(Repair, RefusesWhatEnclosesNothing) {
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
   EXPECT_NE(repair_surface(flat).refusal, "");
   EXPECT_NE(repair_surface({}).refusal, "");
+}
+
+TEST(FindCrossings, FindsThePairsThatATestOfEachPairFinds) {
+  geometry::TriangleMesh mesh = ball();
+  std::mt19937 random(3);
+  for (Vec3& v : mesh.vertices) {
+    for (double& x : v) x += 8e-3 * (static_cast<double>(random()) / 0x1p31 - 1.0);
+  }
+  std::vector<std::array<std::uint32_t, 2>> expected;
+  for (std::uint32_t s = 0; s < mesh.triangles.size(); ++s) {
+    for (std::uint32_t t = s + 1; t < mesh.triangles.size(); ++t) {
+      if (!find_crossings({mesh.vertices, {mesh.triangles[s], mesh.triangles[t]}}).pairs.empty())
+        expected.push_back({s, t});
+    }
+  }
+  EXPECT_GT(expected.size(), 100U);
+  EXPECT_EQ(find_crossings(mesh).pairs, expected);
+}
+
+TEST(RepairOrgan, FindsTheSameInASoundMeshWithAndWithoutItsFindings) {
+  const geometry::TriangleMesh mesh = ball_with_crossings();
+  const LoadedMesh unknown = repair_organ({mesh, {}}, "x.stl");
+  const LoadedMesh known = repair_organ({mesh, findings_of(mesh)}, "x.stl");
+  expect_same(known.mesh, mesh);
+  expect_same(unknown.mesh, mesh);
+  EXPECT_GT(unknown.findings.crossing_pairs, 0U);
+  EXPECT_EQ(known.findings.crossing_pairs, unknown.findings.crossing_pairs);
+  EXPECT_EQ(known.findings.remarks, unknown.findings.remarks);
+  EXPECT_EQ(known.findings.repairs, unknown.findings.repairs);
+  EXPECT_TRUE(known.findings.closed && known.findings.shells == 1);
 }
 
 TEST(RepairOrgan, AddsToTheFindingsAndNamesTheFileWhenItRefuses) {
