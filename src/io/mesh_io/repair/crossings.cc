@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/infinity.h"
+#include "core/base/simd.h"
 #include "io/mesh_io/repair/repair_surface.h"
 
 namespace palpate::mesh_io {
@@ -19,28 +20,27 @@ constexpr std::size_t kMaxPairs = 1'000'000;
 constexpr double kRounding = 1e-12;
 constexpr double kShortest = 1e-9;  // of the triangles' size: a shorter common part is a touch
 
-/// A bounding box in single precision, rounded outwards.
+/// A bounding box in single precision, rounded outwards. The fourth coordinate is 0.
 struct FloatBox {
-  std::array<float, 3> low, high;
+  Float4 low, high;
 
   explicit FloatBox(const Box& box) {
     constexpr float kInfinite = std::numeric_limits<float>::infinity();
+    std::array<float, 4> lowest{}, highest{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto axis = static_cast<Eigen::Index>(k);
-      low[k] = std::nextafter(static_cast<float>(box.low[axis]), -kInfinite);
-      high[k] = std::nextafter(static_cast<float>(box.high[axis]), kInfinite);
+      lowest[k] = std::nextafter(static_cast<float>(box.low[axis]), -kInfinite);
+      highest[k] = std::nextafter(static_cast<float>(box.high[axis]), kInfinite);
     }
+    low = Float4::load_unaligned(lowest.data());
+    high = Float4::load_unaligned(highest.data());
   }
   void add(const FloatBox& other) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], other.low[k]);
-      high[k] = std::max(high[k], other.high[k]);
-    }
+    low = min(low, other.low);
+    high = max(high, other.high);
   }
   [[nodiscard]] bool meets(const FloatBox& other) const {
-    bool apart = false;
-    for (std::size_t k = 0; k < 3; ++k) apart |= (low[k] > other.high[k]) | (other.low[k] > high[k]);
-    return !apart;
+    return none((low > other.high) | (other.low > high));
   }
 };
 
@@ -118,10 +118,6 @@ class Search final {
     while (!open.empty()) {
       const Pair pair = open.back();
       open.pop_back();
-      if (pair.level == 0) {
-        if (pair.a != pair.b) test(order_[pair.a], order_[pair.b]);
-        continue;
-      }
       const Level& below = levels_[pair.level - 1];
       for (std::size_t a = 2 * pair.a; a < std::min(2 * pair.a + 2, below.size); ++a) {
         for (std::size_t b = std::max(a, 2 * pair.b); b < std::min(2 * pair.b + 2, below.size); ++b) {
@@ -129,7 +125,12 @@ class Search final {
             found_.all = false;
             return;
           }
-          if (boxes_[below.first + a].meets(boxes_[below.first + b])) open.push_back({pair.level - 1, a, b});
+          if (!boxes_[below.first + a].meets(boxes_[below.first + b])) continue;
+          if (pair.level > 1) {
+            open.push_back({pair.level - 1, a, b});
+          } else if (a != b) {
+            test(order_[a], order_[b]);
+          }
         }
       }
     }
@@ -137,9 +138,10 @@ class Search final {
 
   void test(std::uint32_t one, std::uint32_t other) {
     const auto [s, t] = std::minmax(one, other);
-    if (!box_of({mesh_.triangles[s]}).meets(box_of({mesh_.triangles[t]}))) return;
     steps_ += kTestSteps;
-    if (cross(mesh_.triangles[s], mesh_.triangles[t])) found_.pairs.push_back({s, t});
+    if (cross(mesh_.triangles[s], mesh_.triangles[t]) &&
+        box_of({mesh_.triangles[s]}).meets(box_of({mesh_.triangles[t]})))
+      found_.pairs.push_back({s, t});
   }
 
   [[nodiscard]] bool cross(const geometry::Triangle& s, const geometry::Triangle& t) const {
