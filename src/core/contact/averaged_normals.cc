@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "core/base/index.h"
@@ -247,7 +248,7 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
   constexpr std::size_t kGrain = 16;
   NormalSamples samples(surface, sides, spacing);
   const std::vector<std::int32_t>& corners = samples.first_corners();
-  const Facets facets(surface, spacing > 0.0 ? kFacetShare * radius : 0.0);
+  std::optional<Facets> facets(std::in_place, surface, spacing > 0.0 ? kFacetShare * radius : 0.0);
   std::vector<NormalAndSlope> averaged(corners.size());
   const std::vector<std::size_t> order = by_place(surface, corners, radius);
   std::mutex mutex;
@@ -263,7 +264,7 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
           idle.pop_back();
         }
       }
-      if (!flood) flood = std::make_unique<Flood>(surface, facets);
+      if (!flood) flood = std::make_unique<Flood>(surface, *facets);
       for (std::size_t k = from + begin; k < from + end; ++k) {
         const std::size_t i = order[k];
         averaged[i] = spacing > 0.0 ? flood->average_finely(corners[i], radius, kReferenceShare * radius)
@@ -273,6 +274,8 @@ std::vector<NormalAndSlope> averaged_normals(const SurfaceView& surface, const S
       idle.push_back(std::move(flood));
     });
   }
+  idle.clear();
+  facets.reset();
   return samples.blended(averaged);
 }
 

@@ -15,23 +15,22 @@ constexpr double kAlike = 0.95;
 
 constexpr double kReach = 1.5;  // of a sample, in spacings
 
-/// What the samples around a side give it; see the head of normal_samples.h.
+/// What the samples around a side give it, beside the sums of weight (n_i + S_i (x - x_i)/2) and of weight
+/// S_i [1/m]; see the head of normal_samples.h.
 struct Blend {
   double weight = 0.0;
-  Vec3 offset = Vec3::Zero();                       // sum of weight (x - x_i) [m]
-  Vec3 normal = Vec3::Zero();                       // sum of weight (n_i + S_i (x - x_i)/2)
-  Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();  // sum of weight S_i [1/m]
+  Vec3 offset = Vec3::Zero();  // sum of weight (x - x_i) [m]
 
-  void add(double w, const Vec3& from_sample, const NormalAndSlope& sample) {
+  void add(double w, const Vec3& from_sample, const NormalAndSlope& sample, NormalAndSlope& sums) {
     weight += w;
     offset += w * from_sample;
-    normal += w * (sample.normal + 0.5 * (sample.slope * from_sample));
-    slope += w * sample.slope;
+    sums.normal += w * (sample.normal + 0.5 * (sample.slope * from_sample));
+    sums.slope += w * sample.slope;
   }
 
-  [[nodiscard]] NormalAndSlope value() const {
-    const Eigen::Matrix3d mean = slope / weight;
-    const Vec3 sum = (normal + 0.5 * (mean * offset)) / weight;
+  [[nodiscard]] NormalAndSlope value(const NormalAndSlope& sums) const {
+    const Eigen::Matrix3d mean = sums.slope / weight;
+    const Vec3 sum = (sums.normal + 0.5 * (mean * offset)) / weight;
     return NormalAndSlope::of(sum, mean, sum);
   }
 };
@@ -97,12 +96,12 @@ std::vector<NormalAndSlope> NormalSamples::blended(const std::vector<NormalAndSl
         const double r = offset.norm();
         if (!(r > 0.0)) return;
         const double share = (reach - r) / (reach * r);
-        blends[at(side)].add(share * share, offset, averaged[i]);
+        blends[at(side)].add(share * share, offset, averaged[i], normals[at(side)]);
       });
     }
     for_ranges(normals.size(), 16384, [&](std::size_t begin, std::size_t end) {
       for (std::size_t side = begin; side < end; ++side) {
-        if (blends[side].weight > 0.0) normals[side] = blends[side].value();
+        if (blends[side].weight > 0.0) normals[side] = blends[side].value(normals[side]);
       }
     });
   }
