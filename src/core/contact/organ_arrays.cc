@@ -95,14 +95,15 @@ geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double refer
   return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
 }
 
-OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
+OrganArrays organ_arrays(geometry::TriangleMesh mesh, std::vector<std::array<std::int32_t, 3>> neighbours,
+                         double reference_radius,
                          const std::function<void(double, const std::string&)>& share) {
   constexpr double kNormalsFrom = 0.08;  // fraction of the whole time, for a fine mesh
   constexpr double kNormalsTo = 0.95;
   OrganArrays arrays;
   arrays.mesh = std::move(mesh);
+  arrays.neighbours = std::move(neighbours);
   share(0.0, "neighbours");
-  arrays.neighbours = geometry::edge_neighbours(arrays.mesh);
   const std::vector<Vec3> face_normals = face_normals_of(arrays.mesh);
   {
     const SurfaceView view{arrays.mesh, arrays.neighbours, face_normals};

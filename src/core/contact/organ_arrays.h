@@ -79,8 +79,11 @@ class OrganStore {
 /// [setup] Refines `organ` until its edges are at most R_ref/5 (less finely above 0.15 m^2).
 [[nodiscard]] geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius);
 
-/// [setup] Computes all arrays of a refined mesh. @param share receives the progress, 0..1, and the stage
-[[nodiscard]] OrganArrays organ_arrays(geometry::TriangleMesh mesh, double reference_radius,
+/// [setup] Computes all arrays of a refined mesh. @param neighbours geometry::edge_neighbours() of the mesh
+/// @param share receives the progress, 0..1, and the stage
+[[nodiscard]] OrganArrays organ_arrays(geometry::TriangleMesh mesh,
+                                       std::vector<std::array<std::int32_t, 3>> neighbours,
+                                       double reference_radius,
                                        const std::function<void(double, const std::string&)>& share);
 
 /// [setup] Fills sharp_edges, sharp_start and sharp_near from mesh and neighbours.

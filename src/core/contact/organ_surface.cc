@@ -48,13 +48,23 @@ OrganSurface::OrganSurface(const geometry::TriangleMesh& organ, double reference
     : OrganSurface(prepare(organ, reference_radius, how, distance_of)) {}
 
 OrganSurface::OrganSurface(Prepared&& prepared)
-    : arrays_(std::move(prepared.arrays)), distance_(std::move(prepared.distance)) {}
+    : arrays_(std::move(prepared.arrays)),
+      distance_(std::move(prepared.distance)),
+      mesh_(&distance_.mesh()),
+      neighbours_(&distance_.neighbours()) {}
+
+OrganArrays OrganSurface::arrays() const {
+  OrganArrays all = arrays_;
+  all.mesh = *mesh_;
+  all.neighbours = *neighbours_;
+  return all;
+}
 
 std::array<double, 3> OrganSurface::barycentric(std::int32_t triangle, const Vec3& point) const noexcept {
-  const geometry::Triangle& corners = arrays_.mesh.triangles[at(triangle)];
-  const Vec3& a = arrays_.mesh.vertices[at(corners[0])];
-  const Vec3 ab = arrays_.mesh.vertices[at(corners[1])] - a;
-  const Vec3 ac = arrays_.mesh.vertices[at(corners[2])] - a;
+  const geometry::Triangle& corners = mesh_->triangles[at(triangle)];
+  const Vec3& a = mesh_->vertices[at(corners[0])];
+  const Vec3 ab = mesh_->vertices[at(corners[1])] - a;
+  const Vec3 ac = mesh_->vertices[at(corners[2])] - a;
   const Vec3 ap = point - a;
   const Vec3 doubled = ab.cross(ac);
   const double area = doubled.squaredNorm();
@@ -68,7 +78,7 @@ Vec3 OrganSurface::smooth_normal(std::int32_t triangle, const Vec3& point) const
   const std::array<double, 3> weight = barycentric(triangle, point);
   const std::int32_t row = arrays_.row_of[at(triangle)];
   const std::array<std::int32_t, 3>& side =
-      row < 0 ? arrays_.mesh.triangles[at(triangle)] : arrays_.side_rows[at(row)];
+      row < 0 ? mesh_->triangles[at(triangle)] : arrays_.side_rows[at(row)];
   Vec3 sum = weight[0] * arrays_.normals[at(side[0])] + weight[1] * arrays_.normals[at(side[1])] +
              weight[2] * arrays_.normals[at(side[2])];
   const NormalBends& bends = arrays_.bends[at(triangle)];
@@ -85,9 +95,9 @@ Vec3 OrganSurface::normal_at(const SurfacePoint& where) const noexcept {
   const std::int32_t end = arrays_.sharp_start[at(where.triangle) + 1];
   for (std::int32_t i = arrays_.sharp_start[at(where.triangle)]; i < end; ++i) {
     const SharpEdge& sharp = arrays_.sharp_edges[at(arrays_.sharp_near[at(i)])];
-    const geometry::Triangle& corners = arrays_.mesh.triangles[at(sharp.triangle[0])];
-    const Vec3& a = arrays_.mesh.vertices[at(corners[at(sharp.edge[0])])];
-    const Vec3& b = arrays_.mesh.vertices[at(corners[at((sharp.edge[0] + 1) % 3)])];
+    const geometry::Triangle& corners = mesh_->triangles[at(sharp.triangle[0])];
+    const Vec3& a = mesh_->vertices[at(corners[at(sharp.edge[0])])];
+    const Vec3& b = mesh_->vertices[at(corners[at((sharp.edge[0] + 1) % 3)])];
     double along = 0.0;
     const double distance = distance_to_segment(where.point, a, b, along);
     if (distance >= kBlendWidth) continue;
@@ -114,13 +124,13 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
   Vec3 left = step - (face.dot(step) / one_plus_cosine) * (normal + face);
   std::int32_t came_from = -1;
   for (int crossing = 0; crossing < kMaxCrossings; ++crossing) {
-    const geometry::Triangle& corners = arrays_.mesh.triangles[at(here.triangle)];
+    const geometry::Triangle& corners = mesh_->triangles[at(here.triangle)];
     double stop = 1.0;
     int exit_edge = -1;
     for (int e = 0; e < 3; ++e) {
-      if (came_from >= 0 && arrays_.neighbours[at(here.triangle)][at(e)] == came_from) continue;
-      const Vec3& a = arrays_.mesh.vertices[at(corners[at(e)])];
-      const Vec3& b = arrays_.mesh.vertices[at(corners[at((e + 1) % 3)])];
+      if (came_from >= 0 && (*neighbours_)[at(here.triangle)][at(e)] == came_from) continue;
+      const Vec3& a = mesh_->vertices[at(corners[at(e)])];
+      const Vec3& b = mesh_->vertices[at(corners[at((e + 1) % 3)])];
       const Vec3 outward = (b - a).cross(face);  // in the plane, perpendicular to the edge
       const double speed = outward.dot(left);
       if (speed <= 0.0) continue;
@@ -132,12 +142,12 @@ SurfacePoint OrganSurface::walk(const SurfacePoint& from, const Vec3& step,
     }
     here.point += stop * left;
     if (exit_edge < 0) return here;
-    const std::int32_t next = arrays_.neighbours[at(here.triangle)][at(exit_edge)];
+    const std::int32_t next = (*neighbours_)[at(here.triangle)][at(exit_edge)];
     if (next < 0) return here;
     left *= 1.0 - stop;
     // Unfold: keep the component along the edge, rotate the one across it into the next triangle's plane.
-    const Vec3& a = arrays_.mesh.vertices[at(corners[at(exit_edge)])];
-    const Vec3 edge = (arrays_.mesh.vertices[at(corners[at((exit_edge + 1) % 3)])] - a).normalized();
+    const Vec3& a = mesh_->vertices[at(corners[at(exit_edge)])];
+    const Vec3 edge = (mesh_->vertices[at(corners[at((exit_edge + 1) % 3)])] - a).normalized();
     const Vec3 across = edge.cross(face);
     face = face_normal(next);
     left = left.dot(edge) * edge + left.dot(across) * edge.cross(face);

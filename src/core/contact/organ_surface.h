@@ -35,8 +35,9 @@ class OrganSurface final {
   OrganSurface(const geometry::TriangleMesh& organ, double reference_radius, const Preparation& how = {},
                const DistanceOf& distance_of = build_distance);
 
-  [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return arrays_.mesh; }
-  [[nodiscard]] const OrganArrays& arrays() const noexcept { return arrays_; }
+  [[nodiscard]] const geometry::TriangleMesh& mesh() const noexcept { return *mesh_; }
+  /// [setup] A copy of all arrays.
+  [[nodiscard]] OrganArrays arrays() const;
   [[nodiscard]] const geometry::SignedDistance& distance() const noexcept { return distance_; }
 
   /// [rt] The surface point nearest to p, with signed distance; `guess` as in
@@ -68,8 +69,7 @@ class OrganSurface final {
 
   /// [rt] Unit normal of a triangle.
   [[nodiscard]] Vec3 face_normal(std::int32_t triangle) const noexcept {
-    return geometry::area_vector_doubled(arrays_.mesh,
-                                         arrays_.mesh.triangles[static_cast<std::size_t>(triangle)])
+    return geometry::area_vector_doubled(*mesh_, mesh_->triangles[static_cast<std::size_t>(triangle)])
         .normalized();
   }
 
@@ -85,8 +85,10 @@ class OrganSurface final {
   [[nodiscard]] Vec3 smooth_normal(std::int32_t triangle, const Vec3& point) const noexcept;
   [[nodiscard]] std::array<double, 3> barycentric(std::int32_t triangle, const Vec3& point) const noexcept;
 
-  OrganArrays arrays_;
+  OrganArrays arrays_;  // without mesh and neighbours, which are those of the distance
   geometry::SignedDistance distance_;
+  const geometry::TriangleMesh* mesh_;
+  const std::vector<std::array<std::int32_t, 3>>* neighbours_;
 };
 
 }  // namespace palpate::contact

@@ -1,5 +1,6 @@
 // Preparation of an organ's surface: computed on all processors, or loaded from the cache.
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,13 @@ constexpr double kDistanceFrom = 0.02;
 constexpr double kArraysFrom = 0.25;
 constexpr double kStoreFrom = 0.98;
 
+/// Frees the mesh and the neighbours, of which the distance has its own.
+void drop_what_it_has(const geometry::SignedDistance& distance, OrganArrays& arrays) {
+  if (!distance.is_of(arrays.mesh)) throw std::logic_error("OrganSurface: the distance is of another mesh");
+  arrays.mesh = {};
+  arrays.neighbours = {};
+}
+
 }  // namespace
 
 OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ, double reference_radius,
@@ -27,6 +35,7 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   if (loaded) {
     report_progress(kDistanceFrom, "distances");
     geometry::SignedDistance distance = distance_of(loaded->mesh);
+    drop_what_it_has(distance, *loaded);
     report_progress(1.0, "done");
     return {std::move(*loaded), std::move(distance)};
   }
@@ -34,12 +43,13 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   geometry::TriangleMesh mesh = refined(organ, reference_radius);
   report_progress(kDistanceFrom, "distances");
   geometry::SignedDistance distance = distance_of(mesh);  // throws if the mesh is not closed
-  OrganArrays arrays =
-      organ_arrays(std::move(mesh), reference_radius, [&](double share, const std::string& what) {
-        report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
-      });
+  OrganArrays arrays = organ_arrays(std::move(mesh), distance.neighbours(), reference_radius,
+                                    [&](double share, const std::string& what) {
+                                      report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
+                                    });
   report_progress(kStoreFrom, "cache");
   if (how.store) how.store->store(organ, reference_radius, arrays);
+  drop_what_it_has(distance, arrays);
   report_progress(1.0, "done");
   return {std::move(arrays), std::move(distance)};
 }

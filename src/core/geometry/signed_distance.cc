@@ -265,6 +265,12 @@ SignedDistance::SignedDistance(const TriangleMesh& mesh) {
 
 std::uint64_t SignedDistance::builds() noexcept { return built; }
 
+const TriangleMesh& SignedDistance::mesh() const noexcept { return tree_->mesh; }
+
+const std::vector<std::array<std::int32_t, 3>>& SignedDistance::neighbours() const noexcept {
+  return tree_->neighbours;
+}
+
 bool SignedDistance::is_of(const TriangleMesh& mesh) const {
   return mesh.triangles == tree_->mesh.triangles && mesh.vertices == tree_->mesh.vertices;
 }

@@ -1,7 +1,9 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "palpate/mesh.h"
 
@@ -43,6 +45,11 @@ class SignedDistance final {
 
   /// [any] Number of hierarchies that this process has built; for tests.
   [[nodiscard]] static std::uint64_t builds() noexcept;
+
+  /// [any] The mesh that it was built from, and its edge_neighbours(). They stay where they are as long as a
+  /// copy exists.
+  [[nodiscard]] const TriangleMesh& mesh() const noexcept;
+  [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& neighbours() const noexcept;
 
   /// [setup] Whether it was built from a mesh with the same vertices and triangles.
   [[nodiscard]] bool is_of(const TriangleMesh& mesh) const;

@@ -270,6 +270,7 @@ Within deviation_within(const TriangleMesh& organ) {
   const Surface fine(divided(surface.mesh, 2));
   const geometry::SignedDistance distance(fine.mesh);
   const OrganSurface prepared(organ, kPreparedReference);
+  const std::vector<std::int32_t> sharp_start = prepared.arrays().sharp_start;
   const std::vector<NormalAndSlope> corners = averaged_normals(surface.view(), surface.sides, kRadius, 0.0);
   std::mt19937 random(5);
   std::uniform_int_distribution<std::size_t> draw(0, surface.mesh.triangles.size() - 1);
@@ -279,7 +280,7 @@ Within deviation_within(const TriangleMesh& organ) {
   while (found.size() < 100) {
     const std::size_t t = draw(random);
     // sides blend here
-    if (prepared.arrays().sharp_start[t] < prepared.arrays().sharp_start[t + 1]) continue;
+    if (sharp_start[t] < sharp_start[t + 1]) continue;
     double b = share(random);
     double c = share(random);
     if (b + c > 1.0) std::tie(b, c) = std::pair(1.0 - b, 1.0 - c);
@@ -314,9 +315,10 @@ TEST(AveragedNormals, OfTwoTrianglesAreOneOnTheirEdge) {
   const TriangleMesh organ = geometry::make_organ("gallbladder");
   const OrganSurface surface(organ, kPreparedReference);
   const geometry::TriangleMesh& mesh = surface.mesh();
+  const auto neighbours = surface.arrays().neighbours;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
-      const std::int32_t other = surface.arrays().neighbours[t][e];
+      const std::int32_t other = neighbours[t][e];
       const Vec3 place = 0.3 * mesh.vertices[at(mesh.triangles[t][e])] +
                          0.7 * mesh.vertices[at(mesh.triangles[t][(e + 1) % 3])];
       const Vec3 here = surface.normal_at({place, static_cast<std::int32_t>(t)});
@@ -407,7 +409,7 @@ TEST(Preparation, LeavesNoThreadBehind) {
 
 TEST(Preparation, KeepsUnder110BytesATriangleBesidesTheDistances) {
   const OrganSurface surface(geometry::make_ball(20e-3, 81920), kPreparedReference);
-  const OrganArrays& a = surface.arrays();
+  const OrganArrays a = surface.arrays();
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
   const std::size_t all = bytes(a.mesh.vertices) + bytes(a.mesh.triangles) + bytes(a.neighbours) +
                           bytes(a.normals) + bytes(a.bends) + bytes(a.row_of) + bytes(a.side_rows) +
