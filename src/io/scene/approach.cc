@@ -45,16 +45,32 @@ ApproachFinder::ApproachFinder(const geometry::TriangleMesh& organ, const geomet
     : surface_(surface),
       tool_(tool),
       length_(geometry::bounds(organ).size().norm()),
-      fine_(fine_mesh(organ)),
-      neighbours_(geometry::edge_neighbours(fine_)) {
+      own_(fine_mesh(organ)),
+      is_fine_(surface.is_of(own_)),
+      fine_(is_fine_ ? surface.mesh() : own_),
+      own_neighbours_(is_fine_ ? Neighbours() : geometry::edge_neighbours(own_)),
+      neighbours_(is_fine_ ? surface.neighbours() : own_neighbours_),
+      lowest_(geometry::cell_at(geometry::bounds(fine_).low, kLeastRadius)) {
+  if (is_fine_) own_ = {};
+  middles_.reserve(fine_.triangles.size());
+  areas_.reserve(fine_.triangles.size());
+  cells_.reserve(fine_.triangles.size());
   for (const geometry::Triangle& t : fine_.triangles) {
     middles_.push_back((fine_.vertices[at(t[0])] + fine_.vertices[at(t[1])] + fine_.vertices[at(t[2])]) /
                        3.0);
     areas_.push_back(geometry::area_vector_doubled(fine_, t));
-    cells_.emplace_back(geometry::cell_at(middles_.back(), kLeastRadius),
+    cells_.emplace_back(key_of(geometry::cell_at(middles_.back(), kLeastRadius)),
                         static_cast<std::int32_t>(cells_.size()));
   }
   std::sort(cells_.begin(), cells_.end());
+}
+
+std::uint64_t ApproachFinder::key_of(const geometry::Cell& cell) const {
+  constexpr std::int64_t kMost = (1 << 21) - 1;  // 10 km
+  std::uint64_t key = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    key = key << 21 | static_cast<std::uint64_t>(std::clamp<std::int64_t>(cell[k] - lowest_[k], 0, kMost));
+  return key;
 }
 
 /// The smallest distance [m] of the tip to the surface at `depth` behind the touch. The proxy follows the
@@ -137,12 +153,13 @@ ApproachFinder::LocalShape ApproachFinder::local_shape(const Vec3& point, const 
     all += share * area;
     if (along > kFacing * area) facing += share * areas_[t];
   };
-  const geometry::Cell low = geometry::cell_at(point.array() - radius, kLeastRadius);
+  geometry::Cell low = geometry::cell_at(point.array() - radius, kLeastRadius);
+  for (std::size_t k = 0; k < 3; ++k) low[k] = std::max(low[k], lowest_[k]);
   const geometry::Cell high = geometry::cell_at(point.array() + radius, kLeastRadius);
   for (std::int64_t x = low[0]; x <= high[0]; ++x) {
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-      const geometry::Cell last{x, y, high[2]};
-      auto cell = std::lower_bound(cells_.begin(), cells_.end(), std::pair{geometry::Cell{x, y, low[2]}, 0});
+      const std::uint64_t last = key_of({x, y, high[2]});
+      auto cell = std::lower_bound(cells_.begin(), cells_.end(), std::pair{key_of({x, y, low[2]}), 0});
       for (; cell != cells_.end() && cell->first <= last; ++cell) add(at(cell->second));
     }
   }

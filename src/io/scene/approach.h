@@ -42,6 +42,8 @@ class ApproachFinder final {
   /// [setup] Keeps references to surface and tool. @throws InputError when the organ is not closed.
   ApproachFinder(const geometry::TriangleMesh& organ, const geometry::SignedDistance& surface,
                  const HangingTool& tool);
+  ApproachFinder(const ApproachFinder&) = delete;
+  ApproachFinder& operator=(const ApproachFinder&) = delete;
 
   /// [setup] Checks a press down to `depth` [m] behind the touch.
   [[nodiscard]] ApproachCheck check(const Approach& approach, double depth) const;
@@ -66,14 +68,22 @@ class ApproachFinder final {
   [[nodiscard]] double thickness(const Approach& approach, double enough) const;
   [[nodiscard]] bool is_free(const Approach& approach, double depth) const;
 
+  /// Three numbers of 21 bits: the cell's coordinates above lowest_, clamped. Ordered as the cells.
+  [[nodiscard]] std::uint64_t key_of(const geometry::Cell& cell) const;
+
   const geometry::SignedDistance& surface_;
   const HangingTool& tool_;
-  double length_;                // m, diagonal of the organ's bounding box
-  geometry::TriangleMesh fine_;  // the organ, refined to small triangles
-  std::vector<std::array<std::int32_t, 3>> neighbours_;
+  double length_;  // m, diagonal of the organ's bounding box
+  using Neighbours = std::vector<std::array<std::int32_t, 3>>;
+  geometry::TriangleMesh own_;  // empty where the organ's triangles are small
+  bool is_fine_;
+  const geometry::TriangleMesh& fine_;  // the organ, refined to small triangles
+  Neighbours own_neighbours_;           // empty where own_ is
+  const Neighbours& neighbours_;
   std::vector<Vec3> middles_;  // centroids of its triangles
   std::vector<Vec3> areas_;    // twice their areas, along the outward normals
-  std::vector<std::pair<geometry::Cell, std::int32_t>> cells_;  // sorted: the grid cell of each centroid
+  geometry::Cell lowest_;      // grid cell of the lowest corner of the organ's box
+  std::vector<std::pair<std::uint64_t, std::int32_t>> cells_;  // sorted: the grid cell of each centroid
 };
 
 /// [any] The smallest rotation that turns -z to `direction` (unit).
