@@ -284,7 +284,7 @@ int run(const RunFlags& flags, const std::string& command_line) {
   (void)UiScale::asked(flags.ui_scale);  // checks the value before anything else is done
   std::optional<report::ReferenceProfile> profile;
   if (!flags.profile.empty()) profile = report::read_measured_profile(flags.profile);
-  scene::Scene scene = scene::load(flags.request);
+  scene::Scene scene = load_scene(flags.request, flags.no_cache);
   check_outputs(flags.files, scene, flags.profile);
   const std::shared_ptr<Session> session =
       prepare(std::move(scene), flags.duration_s, flags.no_cache, &signals->flag());

@@ -167,7 +167,7 @@ int serve(const ServeFlags& flags) {
   const BackgroundOutput output;
   const net::LiveOptions options = server_options(flags);
   check_runs(flags.runs);
-  scene::Scene scene = scene::load(flags.runs.request);
+  scene::Scene scene = load_scene(flags.runs.request, flags.runs.no_cache);
   if (!flags.runs.page) require_windowless(scene);
   std::vector<NamedFile> inputs = sources_of(scene);
   inputs.push_back({"--page", flags.page});

@@ -185,6 +185,11 @@ void report_awaited_clients(const scene::Scene& scene) {
 
 }  // namespace
 
+scene::Scene load_scene(scene::Overrides request, bool no_cache) {
+  request.store = OrganPreparation(no_cache).how().store;
+  return scene::load(request);
+}
+
 std::unique_ptr<Session> prepare(scene::Scene scene, std::optional<double> duration_s, bool no_cache,
                                  const std::atomic<bool>* broken_off) {
   if (duration_s) (void)session::ticks_in(*duration_s, scene.rate_Hz, "--duration-s");

@@ -32,6 +32,9 @@ class Cancelled final : public InputError {
   Cancelled() : InputError("stopped before the run began") {}
 };
 
+/// [setup] Loads a scene with the user's cache. @param no_cache ignores it @throws as scene::load()
+[[nodiscard]] scene::Scene load_scene(scene::Overrides request, bool no_cache);
+
 /// [setup] Opens a session and shows a progress bar while its organ is prepared. @param duration_s simulated
 /// time [s], rounded to whole ticks; nullopt: until the devices have no more samples @param no_cache ignores
 /// the cache of prepared organs @param broken_off cancels the preparation: after another thread or a signal

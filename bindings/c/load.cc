@@ -61,7 +61,10 @@ Loaded load(const palpate_options& options, const scene::Overrides& request) {
   if (options.surface_edge > 0.0 && options.surface_edge < 1e-4) {
     throw ParameterError("palpate_options.surface_edge", options.surface_edge, "0, or at least 1e-4 m");
   }
-  return load(scene::load(request), preparation_of(options), options.no_hand != 0);
+  const contact::Preparation how = preparation_of(options);
+  scene::Overrides with_cache = request;
+  with_cache.store = how.store;
+  return load(scene::load(with_cache), how, options.no_hand != 0);
 }
 
 Loaded load(scene::Scene scene, const contact::Preparation& how, bool no_hand) {

@@ -126,7 +126,7 @@ std::unique_ptr<PythonBatch> open_batch(const SceneArguments& arguments, std::si
   std::unique_ptr<Batch> batch;
   {
     const py::gil_scoped_release others_may_run;
-    batch = std::make_unique<Batch>(arguments.load(), preparation_of(cache), hands, jobs, surface_edge);
+    batch = std::make_unique<Batch>(arguments.load(cache), preparation_of(cache), hands, jobs, surface_edge);
   }
   return std::make_unique<PythonBatch>(std::move(batch));
 }

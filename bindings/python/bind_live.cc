@@ -53,7 +53,7 @@ Live open(const SceneArguments& arguments, std::optional<double> duration_s, std
   const auto free_own = [](LiveSimulation* live) {
     if (live->is_own()) delete live;
   };
-  return Live(new LiveSimulation(arguments.load(), options), free_own);
+  return Live(new LiveSimulation(arguments.load(cache), options), free_own);
 }
 
 /// After the end, throws once if the run failed or its recording is incomplete.

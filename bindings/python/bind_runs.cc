@@ -46,7 +46,7 @@ void require_no_real_device(const scene::Scene& scene) {
 std::vector<TickRow> run(const SceneArguments& arguments, std::optional<double> duration_s,
                          const std::optional<fs::path>& recording, bool cache) {
   constexpr double kMaxTicks = 1e9;  // 1e6 s at 1 kHz; memory ends long before
-  scene::Scene scene = arguments.load();
+  scene::Scene scene = arguments.load(cache);
   require_no_real_device(scene);
   if (duration_s) (void)session::ticks_in(*duration_s, scene.rate_Hz, "duration_s", kMaxTicks);
   session::SessionOptions options;

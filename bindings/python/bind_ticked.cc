@@ -29,7 +29,8 @@ class TickedSimulation final {
  public:
   TickedSimulation(const SceneArguments& arguments, const palpate_options& options, bool cache)
       : simulation_(new palpate_simulation(
-            c_interface::load(arguments.load(), preparation_of(cache), options.no_hand != 0), options)) {}
+            c_interface::load(arguments.load(cache), preparation_of(cache), options.no_hand != 0), options)) {
+  }
   ~TickedSimulation() = default;
   TickedSimulation(const TickedSimulation&) = delete;
   TickedSimulation& operator=(const TickedSimulation&) = delete;

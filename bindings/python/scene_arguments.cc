@@ -63,8 +63,10 @@ scene::Scene load_by_arguments(const scene::Overrides& request) {
 
 }  // namespace
 
-scene::Scene SceneArguments::load() const {
-  scene::Scene scene = load_by_arguments(request);
+scene::Scene SceneArguments::load(bool cache) const {
+  scene::Overrides with_cache = request;
+  with_cache.store = preparation_of(cache).store;
+  scene::Scene scene = load_by_arguments(with_cache);
   if (tissue) scene.tissue = *tissue;
   if (inclusions) set_inclusions(*inclusions, scene);
   if (stiffness) {

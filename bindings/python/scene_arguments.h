@@ -25,8 +25,9 @@ struct SceneArguments {
   std::optional<std::vector<InclusionArgument>> inclusions;  // replace the scene's
   std::optional<scene::StiffnessMapFile> stiffness;          // replaces the scene's
 
-  /// [setup] @throws InputError as scene::load() does, ParameterError for an invalid tissue
-  [[nodiscard]] scene::Scene load() const;
+  /// [setup] @param cache use the user's cache of organs @throws InputError as scene::load() does,
+  /// ParameterError for an invalid tissue
+  [[nodiscard]] scene::Scene load(bool cache) const;
 };
 
 /// Tissue argument: an object, or the name of a built-in tissue or a tissue file.

@@ -264,10 +264,13 @@ struct Overrides {
   // If set, the scene and all its files must be inside this folder after links and `..` are resolved. Set it
   // for scenes from untrusted sources. Empty: no restriction.
   std::filesystem::path files_below;
+  // Keeps the meshes of large organ files that were read and repaired: that of use_organ_cache(). Null: none.
+  std::shared_ptr<const contact::OrganStore> store = {};
 };
 
 /// [setup] Reads and checks the scene and all its files, and fills in defaults. Paths in a scene file are
-/// relative to its folder, paths in the request to the working folder. It writes no files. @throws InputError
+/// relative to its folder, paths in the request to the working folder. It writes no files but those of
+/// `store`. @throws InputError
 /// with one line that names the file, the field or line, the value and the valid values. For an unknown key
 /// it names the nearest valid key.
 [[nodiscard]] Scene load(const Overrides& request);

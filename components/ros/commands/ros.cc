@@ -104,7 +104,7 @@ int play_on_ros(const RosFlags& flags) {
   const StopOnSignal signals;
   check(flags);
   const ros::NodeOptions options = ros::options_of_environment(flags.network_interface);
-  scene::Scene scene = scene::load(flags.request);
+  scene::Scene scene = load_scene(flags.request, flags.no_cache);
   check_devices(scene);
   require_no_overwrite(std::vector<NamedFile>{{"--record", flags.recording}}, sources_of(scene));
   const std::unique_ptr<ros::Node> node = ros::open_node(options);

@@ -42,6 +42,14 @@ struct OrganArrays {
   std::vector<std::int32_t> sharp_near;   // sharp edges within kBlendWidth of the triangle
 };
 
+/// The mesh of an organ's file as it was read and repaired, and the messages about it.
+struct ReadOrgan {
+  geometry::TriangleMesh mesh;       // [m]
+  std::vector<std::string> repairs;  // that were made
+  std::vector<std::string> remarks;  // defects that remain
+  std::string space;                 // axes that the file's header declares; empty: none
+};
+
 /// What takes longest to compute of a supported organ's response (deform::BodyCompliance).
 struct ResponseArrays {
   double cell_edge = 0.0;             // [m]
@@ -49,10 +57,15 @@ struct ResponseArrays {
   std::vector<std::int16_t> entries;  // deform::BlockInverse
 };
 
-/// Keeps the arrays of prepared organs, the stiffness maps interpolated on them, and their responses.
+/// Keeps the meshes of organs' files, the arrays of prepared organs, the stiffness maps interpolated on them,
+/// and their responses.
 class OrganStore {
  public:
   virtual ~OrganStore() = default;
+  /// [setup] The stored mesh of a file; empty when it was not read before. @param key of the file's content
+  [[nodiscard]] virtual std::optional<ReadOrgan> load_read(const ContentHash& key) const = 0;
+  /// [setup] Stores the mesh that was read.
+  virtual void store_read(const ContentHash& key, const ReadOrgan& organ) const = 0;
   /// [setup] The stored arrays of this organ; empty when it was not prepared before.
   [[nodiscard]] virtual std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
                                                         double reference_radius) const = 0;

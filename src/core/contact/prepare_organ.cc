@@ -1,6 +1,5 @@
 // Preparation of an organ's surface: computed on all processors, or loaded from the cache.
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -16,8 +15,7 @@ constexpr double kArraysFrom = 0.25;
 constexpr double kStoreFrom = 0.98;
 
 /// Frees the mesh and the neighbours, of which the distance has its own.
-void drop_what_it_has(const geometry::SignedDistance& distance, OrganArrays& arrays) {
-  if (!distance.is_of(arrays.mesh)) throw std::logic_error("OrganSurface: the distance is of another mesh");
+void drop_mesh(OrganArrays& arrays) {
   arrays.mesh = {};
   arrays.neighbours = {};
 }
@@ -35,7 +33,7 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
   if (loaded) {
     report_progress(kDistanceFrom, "distances");
     geometry::SignedDistance distance = distance_of(loaded->mesh);
-    drop_what_it_has(distance, *loaded);
+    drop_mesh(*loaded);
     report_progress(1.0, "done");
     return {std::move(*loaded), std::move(distance)};
   }
@@ -49,7 +47,7 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
                                     });
   report_progress(kStoreFrom, "cache");
   if (how.store) how.store->store(organ, reference_radius, arrays);
-  drop_what_it_has(distance, arrays);
+  drop_mesh(arrays);
   report_progress(1.0, "done");
   return {std::move(arrays), std::move(distance)};
 }

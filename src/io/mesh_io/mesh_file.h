@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "palpate/mesh.h"
+#include "palpate/read_mesh.h"
+#include "palpate/units.h"
 
 // A mesh file in memory and its reader, for read_mesh.cc and formats/.
 namespace palpate::mesh_io {
@@ -49,5 +51,8 @@ void note_parts(ImportedMesh& imported, std::size_t mirrored, std::size_t lines)
 /// checks all coordinates and vertex indices. Call from one thread at a time (assimp has one global log).
 /// @throws InputError naming the file, the line, byte or element, the value and what would be right.
 [[nodiscard]] ImportedMesh import_mesh(const MeshFile& file);
+
+/// [setup] As read_mesh() of a path. @throws InputError
+[[nodiscard]] LoadedMesh read_mesh(MeshFile file, LengthUnit unit);
 
 }  // namespace palpate::mesh_io

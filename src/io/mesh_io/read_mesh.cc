@@ -100,6 +100,11 @@ void report_merged(const MeshFile& file, std::size_t vertices, const Merged& mer
 LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit> unit) {
   MeshFile file = open_mesh_file(path);
   if (!unit) throw InputError(to_text(path) + ": its unit is missing: must be mm, cm, m or in");
+  return read_mesh(std::move(file), *unit);
+}
+
+LoadedMesh read_mesh(MeshFile file, LengthUnit unit) {
+  const std::filesystem::path& path = file.path;
   ImportedMesh imported = import_mesh(file);
   if (imported.mesh.triangles.empty()) {
     throw InputError(to_text(path) + ": no triangles" +
@@ -113,7 +118,7 @@ LoadedMesh read_mesh(const std::filesystem::path& path, std::optional<LengthUnit
   if (merged.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: no triangles ({})", to_text(path), joined(imported.repairs)));
   }
-  for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(*unit);
+  for (Vec3& vertex : merged.mesh.vertices) vertex *= metres_per(unit);
   LoadedMesh loaded{std::move(merged.mesh), {}, std::move(space)};
   loaded.findings = findings_of(loaded.mesh);
   loaded.findings.repairs = std::move(imported.repairs);

@@ -74,11 +74,12 @@ void turn_clients(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
   }
 }
 
-void load_organ(const SceneFile& scene_file, Scene& scene, MeshNotes& notes) {
+void load_organ(const SceneFile& scene_file, const contact::OrganStore* store, Scene& scene,
+                MeshNotes& notes) {
   const LocatedString& organ = *scene_file.organ;
   scene.organ_name = organ.value;
   if (is_path(organ.value)) {
-    mesh_io::LoadedMesh loaded = read_organ_source(organ, scene_file.organ_unit, notes);
+    contact::ReadOrgan loaded = read_organ_source(organ, scene_file.organ_unit, store, notes);
     scene.organ = std::move(loaded.mesh);
     set_organ_frame(scene_file, loaded.space, scene, notes);
     return;
@@ -378,7 +379,7 @@ Scene load(const Overrides& request) {
   MeshNotes notes;
   const PathSummaries paths = load_hands(scene_file, scene, notes);
   check_needle(scene_file, scene, notes);
-  load_organ(scene_file, scene, notes);
+  load_organ(scene_file, request.store.get(), scene, notes);
   turn_clients(scene_file, scene, notes);
   if (scene_file.support) {
     LocatedSupport stated = *scene_file.support;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact/organ_arrays.h"
 #include "io/scene/scene_file.h"
 #include "palpate/read_mesh.h"
 #include "palpate/units.h"
@@ -20,9 +21,11 @@ struct MeshNotes {
 [[nodiscard]] mesh_io::LoadedMesh read_part_source(const LocatedString& mesh,
                                                    const std::optional<LengthUnit>& unit, MeshNotes& notes);
 
-/// [setup] Reads and repairs an organ's mesh file. @throws InputError naming the field or flag, also when the
-/// unit is missing or the mesh cannot be an organ.
-[[nodiscard]] mesh_io::LoadedMesh read_organ_source(const LocatedString& mesh,
-                                                    const std::optional<LengthUnit>& unit, MeshNotes& notes);
+/// [setup] Reads and repairs an organ's mesh file, or takes it from `store` (null: none) where a file of this
+/// content was read before. @throws InputError naming the field or flag, also when the unit is missing or the
+/// mesh cannot be an organ.
+[[nodiscard]] contact::ReadOrgan read_organ_source(const LocatedString& mesh,
+                                                   const std::optional<LengthUnit>& unit,
+                                                   const contact::OrganStore* store, MeshNotes& notes);
 
 }  // namespace palpate::scene

@@ -20,13 +20,41 @@ namespace {
 
 namespace fs = std::filesystem;
 using contact::OrganArrays;
+using contact::ReadOrgan;
 using contact::ResponseArrays;
 
 constexpr const char* kEnding = ".organ";
+constexpr const char* kMeshEnding = ".mesh";
 constexpr const char* kMapEnding = ".factors";
 constexpr const char* kResponseEnding = ".response";
-constexpr std::uint64_t kMaxOthers = 1ULL << 28;  // bytes: several hundred maps; about 28 responses
+constexpr std::uint64_t kMaxOthers = 1ULL << 28;  // bytes: ten meshes of a million triangles; 28 responses
 constexpr std::uint64_t kMaxCached = 1ULL << 30;  // bytes: about ten organs of a million triangles
+
+bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
+  return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
+    return std::all_of(row.begin(), row.end(),
+                       [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
+  });
+}
+
+std::vector<char> lines_of(const std::vector<std::string>& texts) {
+  std::vector<char> lines;
+  for (const std::string& text : texts) {
+    lines.insert(lines.end(), text.begin(), text.end());
+    lines.push_back('\n');
+  }
+  return lines;
+}
+
+std::vector<std::string> texts_of(const std::vector<char>& lines) {
+  std::vector<std::string> texts;
+  for (auto begin = lines.begin(); begin != lines.end();) {
+    const auto end = std::find(begin, lines.end(), '\n');
+    texts.emplace_back(begin, end);
+    begin = end == lines.end() ? end : end + 1;
+  }
+  return texts;
+}
 
 /// Whether a refined surface is finite and inside the bounding box of the organ that it was made from.
 bool lies_within(const geometry::TriangleMesh& refined, const geometry::TriangleMesh& organ) {
@@ -42,6 +70,34 @@ class OrganCache final : public contact::OrganStore {
  public:
   OrganCache(fs::path folder, std::function<void(const std::string&)> remark)
       : folder_(std::move(folder)), remark_(std::move(remark)) {}
+
+  [[nodiscard]] std::optional<ReadOrgan> load_read(const ContentHash& key) const override {
+    const std::optional<ArrayFileReader> reader = open(key, kMeshEnding);
+    ReadOrgan organ;
+    std::vector<char> repairs;
+    std::vector<char> remarks;
+    std::vector<char> space;
+    if (!reader || !reader->get("vertices", organ.mesh.vertices) ||
+        !reader->get("triangles", organ.mesh.triangles) || !reader->get("repairs", repairs) ||
+        !reader->get("remarks", remarks) || !reader->get("space", space) ||
+        !all_within(organ.mesh.triangles, 0, organ.mesh.vertices.size()) ||
+        !lies_within(organ.mesh, organ.mesh))
+      return std::nullopt;
+    organ.repairs = texts_of(repairs);
+    organ.remarks = texts_of(remarks);
+    organ.space.assign(space.begin(), space.end());
+    return organ;
+  }
+
+  void store_read(const ContentHash& key, const ReadOrgan& organ) const override {
+    keep(key, kMeshEnding, kMaxOthers, "the organ's mesh", [&organ](ArrayFileWriter& file) {
+      file.put("vertices", organ.mesh.vertices);
+      file.put("triangles", organ.mesh.triangles);
+      file.put("repairs", lines_of(organ.repairs));
+      file.put("remarks", lines_of(organ.remarks));
+      file.put("space", std::span<const char>(organ.space));
+    });
+  }
 
   [[nodiscard]] std::optional<OrganArrays> load(const geometry::TriangleMesh& organ,
                                                 double reference_radius) const override {
@@ -136,13 +192,6 @@ class OrganCache final : public contact::OrganStore {
   fs::path folder_;
   std::function<void(const std::string&)> remark_;
 };
-
-bool all_within(const std::vector<std::array<std::int32_t, 3>>& rows, std::int32_t lowest, std::size_t end) {
-  return std::all_of(rows.begin(), rows.end(), [&](const std::array<std::int32_t, 3>& row) {
-    return std::all_of(row.begin(), row.end(),
-                       [&](std::int32_t i) { return i >= lowest && (i < 0 || at(i) < end); });
-  });
-}
 
 bool all_within(const std::vector<std::int32_t>& list, std::int32_t lowest, std::size_t end) {
   return std::all_of(list.begin(), list.end(),

@@ -32,6 +32,8 @@ inline Preparation prepared_once() {
     void store(const geometry::TriangleMesh& organ, double radius, const OrganArrays& arrays) const override {
       all().push_back({organ, radius, arrays});
     }
+    [[nodiscard]] std::optional<ReadOrgan> load_read(const ContentHash&) const override { return {}; }
+    void store_read(const ContentHash&, const ReadOrgan&) const override {}
     [[nodiscard]] std::vector<double> load_factors(const ContentHash&) const override { return {}; }
     void store_factors(const ContentHash&, const std::vector<double>&) const override {}
     [[nodiscard]] std::optional<ResponseArrays> load_response(const ContentHash&) const override {
