@@ -75,7 +75,7 @@ Environment make_environment(SceneArguments arguments, const SettingArguments& g
   if (given.noise) settings.noise_gain = {given.noise->first, given.noise->second};
   settings.start_offset = given.offset;
   arguments.request = learning::with_defaults(settings.task, std::move(arguments.request));
-  scene::Scene scene = arguments.load();
+  scene::Scene scene = arguments.load(given.cache);
   const double steps = std::round(given.seconds * scene.rate_Hz /
                                   static_cast<double>(std::max<std::uint64_t>(given.ticks, 1)));
   if (!(steps >= 1.0 && steps <= 1e6)) throw ParameterError("seconds", given.seconds, "1 to 1000000 steps");

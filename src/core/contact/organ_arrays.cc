@@ -29,8 +29,7 @@ double total_area(const geometry::TriangleMesh& mesh) {
 }
 
 /// Stores side numbers only for triangles with a corner that is not on its vertex's first side.
-void store_sides(const Sides& sides, OrganArrays& arrays) {
-  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+void store_sides(const std::vector<geometry::Triangle>& triangles, const Sides& sides, OrganArrays& arrays) {
   arrays.row_of.assign(triangles.size(), -1);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const std::array<std::int32_t, 3> row{sides.of_corner[3 * t], sides.of_corner[3 * t + 1],
@@ -43,17 +42,17 @@ void store_sides(const Sides& sides, OrganArrays& arrays) {
 
 /// Stores normals and bends. Beside the linear interpolation between the ends, a quadratic function has half
 /// the difference of its slopes along an edge times the edge. Both triangles of an edge get the same bits.
-void store_normals(const std::vector<NormalAndSlope>& averaged, const Sides& sides, OrganArrays& arrays) {
+void store_normals(const geometry::TriangleMesh& mesh, const std::vector<NormalAndSlope>& averaged,
+                   const Sides& sides, OrganArrays& arrays) {
   arrays.normals.resize(averaged.size());
   for (std::size_t i = 0; i < averaged.size(); ++i) arrays.normals[i] = averaged[i].normal;
-  const std::vector<geometry::Triangle>& triangles = arrays.mesh.triangles;
+  const std::vector<geometry::Triangle>& triangles = mesh.triangles;
   arrays.bends.resize(triangles.size());
   for_ranges(triangles.size(), 16384, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       for (std::size_t e = 0; e < 3; ++e) {
         const std::size_t f = (e + 1) % 3;
-        const Vec3 edge =
-            arrays.mesh.vertices[at(triangles[t][f])] - arrays.mesh.vertices[at(triangles[t][e])];
+        const Vec3 edge = mesh.vertices[at(triangles[t][f])] - mesh.vertices[at(triangles[t][e])];
         Vec3 bend = 0.5 * ((averaged[at(sides.of_corner[3 * t + e])].slope -
                             averaged[at(sides.of_corner[3 * t + f])].slope) *
                            edge);
@@ -95,28 +94,26 @@ geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double refer
   return geometry::refine(organ, std::max(reference_radius / 5.0, affordable));
 }
 
-OrganArrays organ_arrays(geometry::TriangleMesh mesh, std::vector<std::array<std::int32_t, 3>> neighbours,
-                         double reference_radius,
+OrganArrays organ_arrays(const geometry::TriangleMesh& mesh,
+                         const std::vector<std::array<std::int32_t, 3>>& neighbours, double reference_radius,
                          const std::function<void(double, const std::string&)>& share) {
   constexpr double kNormalsFrom = 0.08;  // fraction of the whole time, for a fine mesh
   constexpr double kNormalsTo = 0.95;
   OrganArrays arrays;
-  arrays.mesh = std::move(mesh);
-  arrays.neighbours = std::move(neighbours);
   share(0.0, "neighbours");
-  const std::vector<Vec3> face_normals = face_normals_of(arrays.mesh);
+  const std::vector<Vec3> face_normals = face_normals_of(mesh);
+  const SurfaceView view{mesh, neighbours, face_normals};
   {
-    const SurfaceView view{arrays.mesh, arrays.neighbours, face_normals};
     const Sides sides = find_sides(view);
     const double radius = reference_radius / 2.0;
     const std::vector<NormalAndSlope> averaged = averaged_normals(
         view, sides, radius, sample_spacing_for(view, sides, radius),
         [&](double done) { share(kNormalsFrom + (kNormalsTo - kNormalsFrom) * done, "normals"); });
-    store_normals(averaged, sides, arrays);
-    store_sides(sides, arrays);
+    store_normals(mesh, averaged, sides, arrays);
+    store_sides(mesh.triangles, sides, arrays);
   }
   share(kNormalsTo, "edges");
-  list_sharp_edges(face_normals, arrays);
+  list_sharp_edges(view, arrays);
   return arrays;
 }
 

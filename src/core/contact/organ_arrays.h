@@ -13,6 +13,8 @@
 
 namespace palpate::contact {
 
+struct SurfaceView;  // averaged_normals.h
+
 /// An edge at which two triangles meet at more than 60 degrees.
 struct SharpEdge {
   std::array<std::int32_t, 2> triangle;
@@ -92,14 +94,15 @@ class OrganStore {
 /// [setup] Refines `organ` until its edges are at most R_ref/5 (less finely above 0.15 m^2).
 [[nodiscard]] geometry::TriangleMesh refined(const geometry::TriangleMesh& organ, double reference_radius);
 
-/// [setup] Computes all arrays of a refined mesh. @param neighbours geometry::edge_neighbours() of the mesh
-/// @param share receives the progress, 0..1, and the stage
-[[nodiscard]] OrganArrays organ_arrays(geometry::TriangleMesh mesh,
-                                       std::vector<std::array<std::int32_t, 3>> neighbours,
+/// [setup] Computes the arrays of a refined mesh, except for `mesh` and `neighbours`.
+/// @param neighbours geometry::edge_neighbours() of the mesh @param share receives the progress, 0..1, and
+/// the stage
+[[nodiscard]] OrganArrays organ_arrays(const geometry::TriangleMesh& mesh,
+                                       const std::vector<std::array<std::int32_t, 3>>& neighbours,
                                        double reference_radius,
                                        const std::function<void(double, const std::string&)>& share);
 
-/// [setup] Fills sharp_edges, sharp_start and sharp_near from mesh and neighbours.
-void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays);
+/// [setup] Fills sharp_edges, sharp_start and sharp_near.
+void list_sharp_edges(const SurfaceView& surface, OrganArrays& arrays);
 
 }  // namespace palpate::contact

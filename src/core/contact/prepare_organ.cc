@@ -38,16 +38,23 @@ OrganSurface::Prepared OrganSurface::prepare(const geometry::TriangleMesh& organ
     return {std::move(*loaded), std::move(distance)};
   }
   report_progress(0.0, "refinement");
-  geometry::TriangleMesh mesh = refined(organ, reference_radius);
-  report_progress(kDistanceFrom, "distances");
-  geometry::SignedDistance distance = distance_of(mesh);  // throws if the mesh is not closed
-  OrganArrays arrays = organ_arrays(std::move(mesh), distance.neighbours(), reference_radius,
+  const auto distance_of_refined = [&] {
+    const geometry::TriangleMesh mesh = refined(organ, reference_radius);
+    report_progress(kDistanceFrom, "distances");
+    return distance_of(mesh);  // throws if the mesh is not closed
+  };
+  geometry::SignedDistance distance = distance_of_refined();
+  OrganArrays arrays = organ_arrays(distance.mesh(), distance.neighbours(), reference_radius,
                                     [&](double share, const std::string& what) {
                                       report_progress(kArraysFrom + (kStoreFrom - kArraysFrom) * share, what);
                                     });
   report_progress(kStoreFrom, "cache");
-  if (how.store) how.store->store(organ, reference_radius, arrays);
-  drop_mesh(arrays);
+  if (how.store) {
+    arrays.mesh = distance.mesh();
+    arrays.neighbours = distance.neighbours();
+    how.store->store(organ, reference_radius, arrays);
+    drop_mesh(arrays);
+  }
   report_progress(1.0, "done");
   return {std::move(arrays), std::move(distance)};
 }

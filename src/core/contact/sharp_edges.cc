@@ -30,8 +30,8 @@ struct NearEdge {
 
 }  // namespace
 
-void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays) {
-  const geometry::TriangleMesh& mesh = arrays.mesh;
+void list_sharp_edges(const SurfaceView& surface, OrganArrays& arrays) {
+  const auto& [mesh, neighbours, face_normals] = surface;
   const std::size_t triangle_count = mesh.triangles.size();
   std::vector<NearEdge> near;
   std::vector<std::int32_t> seen_by(triangle_count, -1);
@@ -40,10 +40,10 @@ void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays
   for (std::size_t t = 0; t < triangle_count; ++t) {
     const auto triangle = static_cast<std::int32_t>(t);
     for (std::size_t e = 0; e < 3; ++e) {
-      const std::int32_t other = arrays.neighbours[t][e];
+      const std::int32_t other = neighbours[t][e];
       if (other < triangle) continue;  // boundary, or already listed by the other triangle
       if (face_normals[t].dot(face_normals[at(other)]) >= kSharpCosine) continue;
-      const auto& back = arrays.neighbours[at(other)];
+      const auto& back = neighbours[at(other)];
       const std::int32_t edge_of_other = back[0] == triangle ? 0 : (back[1] == triangle ? 1 : 2);
       const auto index = static_cast<std::int32_t>(arrays.sharp_edges.size());
       arrays.sharp_edges.push_back({{triangle, other}, {static_cast<std::int32_t>(e), edge_of_other}});
@@ -52,7 +52,7 @@ void list_sharp_edges(const std::vector<Vec3>& face_normals, OrganArrays& arrays
       queue.assign({triangle, other});
       for (std::size_t i = 0; i < 2; ++i) seen_by[at(queue[i])] = index;
       for (std::size_t i = 0; i < queue.size(); ++i) {
-        for (const std::int32_t next : arrays.neighbours[at(queue[i])]) {
+        for (const std::int32_t next : neighbours[at(queue[i])]) {
           if (next < 0 || seen_by[at(next)] == index || !is_near(mesh, next, a, b)) continue;
           seen_by[at(next)] = index;
           queue.push_back(next);
