@@ -12,15 +12,16 @@ namespace {
 /// Whether a triangle is within kBlendWidth of the segment from a to b.
 bool is_near(const geometry::TriangleMesh& mesh, std::int32_t triangle, const Vec3& a, const Vec3& b) {
   const geometry::Triangle& corners = mesh.triangles[at(triangle)];
-  double closest = 1.0;
   for (std::size_t c = 0; c < 3; ++c) {
     const Vec3& p = mesh.vertices[at(corners[c])];
     const Vec3& q = mesh.vertices[at(corners[(c + 1) % 3])];
     double along = 0.0;
-    closest = std::min({closest, distance_to_segment(p, a, b, along), distance_to_segment(a, p, q, along),
-                        distance_to_segment(b, p, q, along)});
+    if (distance_to_segment(p, a, b, along) < kBlendWidth ||
+        distance_to_segment(a, p, q, along) < kBlendWidth ||
+        distance_to_segment(b, p, q, along) < kBlendWidth)
+      return true;
   }
-  return closest < kBlendWidth;
+  return false;
 }
 
 struct NearEdge {
