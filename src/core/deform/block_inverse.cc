@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <Eigen/Cholesky>
+
 #include "core/base/parallel.h"
 #include "core/base/simd.h"
 #include "core/deform/inverse_panels.h"
@@ -9,22 +11,47 @@
 namespace palpate::deform {
 namespace {
 
+using Eigen::Index;
+
 constexpr std::size_t kGrain = 128;   // rows of a panel that one task computes
 constexpr std::size_t kPastEnd = 1;   // entry: a node's three rows are read as four
 constexpr std::size_t kTogether = 4;  // columns that are added in one pass
 
-// The fastest way that this processor has.
-bool inverse_panels_here(BlockMatrix& matrix, const Panels& to) {
+// The fastest for this processor.
+const PanelKernel& kernel() noexcept {
 #if defined(PALPATE_WITH_AVX2)
-  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0)
-    return inverse_panels_avx2(matrix, to);
+  if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0) return panel_kernel_avx2();
 #endif
-  return inverse_panels(matrix, to);
+  return panel_kernel();
+}
+
+// Columns A such that a softened matrix has the inverse G + A A' (Woodbury's formula): F are the modes'
+// forces, s their shares, and L L' = 1/s - F' G F, then A = G F L^-T. Empty when that matrix is not positive.
+std::optional<Eigen::MatrixXf> added_columns(BlockMatrix& factor, const Softening& softening) {
+  const auto modes = static_cast<Index>(softening.shares.size());
+  const auto rows = static_cast<Index>(factor.first.back());
+  const Eigen::Map<const Eigen::MatrixXd> forces(softening.forces.data(), rows, modes);
+  Eigen::MatrixXd motions = forces;
+  kernel().solve(factor, motions.data(), softening.shares.size());
+  const Eigen::Map<const Eigen::VectorXd> shares(softening.shares.data(), modes);
+  const Eigen::LLT<Eigen::MatrixXd> root(Eigen::MatrixXd(shares.cwiseInverse().asDiagonal()) -
+                                         forces.transpose() * motions);
+  if (root.info() != Eigen::Success) return std::nullopt;
+  return Eigen::MatrixXf(root.matrixL().solve(motions.transpose()).transpose().cast<float>());
 }
 
 }  // namespace
 
-std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix) {
+bool factorize(BlockMatrix& matrix) { return kernel().factorize(matrix); }
+
+void solve(BlockMatrix& factor, std::vector<double>& columns) {
+  kernel().solve(factor, columns.data(), columns.size() / factor.first.back());
+}
+
+std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix, const Softening& softening) {
+  if (!factorize(matrix)) return std::nullopt;
+  const std::optional<Eigen::MatrixXf> added = added_columns(matrix, softening);
+  if (!added) return std::nullopt;
   BlockInverse made;
   made.first_ = matrix.first;
   const std::size_t size = made.start(matrix.blocks());
@@ -34,7 +61,7 @@ std::optional<BlockInverse> BlockInverse::of(BlockMatrix matrix) {
       &made.entries_[size], made.scale_.data(), [](std::size_t count, Panels::Body body, const void* of) {
         for_ranges(count, kGrain, [body, of](std::size_t begin, std::size_t end) { body(of, begin, end); });
       }};
-  if (!inverse_panels_here(matrix, panels)) return std::nullopt;
+  if (!kernel().compute(matrix, added->data(), softening.shares.size(), panels)) return std::nullopt;
   return made;
 }
 

@@ -20,6 +20,19 @@ struct BlockMatrix {
   [[nodiscard]] std::size_t size(std::size_t block) const noexcept { return first[block + 1] - first[block]; }
 };
 
+/// Takes share_m f_m f_m' off a matrix for every mode m.
+struct Softening {
+  std::vector<double> forces;  // f_m, column by column
+  std::vector<double> shares;  // above 0
+
+  [[nodiscard]] bool empty() const noexcept { return shares.empty(); }
+};
+
+/// [any] Replaces a matrix by Cholesky's factor. @return false when it is not positive
+[[nodiscard]] bool factorize(BlockMatrix& matrix);
+/// [any] Replaces columns by those of the inverse times them. @param factor of factorize()
+void solve(BlockMatrix& factor, std::vector<double>& columns);
+
 /// The whole inverse of such a matrix with three rows a node: its blocks on the diagonal and below, each
 /// column in 32,767ths of its largest entry. [any] once made.
 class BlockInverse final {
@@ -29,7 +42,7 @@ class BlockInverse final {
 
   /// [setup] Computed on all processors; the result does not depend on their number. Empty when the matrix is
   /// not positive.
-  [[nodiscard]] static std::optional<BlockInverse> of(BlockMatrix matrix);
+  [[nodiscard]] static std::optional<BlockInverse> of(BlockMatrix matrix, const Softening& softening = {});
   /// [setup] An inverse with the scale() and entries() of one that was computed before. Empty when a matrix
   /// with these blocks has another number of them. @param first as BlockMatrix::first
   [[nodiscard]] static std::optional<BlockInverse> of(std::vector<std::size_t> first,

@@ -14,7 +14,8 @@
 //
 //    All terms of a diagonal entry are positive, so single precision serves. These products are nine tenths
 //    of the work; rows are shared among the processors.
-// 3. A panel is kept in 16-bit integers: half a matrix of 3,000 rows has 9 MB.
+// 3. A softened matrix (attachment_joints.h) has the inverse G + A A', with few columns A (block_inverse.cc).
+// 4. A panel is kept in 16-bit integers: half a matrix of 3,000 rows has 9 MB.
 //
 // Eigen is vectorized in this file alone; elsewhere it is not, so that forces have the same bits on every
 // processor. For x86-64 the file is compiled twice: for all processors, and for those that have AVX2. Names
@@ -31,7 +32,7 @@
 #undef EIGEN_DONT_VECTORIZE
 #if defined(PALPATE_AVX2)
 #define Eigen PalpateAvx2Eigen  // NOLINT(readability-identifier-naming)
-#define inverse_panels inverse_panels_avx2
+#define panel_kernel panel_kernel_avx2
 #else
 #define Eigen PalpateVectorizedEigen  // NOLINT(readability-identifier-naming)
 #endif
@@ -73,6 +74,29 @@ bool factorize(BlockMatrix& matrix) {
     }
   }
   return true;
+}
+
+void solve(BlockMatrix& factor, double* columns, std::size_t count) {
+  Mapped all(columns, static_cast<Index>(factor.first.back()), static_cast<Index>(count));
+  const auto part = [&](std::size_t k) {
+    return all.middleRows(static_cast<Index>(factor.first[k]), static_cast<Index>(factor.size(k)));
+  };
+  const auto diagonal = [&](std::size_t k) {
+    return mapped(factor.diagonal[k], factor.size(k), factor.size(k));
+  };
+  const auto coupling = [&](std::size_t k) {
+    return mapped(factor.coupling[k], factor.size(k + 1), factor.size(k));
+  };
+  for (std::size_t k = 0; k < factor.blocks(); ++k) {
+    auto here = part(k);
+    if (k > 0) here.noalias() -= coupling(k - 1) * part(k - 1);
+    diagonal(k).triangularView<Eigen::Lower>().solveInPlace(here);
+  }
+  for (std::size_t k = factor.blocks(); k-- > 0;) {
+    auto here = part(k);
+    if (k + 1 < factor.blocks()) here.noalias() -= coupling(k).transpose() * part(k + 1);
+    diagonal(k).triangularView<Eigen::Lower>().transpose().solveInPlace(here);
+  }
 }
 
 Pivot pivot_of(BlockMatrix& factor, std::size_t k) {
@@ -129,20 +153,32 @@ void write(const MatrixXf& panel, std::int16_t* entries, float* scale) {
   }
 }
 
-}  // namespace
-
-bool inverse_panels(BlockMatrix& matrix, const Panels& to) {
-  if (!factorize(matrix)) return false;
+bool compute(BlockMatrix& factor, const float* added, std::size_t count, const Panels& to) {
+  const Eigen::Map<const MatrixXf> columns(added, static_cast<Index>(factor.first.back()),
+                                           static_cast<Index>(count));
   MatrixXf panel;
   std::int16_t* end = to.end;
-  for (std::size_t k = matrix.blocks(); k-- > 0;) {
-    const Pivot pivot = pivot_of(matrix, k);
+  for (std::size_t k = factor.blocks(); k-- > 0;) {
+    const Pivot pivot = pivot_of(factor, k);
     panel = panel.size() == 0 ? pivot.inverse : next_panel(pivot, panel, to);
     if (!panel.allFinite()) return false;
     end -= panel.size();
-    write(panel, end, to.scale + matrix.first[k]);
+    float* const scale = to.scale + factor.first[k];
+    if (count == 0) {
+      write(panel, end, scale);
+    } else {
+      const auto own = columns.middleRows(static_cast<Index>(factor.first[k]), panel.cols());
+      write(panel + columns.bottomRows(panel.rows()) * own.transpose(), end, scale);
+    }
   }
   return true;
+}
+
+}  // namespace
+
+const PanelKernel& panel_kernel() noexcept {
+  static constexpr PanelKernel kKernel{factorize, solve, compute};
+  return kKernel;
 }
 
 }  // namespace palpate::deform

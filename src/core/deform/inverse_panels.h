@@ -16,10 +16,21 @@ struct Panels {
   InRanges in_ranges;  // for_ranges() by plain functions
 };
 
-/// [setup] Computes all panels; overwrites the matrix. @return false when it is not positive
-[[nodiscard]] bool inverse_panels(BlockMatrix& matrix, const Panels& to);
-/// The same for processors with AVX2 and fused multiply-add, in about a third of the time. Single precision
-/// is rounded elsewhere. Only where PALPATE_WITH_AVX2 is defined.
-[[nodiscard]] bool inverse_panels_avx2(BlockMatrix& matrix, const Panels& to);
+/// What takes the time of an inverse, for one kind of processor.
+struct PanelKernel {
+  /// [any] Replaces a matrix by Cholesky's factor. @return false when it is not positive
+  bool (*factorize)(BlockMatrix& matrix);
+  /// [any] Replaces columns by those of the inverse times them. @param factor of factorize()
+  void (*solve)(BlockMatrix& factor, double* columns, std::size_t count);
+  /// [setup] Computes all panels of the inverse plus A A'. @param factor of factorize()
+  /// @param added the `count` columns of A @return false when a number is not finite
+  bool (*compute)(BlockMatrix& factor, const float* added, std::size_t count, const Panels& to);
+};
+
+/// [any] For all processors.
+[[nodiscard]] const PanelKernel& panel_kernel() noexcept;
+/// [any] For processors with AVX2 and fused multiply-add, in about a third of the time. Single precision is
+/// rounded elsewhere. Only where PALPATE_WITH_AVX2 is defined.
+[[nodiscard]] const PanelKernel& panel_kernel_avx2() noexcept;
 
 }  // namespace palpate::deform

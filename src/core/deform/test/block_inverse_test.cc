@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <random>
 #include <utility>
@@ -50,6 +52,41 @@ BlockMatrix in_blocks(const Eigen::MatrixXd& matrix) {
     if (k < 3) made.coupling.push_back(part(kFirst[k + 1], made.size(k + 1), kFirst[k], made.size(k)));
   }
   return made;
+}
+
+TEST(BlockInverse, IsThatOfASoftenedMatrix) {
+  const Eigen::MatrixXd matrix = random_matrix();
+  Softening softening{{}, {0.3, 0.7}};
+  Eigen::MatrixXd softened = matrix;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> number(-0.6, 0.6);
+  for (const double share : softening.shares) {
+    Eigen::VectorXd force(51);
+    for (double& x : force) x = number(random);
+    softened -= share * force * force.transpose();
+    softening.forces.insert(softening.forces.end(), force.begin(), force.end());
+  }
+  const Eigen::MatrixXd inverse = softened.inverse();
+  const double largest = inverse.cwiseAbs().maxCoeff();
+  ASSERT_GT((inverse - matrix.inverse()).cwiseAbs().maxCoeff(), 0.05 * largest);
+  const std::optional<BlockInverse> blocks = BlockInverse::of(in_blocks(matrix), softening);
+  ASSERT_TRUE(blocks.has_value());
+  for (std::int32_t node = 0; node < 17; ++node) {
+    const std::array<std::pair<std::int32_t, float>, 1> weight = {{{node, 1.0F}}};
+    const BlockInverse::ByAxis columns = blocks->columns(weight);
+    for (Index axis = 0; axis < 3; ++axis)
+      for (Index row = 0; row < 51; ++row)
+        EXPECT_NEAR(
+            static_cast<double>(columns[static_cast<std::size_t>(axis)][static_cast<std::size_t>(row)]),
+            inverse(row, 3 * node + axis), 1e-4 * largest);
+  }
+}
+
+TEST(BlockInverse, IsRefusedWhenSofteningLeavesAMatrixThatIsNotPositive) {
+  const Eigen::MatrixXd matrix = random_matrix();
+  Softening softening{std::vector<double>(51, 0.0), {1.1 * matrix(0, 0)}};
+  softening.forces[0] = 1.0;
+  EXPECT_FALSE(BlockInverse::of(in_blocks(matrix), softening).has_value());
 }
 
 TEST(BlockInverse, SumsColumnsOfTheInverseWithinAPartOfTheirLargestEntry) {

@@ -50,27 +50,26 @@ PanelMatrix random_panels() {
   return made;
 }
 
-using Compute = bool (*)(BlockMatrix&, const Panels&);
-
-std::vector<Compute> ways_of_this_processor() {
-  std::vector<Compute> ways = {inverse_panels};
+std::vector<PanelKernel> kernels_of_this_processor() {
+  std::vector<PanelKernel> kernels = {panel_kernel()};
 #if defined(PALPATE_WITH_AVX2)
   if (__builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0)
-    ways.push_back(inverse_panels_avx2);
+    kernels.push_back(panel_kernel_avx2());
 #endif
-  return ways;
+  return kernels;
 }
 
 TEST(InversePanels, HoldTheInverseFromTheDiagonalDownWithEachInstructionSet) {
   const PanelMatrix matrix = random_panels();
   const Eigen::MatrixXd inverse = matrix.whole.inverse();
-  for (const Compute compute : ways_of_this_processor()) {
+  for (const PanelKernel& kernel : kernels_of_this_processor()) {
     BlockMatrix overwritten = matrix.blocks;
     std::vector<std::int16_t> entries(307 * 307);
     std::vector<float> scale(307);
     const Panels to = {&entries.back() + 1, scale.data(),
                        [](std::size_t count, Panels::Body body, const void* of) { body(of, 0, count); }};
-    ASSERT_TRUE(compute(overwritten, to));
+    ASSERT_TRUE(kernel.factorize(overwritten));
+    ASSERT_TRUE(kernel.compute(overwritten, nullptr, 0, to));
     const std::int16_t* entry = &entries.back() + 1;
     for (std::size_t k = 4; k-- > 0;) {
       entry -= (kStart[k + 1] - kStart[k]) * (kStart[4] - kStart[k]);
