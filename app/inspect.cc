@@ -173,7 +173,7 @@ void print_json(const Inspected& inspected) {
   if (inspected.support) {
     json["support"] = scene::support_phrases(*inspected.support);
     json["held_share"] = geometry::held_share(*inspected.support, loaded.mesh);
-    const deform::ResponseCells cells = deform::response_cells(loaded.mesh, *inspected.support);
+    const deform::ResponseCells cells = deform::response_cells(loaded.mesh);
     json["cell_mm"] = cells.edge / kMillimetre;
     json["thin_share"] = cells.thin_share;
   }
@@ -240,7 +240,7 @@ void print_table(const InspectOptions& options, const Inspected& inspected) {
     print_list("held by", scene::support_phrases(*inspected.support));
     row("held",
         fmt::format("{:.1f} % of the surface", 1e2 * geometry::held_share(*inspected.support, loaded.mesh)));
-    row("cells", deform::describe(deform::response_cells(loaded.mesh, *inspected.support)));
+    row("cells", deform::describe(deform::response_cells(loaded.mesh)));
   }
   if (inspected.error) {
     const report::SurfaceError& error = *inspected.error;

@@ -73,7 +73,7 @@ SupportEditor::SupportEditor(const scene::Scene& scene) : organ_(scene.organ) {
 
 void SupportEditor::measure(const geometry::Support& support) {
   status_.held = geometry::held_share(support, organ_);
-  if (status_.cells.empty()) status_.cells = deform::describe(deform::response_cells(organ_, support));
+  if (status_.cells.empty()) status_.cells = deform::describe(deform::response_cells(organ_));
 }
 
 std::optional<geometry::Support> SupportEditor::in_force() const {
@@ -87,7 +87,6 @@ void SupportEditor::set(const geometry::Support& support, bool settled, LivePict
   status_.refusal.clear();
   status_.held = 0.0;
   if (!support.empty()) {
-    if (settled) status_.cells.clear();  // they depend on the attachments
     try {
       measure(support);
       geometry::check_support(support, organ_);

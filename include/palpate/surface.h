@@ -40,8 +40,7 @@ struct ResponseCells {
   double thin_share = 0.0;  // of its area, on parts thinner than their cells, whose motion is not reliable
 };
 /// [setup] @param organ closed, outwards
-[[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ,
-                                           const geometry::Support& support);
+[[nodiscard]] ResponseCells response_cells(const geometry::TriangleMesh& organ);
 /// [setup] A sentence for users: the cells' size, and how much of the surface is on parts too thin for them.
 [[nodiscard]] std::string describe(const ResponseCells& cells);
 

@@ -30,6 +30,7 @@ const PanelKernel& kernel() noexcept {
 std::optional<Eigen::MatrixXf> added_columns(BlockMatrix& factor, const Softening& softening) {
   const auto modes = static_cast<Index>(softening.shares.size());
   const auto rows = static_cast<Index>(factor.first.back());
+  if (modes == 0) return Eigen::MatrixXf(rows, 0);
   const Eigen::Map<const Eigen::MatrixXd> forces(softening.forces.data(), rows, modes);
   Eigen::MatrixXd motions = forces;
   kernel().solve(factor, motions.data(), softening.shares.size());

@@ -14,7 +14,7 @@ struct BodyCompliance {
 };
 
 /// [setup] The pieces in the smallest cells on which an organ needs at most kMostNodes nodes.
-[[nodiscard]] CellPieces finest_pieces(const geometry::TriangleMesh& organ, const geometry::Support& support);
+[[nodiscard]] CellPieces finest_pieces(const geometry::TriangleMesh& organ);
 
 /// [setup] The compliance of an organ in its finest cells, computed on all processors, or from `store`; the
 /// result depends on neither. @param organ closed, outwards @param store may be null @throws as

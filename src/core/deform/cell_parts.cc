@@ -49,9 +49,7 @@ double LinePart::squared_distance(const std::array<double, 3>& point) const noex
   return (Eigen::Vector2d(point[0], point[1]) - place).squaredNorm() + above * above;
 }
 
-CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
-                     const std::optional<geometry::HeldSurface>& attached)
-    : cells_(cells) {
+CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ, bool cut_thin) : cells_(cells) {
   // Powers of the plastic number spread points evenly in a square.
   constexpr double kPlastic = 1.32471795724474602596;
   for (std::size_t l = 0; l < kLines; ++l) {
@@ -59,14 +57,29 @@ CellParts::CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
     lines_[l] = {std::fmod(n / kPlastic, 1.0), std::fmod(n / (kPlastic * kPlastic), 1.0)};
   }
   cut_lines(organ);
-  cut_thin_cells();
-  if (attached) cut_cells_at_ends(organ, *attached);
+  if (cut_thin) cut_thin_cells();
   cut_parts();
-  add_reached(organ);
+  const geometry::TriangleMesh surface = surface_here(organ);
+  add_reached(surface);
   sort();
   in_cell_ = DisjointSets(parts_.size());
   connect_lines();
-  connect_along(organ);
+  connect_along(surface);
+}
+
+geometry::TriangleMesh CellParts::surface_here(const geometry::TriangleMesh& organ) const {
+  const CellGrid& grid = cells_.whole();
+  const Vec3 high = grid.low() + grid.edge() * Vec3(grid.cells()[0], grid.cells()[1], grid.cells()[2]);
+  geometry::TriangleMesh here{organ.vertices, {}};
+  for (const geometry::Triangle& t : organ.triangles) {
+    const Vec3& a = organ.vertices[at(t[0])];
+    const Vec3& b = organ.vertices[at(t[1])];
+    const Vec3& c = organ.vertices[at(t[2])];
+    if ((a.cwiseMin(b).cwiseMin(c).array() <= high.array()).all() &&
+        (a.cwiseMax(b).cwiseMax(c).array() >= grid.low().array()).all())
+      here.triangles.push_back(t);
+  }
+  return here;
 }
 
 std::size_t CellParts::line_at(int x, int y) const noexcept {
@@ -77,6 +90,7 @@ std::size_t CellParts::line_at(int x, int y) const noexcept {
 
 void CellParts::cut_lines(const geometry::TriangleMesh& organ) {
   const CellGrid& grid = cells_.whole();
+  const double top = grid.cells()[2];  // an organ may be larger than the grid
   std::vector<std::vector<Crossing>> crossings(line_at(grid.cells()[0], 0));
   for (const geometry::Triangle& t : organ.triangles) {
     std::array<Vec3, 3> p;
@@ -102,7 +116,7 @@ void CellParts::cut_lines(const geometry::TriangleMesh& organ) {
           const double v = (ab.x() * q.y() - q.x() * ab.y()) / area;
           if (u < 0.0 || v < 0.0 || u + v > 1.0) continue;
           const double height = p[0].z() + u * (p[1].z() - p[0].z()) + v * (p[2].z() - p[0].z());
-          crossings[line_at(x, y) + l].push_back({height, area < 0.0 ? 1 : -1});
+          crossings[line_at(x, y) + l].push_back({std::clamp(height, 0.0, top), area < 0.0 ? 1 : -1});
         }
       }
     }
@@ -145,18 +159,6 @@ void CellParts::cut_thin_cells() {
                   [&](const Cell& c) { fullest = std::max(fullest, filled[grid.number_of(c)]); });
     if (fullest < kFilled) cells_.cut(grid.number_of(middle));
   });
-}
-
-void CellParts::cut_cells_at_ends(const geometry::TriangleMesh& organ,
-                                  const geometry::HeldSurface& attached) {
-  const CellGrid& grid = cells_.whole();
-  std::vector<bool> held(grid.cell_count(), false);
-  std::vector<bool> free(grid.cell_count(), false);
-  for_each_part(organ, grid.edge() / kPartsOfCell, [&](const Vec3& point, const Vec3& area) {
-    (attached.holds(point, area) ? held : free)[grid.number_of(grid.place_of(point).cell)] = true;
-  });
-  for (std::size_t cell = 0; cell < grid.cell_count(); ++cell)
-    if (held[cell] && free[cell]) cells_.cut(cell);
 }
 
 void CellParts::cut_parts() {

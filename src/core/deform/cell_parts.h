@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,7 +9,6 @@
 #include "core/base/disjoint_sets.h"
 #include "core/deform/cell_grid.h"
 #include "palpate/mesh.h"
-#include "palpate/support.h"
 
 namespace palpate::deform {
 
@@ -77,9 +75,8 @@ class CellParts final {
   };
   using Links = std::vector<std::array<std::uint32_t, 2>>;
 
-  /// [setup] Cuts thin cells, and those in which `attached` ends. @param organ closed, outwards
-  CellParts(CutCells& cells, const geometry::TriangleMesh& organ,
-            const std::optional<geometry::HeldSurface>& attached);
+  /// [setup] @param organ closed, outwards @param cut_thin thin cells are cut
+  CellParts(CutCells& cells, const geometry::TriangleMesh& organ, bool cut_thin);
 
   /// [any] By their cell.
   [[nodiscard]] const std::vector<Part>& parts() const noexcept { return parts_; }
@@ -100,7 +97,7 @@ class CellParts final {
   [[nodiscard]] std::size_t line_at(int x, int y) const noexcept;
   void cut_lines(const geometry::TriangleMesh& organ);
   void cut_thin_cells();
-  void cut_cells_at_ends(const geometry::TriangleMesh& organ, const geometry::HeldSurface& attached);
+  [[nodiscard]] geometry::TriangleMesh surface_here(const geometry::TriangleMesh& organ) const;
   void cut_parts();
   void add_reached(const geometry::TriangleMesh& organ);
   void sort();

@@ -11,8 +11,7 @@
 //
 // 1. Lines along z go through every column of cells, cut exactly where they cross the surface. Lines of a
 //    column are spread evenly, not in rows, so that faces along the axes are not counted in steps. Cells
-//    with no cell around that the organ fills wholly are cut into eight, and so are those in which an
-//    attachment ends: there an organ that hangs is strained most. Cells cut the lines into parts.
+//    with no cell around that the organ fills wholly are cut into eight. Cells cut the lines into parts.
 // 2. Parts are connected when they follow each other on a line, when their lines are neighbours and they lie
 //    side by side, or when an edge of the surface leads from one to the other. Connected parts in one cell
 //    are a piece of the organ.
@@ -102,10 +101,9 @@ Cell between(const Cell& from, const Cell& to) { return {to[0] - from[0], to[1] 
 
 }  // namespace
 
-CellPieces::CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ,
-                       const std::optional<geometry::HeldSurface>& attached)
+CellPieces::CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ, bool cut_thin)
     : cells_(grid) {
-  CellParts parts(cells_, organ, attached);
+  CellParts parts(cells_, organ, cut_thin);
   std::vector<std::uint32_t> piece_of;
   first_piece_.assign(cells_.count() + 1, 0);
   first_part_ = {0};

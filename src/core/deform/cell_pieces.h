@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,7 +9,6 @@
 #include "core/base/index.h"
 #include "core/deform/cell_parts.h"
 #include "palpate/mesh.h"
-#include "palpate/support.h"
 
 namespace palpate::deform {
 
@@ -32,9 +30,9 @@ class CellPieces final {
   /// Integrals of x^a y^b z^c over a piece, from 0 to 1 along each axis of its cell, at [a][b][c].
   using Moments = std::array<std::array<std::array<double, 5>, 5>, 5>;
 
-  /// [setup] @param organ closed, outwards @param attached cells in which it ends are cut into eight
-  CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ,
-             const std::optional<geometry::HeldSurface>& attached = std::nullopt);
+  /// [setup] @param grid what lies outside it is left out @param organ closed, outwards
+  /// @param cut_thin thin cells are cut into eight
+  CellPieces(const CellGrid& grid, const geometry::TriangleMesh& organ, bool cut_thin = true);
 
   [[nodiscard]] const CutCells& cells() const noexcept { return cells_; }
   [[nodiscard]] const std::vector<Piece>& pieces() const noexcept { return pieces_; }

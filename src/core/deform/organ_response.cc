@@ -133,8 +133,8 @@ Vec3 OrganResponse::at(const Displacements& field, const CellPieces::Place& plac
   return sum;
 }
 
-ResponseCells response_cells(const geometry::TriangleMesh& organ, const geometry::Support& support) {
-  const CellPieces pieces = finest_pieces(organ, support);
+ResponseCells response_cells(const geometry::TriangleMesh& organ) {
+  const CellPieces pieces = finest_pieces(organ);
   ResponseCells cells{pieces.cells().whole().edge(), 0.0};
   const TriangleSearch search(organ);
   double thin = 0.0;
@@ -157,8 +157,8 @@ ResponseCells response_cells(const geometry::TriangleMesh& organ, const geometry
 }
 
 std::string describe(const ResponseCells& cells) {
-  return brief(cells.edge / kMillimetre, 3) +
-         " mm, half as large where the organ is thin or an attachment ends; " + percent(cells.thin_share, 1) +
+  return brief(cells.edge / kMillimetre, 3) + " mm, half as large where the organ is thin; " +
+         percent(cells.thin_share, 1) +
          " of the surface is on parts thinner than their cells, where the deformation shown is not reliable";
 }
 

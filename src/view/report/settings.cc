@@ -63,8 +63,7 @@ Facts scene_facts(const scene::Scene& scene, const Analysis& analysis) {
     facts.emplace_back("organ held by", joined(scene::support_phrases(*scene.support), "; ") + "; together " +
                                             percent(geometry::held_share(*scene.support, scene.organ), 1) +
                                             " of the surface");
-    facts.emplace_back("cells of its response",
-                       deform::describe(deform::response_cells(scene.organ, *scene.support)));
+    facts.emplace_back("cells of its response", deform::describe(deform::response_cells(scene.organ)));
   }
   for (const scene::InclusionSetup& one : scene.inclusions) {
     const model::Inclusion& inclusion = one.inclusion;

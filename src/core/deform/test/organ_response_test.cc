@@ -51,16 +51,15 @@ double motion_of_end(const Vec3& force) {
 }
 
 TEST(ResponseCells, SayHowMuchOfTheSurfaceIsOnPartsThinnerThanACell) {
-  const ResponseCells plate = response_cells(geometry::make_box(Vec3(0.1, 0.1, 4e-3), 4e-3), bed());
+  const ResponseCells plate = response_cells(geometry::make_box(Vec3(0.1, 0.1, 4e-3), 4e-3));
   EXPECT_GT(plate.edge, 4e-3);
   EXPECT_NEAR(plate.thin_share, 2.0 * 100.0 * 100.0 / (2.0 * 100.0 * 100.0 + 4.0 * 100.0 * 4.0), 1e-9);
-  EXPECT_EQ(response_cells(bar(), bed()).thin_share, 0.0);
+  EXPECT_EQ(response_cells(bar()).thin_share, 0.0);
 }
 
 TEST(ResponseCells, AreDescribedInMillimetresAndPercent) {
   EXPECT_EQ(describe({8.5715e-3, 0.0551}),
-            "8.57 mm, half as large where the organ is thin or an attachment ends; 5.5 % of the surface is "
-            "on parts thinner than "
+            "8.57 mm, half as large where the organ is thin; 5.5 % of the surface is on parts thinner than "
             "their cells, where the deformation shown is not reliable");
 }
 
@@ -104,30 +103,6 @@ TEST(OrganResponse, AClampedBarBendsLikeABeam) {
   // Timoshenko's beam, shear coefficient 5/6.
   const double beam = std::pow(kLength, 3) / (3.0 * inertia) + kLength / (5.0 / 6.0 * shear * area);
   EXPECT_NEAR(motion_of_end(Vec3::UnitZ()) / beam, 1.0, 0.08);
-}
-
-TEST(CellPieces, AreEighthsWhereAnAttachmentEndsAndNowhereElseInACube) {
-  constexpr double kEdge = 0.12;
-  constexpr double kRadius = 0.02;
-  const geometry::TriangleMesh cube = geometry::make_box(Vec3::Constant(kEdge), 4e-3);
-  geometry::Support support;
-  support.attachments.push_back({Vec3(0.0, 0.0, -0.5 * kEdge), kRadius});
-  const CellPieces pieces = finest_pieces(cube, support);
-  const auto is_cut = [&](std::size_t piece) {
-    return pieces.cells().is_eighth(pieces.pieces()[piece].cell);
-  };
-  for (double angle = 0.0; angle < 6.0; angle += 0.5) {
-    const Vec3 rim(kRadius * std::cos(angle), kRadius * std::sin(angle), -0.5 * kEdge);
-    EXPECT_TRUE(is_cut(pieces.place_of(rim, -Vec3::UnitZ()).piece)) << angle;
-  }
-  const double whole = pieces.cells().whole().edge();
-  for (double x = -0.5 * kEdge; x <= 0.5 * kEdge; x += 0.01) {
-    for (const double z : {-0.5 * kEdge, 0.5 * kEdge}) {
-      const Vec3 place(x, 0.0, z);
-      const bool is_near = z < 0.0 && std::abs(std::abs(x) - kRadius) < 1.5 * whole;
-      EXPECT_FALSE(!is_near && is_cut(pieces.place_of(place, Vec3(0.0, 0.0, z).normalized()).piece)) << place;
-    }
-  }
 }
 
 TEST(OrganResponse, ForceAtOnePlaceMovesAnotherAsMuchAsTheReverse) {
@@ -222,7 +197,7 @@ TEST(OrganResponse, ItsFieldIsContinuousBetweenPiecesAndBetweenCellsOfBothSizes)
   expect_continuous(hairpin(), support, Vec3(0.5 * kProng, 0.0, kBend + 5e-3));
   const geometry::TriangleMesh gallbladder = geometry::make_organ("gallbladder");
   const auto eighths = [&] {
-    const CellPieces pieces = finest_pieces(gallbladder, bed());
+    const CellPieces pieces = finest_pieces(gallbladder);
     return std::count_if(pieces.pieces().begin(), pieces.pieces().end(),
                          [&](const auto& piece) { return pieces.cells().is_eighth(piece.cell); });
   }();
