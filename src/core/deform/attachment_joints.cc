@@ -11,11 +11,11 @@
 //      --+----------+--                U  displacement of all nodes when the rest moves by a unit (n x 6)
 //      |   the rest   |                F  forces that move the rest so, K U of the joint alone (n x 6)
 //
-// 1. Attachments whose reaches meet are one joint. It is held by them alone.
+// 1. Attachments whose reaches meet are one joint. It is held by them alone. Where they hold a thick
+//    part, the organ's cells are small enough.
 // 2. S, U and F follow from the organ's own cells. S' follows from cells of half the size, not cut, in a box
-//    around the joint. Of two ways for them to lie, that with more nodes is taken, since it separates more of
-//    what lies beside clefts. A joint that would need more nodes than the organ is wide beside its cells, and
-//    stays as it is.
+//    around the joint, or a little more where they would need more nodes than the organ. Of two ways for them
+//    to lie, that with more nodes is taken, since it separates more of what lies beside clefts.
 // 3. S' = X diag(l) X' and S = X X' share six modes X. Stiffnesses in series add up as compliances, so with
 //    the joint of the smaller cells in place of the organ's, the stiffness of the whole organ is
 //
@@ -56,7 +56,10 @@ using Motions = Eigen::Matrix<double, 3, 6>;  // of a node, by each of six rigid
 
 constexpr double kReach = 2.0;     // of a joint around what is held, in the organ's cells
 constexpr double kSmaller = 0.5;   // edge of the joint's cells, of the organ's
+constexpr double kLarger = 1.08;   // by which they grow while they need too many nodes
+constexpr double kLargest = 0.75;  // larger ones would tell little
 constexpr double kClear = 1.15;    // least factor by which a mode is softer
+constexpr double kThin = 0.25;     // share of held places in cut cells; organs have 0 to 0.01 or 0.47 to 1
 constexpr double kThinned = 0.25;  // cells, distance of the held places that are kept
 
 // A rigid motion needs a coefficient of every node: its spline's place, unless other splines over it have
@@ -241,28 +244,38 @@ Held held_of(const geometry::Support& joint, const geometry::TriangleMesh& organ
   return held;
 }
 
-// The pieces in cells of edge `small` around a joint that separate most; empty when they need more than
-// `most` nodes.
+// Whether a good part of what holds a joint lies where the organ is so thin that its cells are cut.
+bool is_thin(const CutCells& cells, const Held& held) {
+  const auto cut = std::count_if(held.places.begin(), held.places.end(), [&cells](const Vec3& place) {
+    return cells.is_eighth(cells.place_of(place).cell);
+  });
+  return static_cast<double>(cut) > kThin * static_cast<double>(held.places.size());
+}
+
+// The pieces in smaller cells around a joint that separate most of those that need at most `most` nodes;
+// empty when such cells would be hardly smaller.
 std::optional<CellPieces> smaller_pieces(const geometry::TriangleMesh& organ, const Held& held, double reach,
-                                         double small, std::size_t most) {
+                                         double edge, std::size_t most) {
   const geometry::Bounds all = geometry::bounds(organ);
   geometry::Bounds around{held.places.front(), held.places.front()};
   for (const Vec3& place : held.places) around = {around.low.cwiseMin(place), around.high.cwiseMax(place)};
-  const Vec3 margin = Vec3::Constant(reach + 2.0 * small);  // splines reach so far
-  const Vec3 low = all.low.cwiseMax(around.low - margin);
-  const Vec3 high = all.high.cwiseMin(around.high + margin);
-  std::optional<CellPieces> best;
-  std::size_t nodes = 0;
-  for (const double moved : {0.0, 0.5}) {
+  const auto pieces_of = [&](double small, double moved) {
+    const Vec3 margin = Vec3::Constant(reach + 2.0 * small);  // splines reach so far
     const Vec3 more = Vec3::Constant(moved * small);
-    CellPieces pieces(CellGrid({low - more, high + more}, small), organ, false);
-    const std::size_t free = Joint(pieces, held, reach).free();
-    if (free > most) return std::nullopt;
-    if (free <= nodes) continue;
-    nodes = free;
-    best = std::move(pieces);
+    return CellPieces(CellGrid({all.low.cwiseMax(around.low - margin) - more,
+                                all.high.cwiseMin(around.high + margin) + more},
+                               small),
+                      organ, false);
+  };
+  for (double small = kSmaller * edge; small < kLargest * edge; small *= kLarger) {
+    CellPieces pieces = pieces_of(small, 0.0);
+    const std::size_t nodes = Joint(pieces, held, reach).free();
+    if (nodes > most) continue;
+    CellPieces others = pieces_of(small, 0.5);
+    const std::size_t nodes_of_others = Joint(others, held, reach).free();
+    return nodes_of_others > nodes && nodes_of_others <= most ? std::move(others) : std::move(pieces);
   }
-  return best;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -274,9 +287,8 @@ Softening softened_joints(const CellPieces& pieces, const geometry::TriangleMesh
   Softening softening;
   for (const geometry::Support& one : joints_of(support, reach)) {
     const Held held = held_of(one, organ, kThinned * edge);
-    if (held.places.empty()) continue;
-    const std::optional<CellPieces> smaller =
-        smaller_pieces(organ, held, reach, kSmaller * edge, pieces.nodes());
+    if (!is_thin(pieces.cells(), held)) continue;
+    const std::optional<CellPieces> smaller = smaller_pieces(organ, held, reach, edge, pieces.nodes());
     if (!smaller) continue;
     Joint joint(pieces, held, reach);
     Joint fine(*smaller, held, reach);

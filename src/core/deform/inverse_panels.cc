@@ -59,7 +59,7 @@ struct Pivot {
 };
 
 // Replaces the matrix by Cholesky's factor. @return false when it is not positive
-bool factorize(BlockMatrix& matrix) {
+bool replace_by_factor(BlockMatrix& matrix) {
   for (std::size_t k = 0; k < matrix.blocks(); ++k) {
     const std::size_t size = matrix.size(k);
     Mapped diagonal = mapped(matrix.diagonal[k], size, size);
@@ -76,7 +76,7 @@ bool factorize(BlockMatrix& matrix) {
   return true;
 }
 
-void solve(BlockMatrix& factor, double* columns, std::size_t count) {
+void replace_by_solution(BlockMatrix& factor, double* columns, std::size_t count) {
   Mapped all(columns, static_cast<Index>(factor.first.back()), static_cast<Index>(count));
   const auto part = [&](std::size_t k) {
     return all.middleRows(static_cast<Index>(factor.first[k]), static_cast<Index>(factor.size(k)));
@@ -177,7 +177,7 @@ bool compute(BlockMatrix& factor, const float* added, std::size_t count, const P
 }  // namespace
 
 const PanelKernel& panel_kernel() noexcept {
-  static constexpr PanelKernel kKernel{factorize, solve, compute};
+  static constexpr PanelKernel kKernel{replace_by_factor, replace_by_solution, compute};
   return kKernel;
 }
 
