@@ -12,17 +12,17 @@
 //      |   the rest   |                F  forces that move the rest so, K U of the joint alone (n x 6)
 //
 // 1. Attachments whose reaches meet are one joint. It is held by them alone. Where they hold a thick
-//    part, the organ's cells are small enough.
-// 2. S, U and F follow from the organ's own cells. S' follows from cells of half the size, not cut, in a box
-//    around the joint, or a little more where they would need more nodes than the organ. Of two ways for them
-//    to lie, that with more nodes is taken, since it separates more of what lies beside clefts.
+//    part, the organ's cells are small enough, and an organ that a bed or faces hold as well does not sway.
+// 2. S, U and F follow from the organ's own cells. S' follows from smaller cells, not cut, in a box around
+//    the joint, or somewhat larger ones where they would need too many nodes. Of two ways for them to lie,
+//    that with more nodes is taken, since it separates more of what lies beside clefts.
 // 3. S' = X diag(l) X' and S = X X' share six modes X. Stiffnesses in series add up as compliances, so with
 //    the joint of the smaller cells in place of the organ's, the stiffness of the whole organ is
 //
 //        K' = K - sum over modes of (1 - 1/l) f f'          f = F x
 //
-//    which is exact for what the six numbers describe, also for several joints and for an organ that a bed
-//    holds as well. The inverse of K' costs one column more for each mode (block_inverse.h).
+//    which is exact for what the six numbers describe, also for several joints. The inverse of K' costs one
+//    column more for each mode (block_inverse.h).
 // 4. Modes with l below kClear are left out: S also changes by so much with where the cells lie.
 //
 // Source: static condensation and modes of a component that are fixed at its border (Craig and Bampton 1968).
@@ -54,13 +54,14 @@ using Eigen::MatrixXd;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Motions = Eigen::Matrix<double, 3, 6>;  // of a node, by each of six rigid motions
 
-constexpr double kReach = 2.0;     // of a joint around what is held, in the organ's cells
-constexpr double kSmaller = 0.5;   // edge of the joint's cells, of the organ's
-constexpr double kLarger = 1.08;   // by which they grow while they need too many nodes
-constexpr double kLargest = 0.75;  // larger ones would tell little
-constexpr double kClear = 1.15;    // least factor by which a mode is softer
-constexpr double kThin = 0.25;     // share of held places in cut cells; organs have 0 to 0.01 or 0.47 to 1
-constexpr double kThinned = 0.25;  // cells, distance of the held places that are kept
+constexpr double kReach = 2.0;       // of a joint around what is held, in the organ's cells
+constexpr double kSmaller = 0.4;     // edge of the joint's cells, of the organ's
+constexpr double kJointNodes = 1.6;  // at most, of the organ's
+constexpr double kLarger = 1.08;     // by which its cells grow while they need more
+constexpr double kLargest = 0.75;    // larger ones would tell little
+constexpr double kClear = 1.15;      // least factor by which a mode is softer
+constexpr double kThin = 0.25;       // share of held places in cut cells; organs have 0 to 0.01 or 0.47 to 1
+constexpr double kThinned = 0.25;    // cells, distance of the held places that are kept
 
 // A rigid motion needs a coefficient of every node: its spline's place, unless other splines over it have
 // part of the motion already.
@@ -282,13 +283,15 @@ std::optional<CellPieces> smaller_pieces(const geometry::TriangleMesh& organ, co
 
 Softening softened_joints(const CellPieces& pieces, const geometry::TriangleMesh& organ,
                           const geometry::Support& support) {
+  Softening softening;
+  if (support.bed || support.faces) return softening;
   const double edge = pieces.cells().whole().edge();
   const double reach = kReach * edge;
-  Softening softening;
+  const auto most = static_cast<std::size_t>(kJointNodes * static_cast<double>(pieces.nodes()));
   for (const geometry::Support& one : joints_of(support, reach)) {
     const Held held = held_of(one, organ, kThinned * edge);
     if (!is_thin(pieces.cells(), held)) continue;
-    const std::optional<CellPieces> smaller = smaller_pieces(organ, held, reach, edge, pieces.nodes());
+    const std::optional<CellPieces> smaller = smaller_pieces(organ, held, reach, edge, most);
     if (!smaller) continue;
     Joint joint(pieces, held, reach);
     Joint fine(*smaller, held, reach);

@@ -51,7 +51,7 @@ constexpr std::size_t kMostNodes = 400;
 constexpr std::size_t kMostNodes = 960;  // half their inverse has 9 MB
 #endif
 // Rises when the same organ and support get another response.
-constexpr std::uint64_t kResponseVersion = 4;
+constexpr std::uint64_t kResponseVersion = 5;
 constexpr double kFewestCells = 3.0;  // along the longest extent
 constexpr double kMostCells = 60.0;
 constexpr int kSteps = 6;             // at most, of the search for the finest cells
