@@ -1,6 +1,7 @@
 #include "io/system/csv_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -249,6 +250,14 @@ bool CsvTable::take_line() {
   }
 }
 
+/// A missing number of Excel, no comment.
+bool is_error_of_excel(std::string_view text) {
+  constexpr std::array<std::string_view, 7> kErrors = {"#N/A",  "#VALUE!", "#DIV/0!", "#REF!",
+                                                       "#NUM!", "#NAME?",  "#NULL!"};
+  return std::any_of(kErrors.begin(), kErrors.end(),
+                     [text](std::string_view error) { return text.starts_with(error); });
+}
+
 /// Goes to the next line that is neither blank nor a comment, nor a first line "sep=;" for Excel.
 bool CsvTable::next_line() {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -259,7 +268,8 @@ bool CsvTable::next_line() {
     if (line_.ends_with('\r')) line_.remove_suffix(1);
     const std::string_view text = trimmed(line_);
     const bool is_for_excel = line_number_ == 1 && text.starts_with("sep=");
-    if (text.empty() || text.starts_with('#') || is_for_excel) continue;
+    const bool is_comment = text.starts_with('#') && !is_error_of_excel(text);
+    if (text.empty() || is_comment || is_for_excel) continue;
     if (line_.find('\0') != std::string_view::npos) {
       fail("has zero bytes: must be UTF-8, or UTF-16 with a byte order mark");
     }

@@ -130,6 +130,9 @@ class PlyReader final {
   }
 
   void check(const Element& element) {
+    if (element.name == "tristrips") {
+      scan_.refuse("element tristrips: a surface in strips is not read, must be in element face");
+    }
     const std::vector<Property>& all = element.properties;
     if (element.name == "face" &&
         std::none_of(all.begin(), all.end(), [](const Property& p) { return p.names_vertices(); })) {

@@ -405,6 +405,10 @@ TEST_F(ReadMesh, RefusesCountsThatTheFileCannotHold) {
   expect_refused("a.ply", ply, "declares 999999999 vertex, more than its");
 }
 
+TEST_F(ReadMesh, RefusesAPlyInStrips) {
+  expect_refused("a.ply", std::string(kPly).replace(kPly.find("face"), 4, "tristrips"), "in element face");
+}
+
 TEST_F(ReadMesh, RefusesPolygonsThatWouldTakeTooLong) {
   std::string points;
   std::string corners;

@@ -119,6 +119,12 @@ TEST(CsvTable, NamesLineColumnAndValueOfWhatIsNoNumber) {
   }
 }
 
+TEST(CsvTable, RefusesARowThatBeginsWithAnErrorOfExcel) {
+  for (const std::string bad : {"#N/A", "#VALUE!", "#DIV/0!", "#REF!", "#NUM!", "#NAME?", "#NULL!"})
+    EXPECT_EQ(error_in(kHeader + bad + ",1\n"),
+              "a.csv:2: time_s = " + bad + ": must be a finite number up to 1e9");
+}
+
 TEST(CsvTable, RefusesRowsOfAnotherLengthThanTheHeader) {
   EXPECT_EQ(error_in(kHeader + "1\n"), "a.csv:2: the row has 1 values, must have 2 as the header");
   EXPECT_EQ(error_in(kHeader + "1,2,3\n"), "a.csv:2: the row has 3 values, must have 2 as the header");
