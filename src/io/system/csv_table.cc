@@ -56,6 +56,14 @@ std::string_view without_brackets(std::string_view text) {
   return has_brackets ? text.substr(1, text.size() - 2) : text;
 }
 
+/// A missing number of Excel, no comment.
+bool is_error_of_excel(std::string_view text) {
+  constexpr std::array<std::string_view, 7> kErrors = {"#N/A",  "#VALUE!", "#DIV/0!", "#REF!",
+                                                       "#NUM!", "#NAME?",  "#NULL!"};
+  return std::any_of(kErrors.begin(), kErrors.end(),
+                     [text](std::string_view error) { return text.starts_with(error); });
+}
+
 /// The number with a point as its decimal mark; nullopt with several marks.
 std::optional<double> parse_with_comma(std::string_view cell) {
   if (cell.find('.') != std::string_view::npos) return std::nullopt;
@@ -248,14 +256,6 @@ bool CsvTable::take_line() {
     begin_ = end_;
     return !line_.empty();
   }
-}
-
-/// A missing number of Excel, no comment.
-bool is_error_of_excel(std::string_view text) {
-  constexpr std::array<std::string_view, 7> kErrors = {"#N/A",  "#VALUE!", "#DIV/0!", "#REF!",
-                                                       "#NUM!", "#NAME?",  "#NULL!"};
-  return std::any_of(kErrors.begin(), kErrors.end(),
-                     [text](std::string_view error) { return text.starts_with(error); });
 }
 
 /// Goes to the next line that is neither blank nor a comment, nor a first line "sep=;" for Excel.

@@ -84,6 +84,9 @@ TEST(AttachmentJoints, AreSofterWhereAnOrganHangsOnANeckAloneAndNowhereInACube) 
   support.bed = geometry::Bed{Vec3::UnitX(), 0.3};
   EXPECT_TRUE(softened_joints(pieces, block, support).empty());
   support.bed.reset();
+  support.faces = geometry::HeldFaces{Vec3::UnitZ()};
+  EXPECT_TRUE(softened_joints(pieces, block, support).empty());
+  support.faces.reset();
   const geometry::TriangleMesh cube = geometry::make_box(Vec3::Constant(0.12), 4e-3);
   support.attachments[0] = {Vec3(0.0, 0.0, -0.06), 0.02};
   EXPECT_TRUE(softened_joints(finest_pieces(cube), cube, support).empty());
