@@ -98,7 +98,8 @@ double extent_of(const std::vector<MapRow>& rows) {
 }
 
 void add_doubt_of_zero(const Probes& probes, const Specimen& all, std::vector<std::string>& out) {
-  constexpr double kLarge = 0.1;  // of the range of force
+  constexpr double kLarge = 0.1;     // of the range of force
+  constexpr double kMatters = 0.02;  // likewise
   const Ranges ranges = ranges_of(all);
   const double reading = first_reading(probes, ranges.lowest_displacement + ranges.displacement);
   if (reading < -kLarge * ranges.force) {
@@ -107,7 +108,13 @@ void add_doubt_of_zero(const Probes& probes, const Specimen& all, std::vector<st
         "positive",
         brief(reading, 3)));
   }
-  if (reading > kLarge * ranges.force) {
+  if (reading < -kMatters * ranges.force) {
+    out.push_back(
+        fmt::format("the probes read {} N at depth 0, and no tissue pulls: forces come out too low. Tare the "
+                    "sensor, or subtract this",
+                    brief(reading, 3)));
+  }
+  if (reading > kMatters * ranges.force) {
     out.push_back(fmt::format(
         "the probes read {} N at depth 0, {} of the range of force: taken as a touch before that row. If the "
         "sensor was not tared, subtract it",

@@ -16,6 +16,7 @@
 #include <fmt/core.h>
 
 #include "core/base/parallel.h"
+#include "core/base/text.h"
 #include "palpate/units.h"
 
 #include "fit/identify/fit_record.h"
@@ -289,6 +290,24 @@ void require_finite(const DescribedMap& map) {
   for (const auto& [name, value] : numbers) require_finite_result(name, value);
 }
 
+/// Warns where a run of the tissue, which counts depth from the organ's surface, differs from the probes,
+/// which count it from their first rows.
+void question_first_contact(const std::vector<MapRow>& rows, DescribedMap& map) {
+  constexpr double kMatters = 0.05;  // of the force, half as deep as the deepest row
+  double deepest = 0.0;
+  for (const MapRow& row : rows) deepest = std::max(deepest, row.depth);
+  const double half = 0.5 * deepest;
+  const double change = std::pow(half / std::max(half + map.fit.first_depth, 0.0), map.fit.exponent) - 1.0;
+  if (!(std::abs(change) > kMatters)) return;
+  const bool is_above = map.fit.first_depth > 0.0;
+  map.warnings.push_back(fmt::format(
+      "first contact is {} mm {} the first rows, but palpate run counts depth from the organ's surface: {} "
+      "mm "
+      "deep it gives {} {} force than the probes. Is the sensor tared, and depth_mm counted from contact?",
+      brief(std::abs(map.fit.first_depth) / kMillimetre, 2), is_above ? "above" : "below",
+      brief(half / kMillimetre, 2), percent(std::abs(change), 0), change < 0.0 ? "less" : "more"));
+}
+
 /// Warns where the background's first depth or exponent ended at the bound of the search.
 void add_bounds(const std::vector<MapRow>& rows, const MapSettings& settings, DescribedMap& map) {
   constexpr double kAtBound = 1e-3;  // of the bound
@@ -383,6 +402,7 @@ DescribedMap describe_map(const std::vector<MapRow>& rows, const MapSettings& se
     for (const MapRow& probe : probes_of(rows)) map.fit.stiffness_map.push_back({probe.point, 1.0});
   }
   require_finite(map);
+  question_first_contact(rows, map);
   add_bounds(rows, settings, map);
   return map;
 }

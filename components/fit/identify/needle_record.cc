@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "io/system/path_text.h"
 #include "palpate/error.h"
+#include "palpate/units.h"
 
 #include "fit/identify/loading.h"
 #include "fit/identify/plausible_specimen.h"
@@ -171,6 +172,37 @@ std::vector<Fall> falls_of(const NeedleRecord& record, std::size_t turn, double 
   return falls;
 }
 
+/// Warns where the force rises so steeply before a fall that its mean there is not the puncture's force.
+void question_speed(Insertion& insertion, const std::string& where) {
+  constexpr double kSteep = 0.025;  // of the range of force, within kBefore
+  const NeedleRecord& all = insertion.all;
+  const auto row_at = [&all](double time) {
+    return static_cast<std::size_t>(std::lower_bound(all.time.begin(), all.time.end(), time) -
+                                    all.time.begin());
+  };
+  double steepest = 0.0;  // N within kBefore
+  double speed = 0.0;     // m/s there
+  for (const Fall& fall : insertion.falls) {
+    const std::size_t first = row_at(fall.time - 2.0 * kBefore);
+    const std::size_t middle = row_at(fall.time - kBefore);
+    const std::size_t end = row_at(fall.time);
+    if (first == middle || middle == end) continue;
+    const std::span<const double> force(all.force);
+    const double rise =
+        mean(force.subspan(middle, end - middle)) - mean(force.subspan(first, middle - first));
+    if (rise <= steepest) continue;
+    steepest = rise;
+    speed = (all.depth[end] - all.depth[first]) / (all.time[end] - all.time[first]);
+  }
+  const double share = steepest / insertion.range;
+  if (share <= kSteep) return;
+  insertion.notes.push_back(fmt::format(
+      "{}: the force rises by {} of its range in {} ms before a puncture, so punctures come out too low, and "
+      "outside their intervals: insert at {} mm/s, not {}",
+      where, percent(share, 0), 1e3 * kBefore, brief(speed * kSteep / share / kMillimetre, 1),
+      brief(speed / kMillimetre, 2)));
+}
+
 /// Means of neighbouring rows: few, but those around a fall.
 NeedleRecord thinned_around(const NeedleRecord& record, const std::vector<Fall>& falls) {
   const double coarse = std::max(kFineStep, (record.time.back() - record.time.front()) / kCoarseRows);
@@ -285,6 +317,7 @@ Insertion insertion_of(Specimen specimen, const std::string& where) {
         "nothing, or the noise hides it. Fit a press without --needle",
         where, percent(kLeastFall, 0), kFallen));
   }
+  question_speed(made, where);
   made.thinned = thinned_around(all, made.falls);
   return made;
 }

@@ -81,6 +81,13 @@ TEST(CheckMap, SaysThatASensorMayNotBeTared) {
               ElementsAre(HasSubstr("the probes read 0.1 N at depth 0, 31 % of the range of force")));
 }
 
+TEST(CheckMap, SaysThatASensorMayNotBeTaredFromTwoPercentOfTheRange) {
+  EXPECT_THAT(doubts_of(changed_map([](MapRow& row) { row.force += 0.01; })),
+              ElementsAre(HasSubstr("the probes read 0.01 N at depth 0, 3 % of the range of force")));
+  EXPECT_THAT(doubts_of(changed_map([](MapRow& row) { row.force -= 0.01; })),
+              ElementsAre(HasSubstr("the probes read -0.01 N at depth 0, and no tissue pulls")));
+}
+
 TEST(CheckMap, SaysThatDepthsCountFromAboveTheTissue) {
   const auto rows = changed_map([](MapRow& row) {
     const double mm = std::max(0.0, 1e3 * row.depth - 2.0);

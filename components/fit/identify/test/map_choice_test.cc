@@ -56,6 +56,16 @@ TEST(MapChoice, AUniformTissueIsTheTissueAloneWithoutInclusions) {
   for (const model::StiffnessPoint& one : map.fit.stiffness_map) EXPECT_NEAR(one.factor, 1.0, 0.02);
 }
 
+TEST(MapChoice, SaysByHowMuchARunDiffersWhereFirstContactIsFarFromTheFirstRows) {
+  EXPECT_THAT(described(flat_map([](double, double, double depth) { return tissue_force(depth); })).warnings,
+              testing::IsEmpty());
+  // 1.2 mm below the surface a contact 0.5 mm higher up has (1.2 / 1.7)^1.4 = 0.61 of the force.
+  EXPECT_THAT(
+      described(flat_map([](double, double, double depth) { return tissue_force(depth + 0.5); })).warnings,
+      testing::ElementsAre(testing::AllOf(testing::HasSubstr("mm above the first rows"),
+                                          testing::HasSubstr("1.2 mm deep it gives 39 % less force"))));
+}
+
 TEST(MapChoice, AnInclusionOfTheLawIsDescribedByInclusions) {
   const model::InclusionLaw law(3e-3, 5e-3, 20.0);
   const DescribedMap map = described(flat_map([&law](double x, double y, double depth) {

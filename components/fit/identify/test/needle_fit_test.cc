@@ -257,6 +257,17 @@ TEST(NeedleRecords, TissueThatSticksToTheNeedleIsNoDriftOfTheSensor) {
   EXPECT_TRUE(sticks.notes.empty());
 }
 
+TEST(NeedleRecords, AnInsertionTooFastForItsPuncturesIsQuestioned) {
+  const auto notes_at = [](double times) {  // the speed
+    Specimen record = needle_record(needle_truth(1), 0.0);
+    for (double& time : record.time) time /= times;
+    return insertion_of(record, "file.csv").notes;
+  };
+  const auto is_question = testing::HasSubstr("insert at");
+  EXPECT_THAT(notes_at(1.0), testing::Not(testing::Contains(is_question)));
+  EXPECT_THAT(notes_at(10.0), testing::Contains(is_question));
+}
+
 TEST(NeedleRecords, NoLongMeanReachesIntoAFall) {
   Specimen fast = needle_record(needle_truth(1), 0.02);
   for (double& time : fast.time) time *= 0.2;  // a row each 1 ms; a mean of the others takes 7 ms
